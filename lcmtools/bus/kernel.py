@@ -33,10 +33,12 @@ SELECTIVE = 0x4C
 
 The kernel counts what a filter drops and what a full buffer drops together.
 """
+SUBSCRIBED = 0x6C
+"""Mark of an announced socket whose filter drops the channels that its node does not subscribe."""
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
-_SO_ATTACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 55, 12
+_SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 27, 55, 12
 _MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
 IS_LINUX = sys.platform == "linux"
 # the option for receive times, their kind of ancillary data, its seconds and fraction, and the
@@ -114,6 +116,12 @@ def attach(receiver: socket.socket, program: FilterProgram) -> bool:
         receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
         return True
     return False
+
+
+def detach(receiver: socket.socket) -> None:
+    """Take a socket's filter away, if it has one."""
+    with contextlib.suppress(OSError):
+        receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
 
 
 def dropped(receiver: socket.socket) -> int | None:
@@ -226,9 +234,14 @@ def selective_sockets() -> frozenset[int]:
     return _marked(SELECTIVE)
 
 
+def subscribed_sockets() -> frozenset[int]:
+    """Return the inodes of the sockets that drop what their nodes do not subscribe."""
+    return _marked(SUBSCRIBED)
+
+
 def announced_sockets() -> frozenset[int]:
     """Return the inodes of the sockets with which lcmtools itself receives."""
-    return _marked(ANNOUNCED, SELECTIVE)
+    return _marked(ANNOUNCED, SELECTIVE, SUBSCRIBED)
 
 
 def _marked(*marks: int) -> frozenset[int]:

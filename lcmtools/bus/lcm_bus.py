@@ -171,6 +171,7 @@ class LcmBus:
                 self._subscribe_channel(instance, channel)
 
     def _subscribe_channel(self, instance: Instance, channel: str) -> None:
+        self._connection.filter.let_pass({*self._subscriptions, channel})
         with self._sending:
             subscription = instance.subscribe(re.escape(channel), self._dispatch)
         if subscription is None:
@@ -185,6 +186,7 @@ class LcmBus:
         if not handlers and channel in self._subscriptions:
             with self._sending:
                 self._instance().unsubscribe(self._subscriptions.pop(channel))
+            self._connection.filter.let_pass(self._subscriptions)
 
     def _dispatch(self, channel: str, payload: bytes) -> None:
         now = time.time_ns()

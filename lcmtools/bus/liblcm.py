@@ -22,19 +22,16 @@ import os
 import socket
 import stat
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import lcm
 
+from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.kernel import (
-    ANNOUNCED,
-    attach,
-    mark,
     open_descriptors,
     receive_buffer_bytes,
 )
 from lcmtools.bus.preflight import check_bus
-from lcmtools.bus.socket_filter import well_formed
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 
@@ -58,6 +55,7 @@ class Connection:
 
     Attributes:
         instance: None when the connection is lost, or a log has ended.
+        filter: Before its sockets.
 
     Raises:
         BusError: The bus cannot be reached.
@@ -74,7 +72,7 @@ class Connection:
         self._on_outage = on_outage
         self._pause = _FIRST_PAUSE
         self._due = math.inf  # time of the next attempt
-        instance = open_lcm(url)
+        instance, self.filter = open_lcm(url)
         subscribe(instance)
         self.instance: Instance | None = instance
 
@@ -90,6 +88,7 @@ class Connection:
     def close(self) -> None:
         """Let go of the instance."""
         self.instance, self._due = None, math.inf
+        self.filter.close()
 
     def lose(self) -> None:
         """Let go of an instance that broke, or of a log that has ended."""
@@ -103,7 +102,7 @@ class Connection:
     def try_again(self) -> None:
         """Try to connect again; each attempt waits twice as long as the one before."""
         try:
-            instance = open_lcm(self._url)
+            instance, self.filter = open_lcm(self._url)
             self._subscribe(instance)
         except (BusError, OSError):
             self._pause = min(2 * self._pause, _LONGEST_PAUSE)
@@ -113,8 +112,10 @@ class Connection:
         self._on_outage(f"the connection to {self._url} is back", "")
 
 
-def open_lcm(url: BusUrl) -> Instance:
+def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:
     """Make an LCM instance, after checking for conditions that make liblcm hang or print.
+
+    With it, the filter before the sockets on which it receives.
 
     Raises:
         BusError: The bus cannot be reached, with what to do.
@@ -130,19 +131,25 @@ def open_lcm(url: BusUrl) -> Instance:
         instance.fileno()  # only now are the receiving sockets made
     except (RuntimeError, OSError) as error:
         raise BusError(f"LCM cannot open {url}") from error
-    if url.is_multicast:
-        _protect(url, open_descriptors() - known)
-    return instance
+    descriptors = open_descriptors() - known if url.is_multicast else set()
+    return instance, ChannelFilter(_listeners(url, descriptors))
 
 
-def _protect(url: BusUrl, descriptors: set[int]) -> None:
-    """Attach the filter to those of these descriptors that listen to the bus, and mark them."""
-    for descriptor in descriptors:
+def _listeners(url: BusUrl, descriptors: set[int]) -> Iterator[socket.socket]:
+    """Yield duplicates of those of these descriptors that listen to the bus."""
+    # chosen before the first duplicate, which may get the number of one that is closed meanwhile
+    for descriptor in [one for one in descriptors if _is_socket(one)]:
         with contextlib.suppress(OSError):  # closed meanwhile
-            if not stat.S_ISSOCK(os.fstat(descriptor).st_mode):
-                continue
             # a duplicate, because closing the Python object must not close liblcm's socket
-            with socket.socket(fileno=os.dup(descriptor)) as listener:
-                if listener.getsockname() == (url.host, url.port):
-                    attach(listener, well_formed())
-                    mark(listener, ANNOUNCED)
+            listener = socket.socket(fileno=os.dup(descriptor))
+            if listener.getsockname() == (url.host, url.port):
+                yield listener
+            else:
+                listener.close()
+
+
+def _is_socket(descriptor: int) -> bool:
+    try:
+        return stat.S_ISSOCK(os.fstat(descriptor).st_mode)
+    except OSError:
+        return False

@@ -4,7 +4,7 @@ A filter sees each datagram, with its UDP header, before it is queued. It return
 bytes to keep, UDP header included: 0 drops the datagram, and so does a load from beyond its end.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from lcmtools.wire.datagram import (
@@ -18,6 +18,7 @@ from lcmtools.wire.datagram import (
 
 # Operations (linux/bpf_common.h): A is the accumulator, X the index register.
 _LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80
+_LOAD_WORD_AT_X = 0x40
 _LOAD_X, _TO_X, _ADD_X, _SUB, _SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
 _AND = 0x54
 _JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
@@ -30,6 +31,8 @@ _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short 
 _SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
 _PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # and of its channel, where it is the first
 _HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint behind the longest channel
+ENDING_BYTES = 4
+"""Of the endings in ``these_endings``."""
 _LOADS = {4: _LOAD_WORD, 2: _LOAD_HALF, 1: _LOAD_BYTE}
 
 
@@ -48,16 +51,29 @@ _ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
 
 def well_formed() -> FilterProgram:
     """Accept what ``lcmtools.wire.datagram.parse`` accepts, but for an empty channel name."""
-    short = [*_find_channel_end(_CHANNEL), _ACCEPT]
-    return [
-        Instruction(_LOAD_WORD, _UDP_HEADER),
-        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
-        Instruction(_JUMP, 2 + len(short)),
-        Instruction(_JUMP_EQUAL, _SHORT, 1, 0),
-        _DROP,
-        *short,
-        *_check_fragment(),
+    return _by_kind([*_find_channel_end(_CHANNEL), _ACCEPT])
+
+
+def these_channels(channels: Iterable[str]) -> FilterProgram:
+    """Accept what ``well_formed`` accepts, but of short messages only those on these channels."""
+    names = (channel.encode() + b"\0" for channel in channels)
+    # shorter names first: no datagram ends before the bytes that it is compared with
+    tests = (step for name in sorted(names, key=len) for step in _accept_name(name))
+    return _by_kind([*tests, _DROP])
+
+
+def these_endings(endings: Collection[bytes]) -> FilterProgram:
+    """Accept what ``well_formed`` accepts, but of short messages only on channels that end so.
+
+    Args:
+        endings: Of four bytes each.
+    """
+    tests = [
+        Instruction(_JUMP_EQUAL, int.from_bytes(ending, "big"), left, 0)
+        for left, ending in zip(range(len(endings), 0, -1), endings, strict=True)
     ]
+    ending = Instruction(_LOAD_WORD_AT_X, _CHANNEL - ENDING_BYTES - 1)
+    return _by_kind([*_find_channel_end(_CHANNEL), ending, *tests, _DROP, _ACCEPT])
 
 
 def heads_only(but_up_to: int = 0) -> FilterProgram:
@@ -150,6 +166,32 @@ def whole_on(prefix: str) -> FilterProgram:
         Instruction(_RETURN, _HEAD_BYTES),
         _ACCEPT,
     ]
+
+
+def _by_kind(short: FilterProgram) -> FilterProgram:
+    """Accept well-formed fragments, and the short messages that a program accepts."""
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
+        Instruction(_JUMP, 2 + len(short)),
+        Instruction(_JUMP_EQUAL, _SHORT, 1, 0),
+        _DROP,
+        *short,
+        *_check_fragment(),
+    ]
+
+
+def _accept_name(name: bytes) -> Sequence[Instruction]:
+    """Accept a short message with this name, its NUL included; go on behind with others."""
+    tests: list[Instruction] = [_ACCEPT]
+    position = 0
+    while position < len(name):  # the last bytes are compared first: first ones are often alike
+        size = next(size for size in _LOADS if size <= len(name) - position)
+        expected = int.from_bytes(name[position : position + size], "big")
+        tests.insert(0, Instruction(_JUMP_EQUAL, expected, 0, len(tests)))
+        tests.insert(0, Instruction(_LOADS[size], _CHANNEL + position))
+        position += size
+    return tests
 
 
 def _is_at(position: int, expected: bytes) -> Iterator[Instruction]:

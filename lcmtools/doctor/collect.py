@@ -7,13 +7,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from lcmtools.bus.kernel import joined_interfaces, receive_buffers, selective_sockets
+from lcmtools.bus.kernel import (
+    joined_interfaces,
+    receive_buffers,
+    selective_sockets,
+    subscribed_sockets,
+)
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import host as computer
 from lcmtools.doctor import programs
+from lcmtools.doctor.drops import BufferDrops
 from lcmtools.doctor.evidence import (
     Evidence,
     HostClock,
@@ -94,6 +100,7 @@ class _Begin:
     table: SocketTable
     on_bus: frozenset[int]  # the inodes of the sockets that receive from it
     times: Mapping[int, tuple[int, int]]  # that processes have computed, and waited to [ns]
+    overflows: int
     listening: Listening
     time: float
 
@@ -103,7 +110,8 @@ class _Begin:
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
         times = {pid: programs.processor_times(pid) for pid in pids}
-        return cls(graph, table, on_bus, times, Listening(monitor.types_of), time.monotonic())
+        listening, overflows = Listening(monitor.types_of), computer.buffer_overflows()
+        return cls(graph, table, on_bus, times, overflows, listening, time.monotonic())
 
     def spent(self) -> dict[int, tuple[int, int]]:
         """The times that processes have computed, and waited to, since [ns]."""
@@ -118,6 +126,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
     """The evidence of a look that has lasted ``listen`` seconds."""
     listening = begin.listening
     after = _counted_again(monitor, listening, listen)
+    overflows = computer.buffer_overflows() - begin.overflows
     later, still_on_bus = _sockets(monitor.url)
     seconds, spent = time.monotonic() - begin.time, begin.spent()
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
@@ -146,7 +155,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         ),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
-            for one in _listeners(begin.on_bus & still_on_bus, begin.table, names, monitor.url.host)
+            for one in _listeners(begin, still_on_bus, names, overflows, monitor.url.host)
         ),
         oddities=listening.oddities(names.name),
         logs=listening.logs(),
@@ -251,12 +260,18 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
 
 
 def _listeners(
-    on_bus: frozenset[int], before: SocketTable, names: programs.ProgramNames, group: str
+    begin: _Begin,
+    still_on_bus: frozenset[int],
+    names: programs.ProgramNames,
+    overflows: int,
+    group: str,
 ) -> tuple[Listener, ...]:
-    buffers, after = receive_buffers(), names.table
-    found = []
+    buffers, before, after = receive_buffers(), begin.table, names.table
     # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
-    for inode in on_bus - selective_sockets():
+    selective = selective_sockets()
+    drops = BufferDrops(before.rows, after.rows, selective | subscribed_sockets(), overflows)
+    found = []
+    for inode in (begin.on_bus & still_on_bus) - selective:
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
@@ -269,7 +284,7 @@ def _listeners(
                 names.of_process(process) if process else f"a program of {user_name(row.uid)}",
                 process.pid if process else None,
                 row.uid,
-                drops=max(0, row.drops - earlier.drops),
+                drops=drops.of(inode, buffers.get(inode)),
                 queued_bytes=row.queued_bytes,
                 was_queued_bytes=earlier.queued_bytes,
                 buffer_bytes=buffers.get(inode),

@@ -133,6 +133,11 @@ def rp_filter_drops() -> int:
     return _counter(_PROC / "net/netstat", "TcpExt:", "IPReversePathFilter")
 
 
+def buffer_overflows() -> int:
+    """UDP datagrams so far for which a receive buffer had no room."""
+    return _counter(_PROC / "net/snmp", "Udp:", "RcvbufErrors")
+
+
 def _counter(file: Path, group: str, name: str) -> int:
     """A counter of the kernel, in a file with a line of names before each line of numbers."""
     rows = [line.split() for line in text_of(file).splitlines() if line.startswith(group)]

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from lcmtools.bus.kernel import IS_LINUX, subscribed_sockets
 from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.processes import udp_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 
@@ -193,3 +196,34 @@ def test_a_bus_within_the_process_works_without_a_network(wait_until: WaitUntil)
     assert heard == [b"x", bytes(1_000_000)]
     assert bus.ports == []
     bus.close()
+
+
+def test_the_kernel_drops_what_a_bus_does_not_subscribe(
+    bus: LcmBus, other: LcmBus, bus_url: str, wait_until: WaitUntil
+) -> None:
+    heard: list[bytes] = []
+
+    def dropped() -> list[int]:
+        found = subscribed_sockets() & listening_sockets(parse_url(bus_url))
+        return [row.drops for row in udp_sockets() if row.inode in found]
+
+    assert dropped() == []
+    other.subscribe("a", lambda payload, _: heard.append(payload))
+    other.subscribe("end", lambda payload, _: heard.append(payload))
+    assert dropped() == ([0] if IS_LINUX else [])
+    for channel in ("a", "ab", "b", "end"):
+        bus.publish(channel, channel.encode())
+    wait_until(lambda: heard == [b"a", b"end"])
+    assert dropped() == ([2] if IS_LINUX else [])
+
+
+@pytest.mark.parametrize("channel", ["/robot{}/odometry", "scan_{}", "{}"])
+def test_a_bus_with_many_channels_hears_them_all(
+    bus: LcmBus, other: LcmBus, wait_until: WaitUntil, channel: str
+) -> None:
+    heard: list[int] = []
+    for number in range(150):
+        other.subscribe(channel.format(number), lambda payload, _: heard.append(int(payload)))
+    for number in range(150):
+        bus.publish(channel.format(number), b"%d" % number)
+    wait_until(lambda: heard == list(range(150)))

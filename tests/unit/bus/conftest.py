@@ -27,6 +27,11 @@ def _run(program: Sequence[Instruction], datagram: bytes) -> bool:  # noqa: C901
             if step.k + size > len(packet):
                 return False
             accumulator = int.from_bytes(packet[step.k : step.k + size], "big")
+        elif step.code == 0x40:
+            start = index + step.k
+            if start + 4 > len(packet):
+                return False
+            accumulator = int.from_bytes(packet[start : start + 4], "big")
         elif step.code == 0x80:
             accumulator = len(packet)
         elif step.code == 0x01:

@@ -3,6 +3,7 @@
 import pytest
 
 from lcmtools.bus import liblcm
+from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.liblcm import Connection
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
@@ -17,10 +18,10 @@ class _Server:
         self.subscribed = 0
         self.outages: list[tuple[str, str]] = []
 
-    def open(self, _url: object) -> object:
+    def open(self, _url: object) -> tuple[object, ChannelFilter]:
         if not self.is_up:
             raise BusError("it is down")
-        return object()
+        return object(), ChannelFilter(())
 
     def subscribe(self, _instance: object) -> None:
         self.subscribed += 1

@@ -1,13 +1,13 @@
 """The filter before liblcm's socket, run here by a small machine of the tests' own."""
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.socket_filter import Instruction, well_formed
+from lcmtools.bus.socket_filter import Instruction, these_channels, these_endings, well_formed
 from lcmtools.wire.datagram import Fragment, MalformedDatagram, fragments, parse, short_message
 
 PROGRAM = well_formed()
@@ -90,3 +90,43 @@ def test_it_agrees_with_the_parser_on_mutations_of_real_datagrams(accepts: Accep
         datagram = bytearray(chance.choice(real)[: chance.choice((8, 24, 40, 70_000))])
         datagram[chance.randrange(len(datagram))] = chance.randrange(256)
         assert accepts(bytes(datagram)) == expected(bytes(datagram))
+
+
+@given(
+    st.sets(st.text("ab", min_size=1, max_size=11), min_size=1, max_size=8),
+    st.text("ab", min_size=1, max_size=11),
+    st.binary(max_size=3),
+)
+def test_of_short_messages_only_those_on_the_channels_pass(
+    lets_pass: Callable[[Sequence[Instruction], bytes], bool],
+    channels: set[str],
+    channel: str,
+    payload: bytes,
+) -> None:
+    program = these_channels(channels)
+    assert lets_pass(program, short_message(7, channel, payload)) == (channel in channels)
+    assert all(0 <= step.if_true < 256 and 0 <= step.if_false < 256 for step in program)
+
+
+@given(
+    st.sets(st.text("ab", min_size=4, max_size=4), min_size=1, max_size=8),
+    st.text("ab", min_size=4, max_size=63),
+    st.binary(max_size=3),
+)
+def test_of_short_messages_only_those_on_channels_with_the_endings_pass(
+    lets_pass: Callable[[Sequence[Instruction], bytes], bool],
+    endings: set[str],
+    channel: str,
+    payload: bytes,
+) -> None:
+    program = these_endings([ending.encode() for ending in endings])
+    assert lets_pass(program, short_message(7, channel, payload)) == (channel[-4:] in endings)
+
+
+def test_large_messages_pass_on_all_channels(
+    lets_pass: Callable[[Sequence[Instruction], bytes], bool],
+) -> None:
+    program = these_channels(["/other"])
+    assert all(lets_pass(program, part) for part in fragments(1, "/camera/image", bytes(300_000)))
+    assert not lets_pass(program, b"LC03" + bytes(15))
+    assert not lets_pass(program, b"LC04\0\0\0\1/other\0")

@@ -1,0 +1,47 @@
+"""The datagrams for which receive buffers had no room, by the kernel's counters.
+
+A socket counts what its filter drops and what its full buffer drops together; the system counts the
+latter alone, of all sockets.
+"""
+
+from collections.abc import Collection, Mapping
+
+from lcmtools.bus.processes import UdpSocket
+
+_BEHIND = 0.5  # of its buffer that waits, where a program reads too slowly
+
+
+class BufferDrops:
+    """The drops between two readings of the table of sockets.
+
+    Args:
+        before: The sockets by inode.
+        after: The same, later.
+        filtered: Those whose filter drops on purpose.
+        overflows: Of all sockets together, in a time within that of the two readings.
+    """
+
+    def __init__(
+        self,
+        before: Mapping[int, UdpSocket],
+        after: Mapping[int, UdpSocket],
+        filtered: Collection[int],
+        overflows: int,
+    ) -> None:
+        self._before, self._after, self._filtered = before, after, filtered
+        others = sum(self._counted(one) for one in after if one not in filtered)
+        self._unexplained = max(0, overflows - others)
+
+    def of(self, inode: int, buffer_bytes: int | None) -> int:
+        """Return a socket's drops; of one with a filter the most it can be, if much waits there."""
+        counted = self._counted(inode)
+        if inode not in self._filtered:
+            return counted
+        rows = (self._before.get(inode), self._after.get(inode))
+        queued = max((row.queued_bytes for row in rows if row), default=0)
+        is_behind = bool(buffer_bytes) and queued >= _BEHIND * (buffer_bytes or 0)
+        return min(counted, self._unexplained) if is_behind else 0
+
+    def _counted(self, inode: int) -> int:
+        was, now = self._before.get(inode), self._after.get(inode)
+        return max(0, now.drops - was.drops) if was and now else 0
