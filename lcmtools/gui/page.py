@@ -22,6 +22,7 @@ from lcmtools.gui.streams.pool import OpenStream, StreamPool
 
 _MOST_STREAMS = 64
 _MOST_REQUESTS = 8  # that are being answered; a page waits for the first of more
+_ANSWERED = ("ask", "do", "open")  # by a frame for each
 _STATE_PERIOD = 0.25  # [s]
 _MAY_NOT = "this page may watch but not command"
 
@@ -73,21 +74,28 @@ class BrowserPage:
             Rubbish: It sends what no page of ours would.
         """
         self._outbox.append(text_frame({"hello": hello}))
-        self._begin(self._write())
+        both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
         try:
-            async for data in self._socket:
-                await self._take(read_request(data))
+            done, _ = await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
         finally:
-            for task in self._tasks:
+            for task in (*both, *self._tasks):
                 task.cancel()
+            await asyncio.gather(*both, return_exceptions=True)
             if self._source.steering:
                 self._source.steering.leave(id(self))
             for one in self._open.values():
                 self._streams.close(one.stream)
 
+    async def _read(self) -> None:
+        async for data in self._socket:
+            await self._take(read_request(data))
+
     async def _take(self, request: PageRequest) -> None:
-        if request.op in ("ask", "do"):
+        if request.op in _ANSWERED:
             await self._has_room()
+        if request.op in ("ask", "do"):
             self._answer(request)
         elif request.op in self._operations:
             self._operations[request.op](request)
@@ -102,14 +110,12 @@ class BrowserPage:
 
     def _begin(self, work: Coroutine[None, None, None]) -> None:
         task = asyncio.ensure_future(work)
-        self._tasks.add(task)
+        self._tasks.add(task)  # it raises nothing
         task.add_done_callback(self._end)
 
     def _end(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         self._has_gone.set()
-        if not task.cancelled():
-            task.exception()  # the connection is closed: the reader sees that too
 
     def _open_stream(self, request: PageRequest) -> None:
         number, name = request.id, request.text("stream")

@@ -3,6 +3,8 @@
 Only this module knows the websockets package.
 """
 
+import asyncio
+import contextlib
 import errno
 import logging
 import mimetypes
@@ -57,6 +59,22 @@ class Server:
         self._files["/"] = STATIC / "index.html"
         self._pages = 0
         self._said: set[str] = set()
+
+    def run_until_interrupted(
+        self, address: str, port: int, on_start: Callable[[int], None]
+    ) -> None:
+        """Serve until Ctrl-C, and tell all pages before that goes on; else as ``run``."""
+        with contextlib.closing(asyncio.new_event_loop()) as loop:
+            task = loop.create_task(self.run(address, port, on_start))
+            try:
+                loop.run_until_complete(task)
+            except KeyboardInterrupt:
+                task.cancel()
+                with contextlib.suppress(asyncio.CancelledError):
+                    loop.run_until_complete(task)
+                raise
+            finally:
+                loop.run_until_complete(loop.shutdown_default_executor())
 
     async def run(self, address: str, port: int, on_start: Callable[[int], None]) -> None:
         """Serve until it is cancelled; then close all pages.
@@ -132,6 +150,8 @@ class Server:
         except Rubbish as rubbish:
             self._say_once(f"a page was closed: {rubbish}")
             await connection.close(_RUBBISH, str(rubbish)[:100])
+        except Exception as error:  # noqa: BLE001 - told; the other pages go on
+            self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
             self._pages -= 1
 

@@ -1,6 +1,5 @@
 """The options of ``lcmtools gui``, and opening the window."""
 
-import asyncio
 import os
 import socket
 import sys
@@ -105,7 +104,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
         source = BusSource(monitor)
         try:
             server = Server(source, access, view, notify)
-            asyncio.run(server.run(choice.host or "127.0.0.1", choice.port, say))
+            server.run_until_interrupted(choice.host or "127.0.0.1", choice.port, say)
         finally:
             source.close()
 
