@@ -4,7 +4,7 @@ Belongs here: which channels are played, and under which names. Must not know bu
 """
 
 import heapq
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.summary import histogram
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
@@ -83,7 +84,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         choice: Choice,
         notify: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self._nodes = GraphBuilder()
+        self._nodes = GraphBuilder(is_log=True)
         self._logs: list[tuple[LogFile, Sequence[Block]]] = []
         try:
             for path in paths:
@@ -114,6 +115,36 @@ class Playlist(AbstractContextManager["Playlist"]):
         topics = {track.channel: track.topic for track in self.tracks}
         parts = [_messages(log, blocks, (start, end), topics) for log, blocks in self._logs]
         return parts[0] if len(parts) == 1 else heapq.merge(*parts, key=lambda one: one.time)
+
+    def latest(self, topics: Collection[str], time: int, after: int = 0) -> list[Played]:
+        """Return each topic's last message up to a time and after another, in order of time."""
+        found: dict[str, Played] = {}
+        for log, blocks in self._logs:
+            wanted = {one.channel: one.topic for one in self.tracks if one.topic in topics}
+            for block in sorted(blocks, key=lambda one: one.last_time, reverse=True):
+                is_within = block.first_time <= time and block.last_time > after
+                if not is_within or wanted.keys().isdisjoint(block.channels):
+                    continue
+                here = {name: wanted[name] for name in wanted.keys() & block.channels.keys()}
+                for one in _messages(log, [block], (after + 1, time), here):
+                    if one.topic not in found or one.time >= found[one.topic].time:
+                        found[one.topic] = one
+                wanted = {name: topic for name, topic in wanted.items() if topic not in found}
+        return sorted(found.values(), key=lambda one: one.time)
+
+    def histogram(self, bins: int) -> list[int]:
+        """Return the messages in each of the equal parts of the time of the logs."""
+        parts = [histogram(log, blocks, self.span, bins) for log, blocks in self._logs]
+        return [sum(one) for one in zip(*parts, strict=True)]
+
+    def losses(self) -> list[int]:
+        """Return the times at which the recorder found messages lost [ns since 1970]."""
+        notes = (note for log, _ in self._logs for note in log.index.lost)
+        return [note.time for note in notes if any(lost > 0 for lost, _ in note.counts.values())]
+
+    def announced(self) -> GraphBuilder:
+        """Return what the nodes of the logs announce, all of them."""
+        return self._nodes
 
     @cached_property
     def _counts(self) -> Mapping[str, tuple[int, int | None]]:

@@ -3,7 +3,7 @@
 Must not know how it is shown. What the index does not have is read, of each event only the head.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lcmtools.errors import LcmtoolsError
@@ -126,7 +126,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         tuple(topics[name] for name in sorted(topics)),
         tuple(dict.fromkeys(node.name for node in builder.snapshot(end).nodes if not node.tool)),
         log.losses(),
-        tuple(_histogram(_spreads(log, blocks), start, end)),
+        tuple(histogram(log, blocks, (start, end))),
     )
 
 
@@ -152,7 +152,22 @@ def _event_bytes(topic: TopicSummary) -> int:
     return topic.bytes + topic.messages * (HEAD_BYTES + name_bytes)
 
 
-def _spreads(log: LogFile, blocks: list[Block]) -> Iterator[tuple[int, int, int]]:
+def histogram(
+    log: LogFile, blocks: Sequence[Block], span: tuple[int, int], bins: int = _BINS
+) -> list[int]:
+    """Return the messages in each of the equal parts of a time [ns since 1970].
+
+    Those of a block of a long log are taken as evenly spread.
+    """
+    found, width = [0.0] * bins, max(1, -(-(span[1] - span[0] + 1) // bins))
+    for first, last, messages in _spreads(log, blocks):
+        one, other = (first - span[0]) // width, (last - span[0]) // width
+        for place in range(one, other + 1):
+            found[place] += messages / (other + 1 - one)
+    return list(map(round, found))
+
+
+def _spreads(log: LogFile, blocks: Sequence[Block]) -> Iterator[tuple[int, int, int]]:
     """Yield times from and to [ns], and the number of messages between them."""
     if log.size <= _SHORT:
         yield from ((event.time, event.time, 1) for event in log.events())
@@ -160,13 +175,3 @@ def _spreads(log: LogFile, blocks: list[Block]) -> Iterator[tuple[int, int, int]
     for block in blocks:
         messages = sum(one.messages for one in block.channels.values())
         yield block.first_time, block.last_time, messages
-
-
-def _histogram(spreads: Iterator[tuple[int, int, int]], start: int, end: int) -> list[int]:
-    """The messages in each part of the time; those of a block are taken as evenly spread."""
-    bins, width = [0.0] * _BINS, max(1, -(-(end - start + 1) // _BINS))
-    for first, last, messages in spreads:
-        one, other = (first - start) // width, (last - start) // width
-        for place in range(one, other + 1):
-            bins[place] += messages / (other + 1 - one)
-    return list(map(round, bins))

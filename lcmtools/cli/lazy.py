@@ -115,7 +115,8 @@ class WindowGroup(LazyGroup):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the group's own options; those of its command "all" need no name of a panel."""
         every = self.get_command(ctx, "all")
-        known = [name for one in every.params for name in one.opts] if every else []
+        names = [one.opts + one.secondary_opts for one in every.params] if every else []
+        known = [name for those in names for name in those]
         stands_alone = not args or args[0].partition("=")[0] in known
         named = stands_alone and not ctx.resilient_parsing
         return super().parse_args(ctx, ["all", *args] if named else args)

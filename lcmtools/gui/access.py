@@ -24,7 +24,7 @@ HEADERS: Mapping[str, str] = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 """Of every answer."""
-WATCH, COMMAND = "watch", "command"
+WATCH, COMMAND, PLAY = "watch", "command", "play"
 _TOKEN_BYTES = 16
 _LOCAL = ("127.0.0.1", "localhost", "::1")
 

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Protocol
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.access import COMMAND
+from lcmtools.gui.access import COMMAND, PLAY
 from lcmtools.gui.protocol import Frame, Json, PageRequest, Rubbish, read_request, text_frame
 from lcmtools.gui.requests import ACTIONS, ASKS, answer
 from lcmtools.gui.source import Source
@@ -154,7 +154,8 @@ class BrowserPage:
     def _answer(self, request: PageRequest) -> None:
         number, name, is_action = request.id, request.text("what"), request.op == "do"
         function = answer(name, ACTIONS if is_action else ASKS)
-        if is_action and COMMAND not in self._rights:
+        needed = PLAY if self._source.kind == "log" else COMMAND
+        if is_action and needed not in self._rights:
             self._send({"id": number, "error": {"what": _MAY_NOT, "hint": ""}})
             return
         parameters = request.without("op", "id", "what")

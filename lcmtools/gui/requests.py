@@ -17,12 +17,14 @@ Answer: TypeAlias = Callable[[Source, Parameters], Json]
 ASKS = {
     "color maps": "streams.image:color_maps",
     "numbers": "choices:numbers",
+    "timeline": "playback:timeline",
     "topics": "choices:topics",
     "type": "types:describe",
     "types": "types:names",
 }
 """The module and the function of each question."""
 ACTIONS = {
+    "play": "playback:play",
     "publish": "forms:publish",
 }
 """The same of each action, which only a page that may command can take."""

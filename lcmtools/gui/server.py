@@ -22,7 +22,7 @@ from websockets.typing import Subprotocol
 
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.access import HEADERS, Access, Refused
+from lcmtools.gui.access import COMMAND, HEADERS, PLAY, Access, Refused
 from lcmtools.gui.page import BrowserPage
 from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, Rubbish
 from lcmtools.gui.source import Source
@@ -139,7 +139,7 @@ class Server:
     async def _serve_page(self, connection: ServerConnection) -> None:
         request = connection.request
         assert request is not None, "it has been answered"
-        rights = self._access.rights(_one(request, "Host") or "", request.path)
+        rights = self._rights(request)
         self._pages += 1
         try:
             await BrowserPage(connection, self._source, self._streams, rights).serve(
@@ -154,6 +154,12 @@ class Server:
             self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
             self._pages -= 1
+
+    def _rights(self, request: Request) -> tuple[str, ...]:
+        """Return what a page may do; who may command a bus may play a log."""
+        rights = self._access.rights(_one(request, "Host") or "", request.path)
+        is_log = self._source.kind == "log"
+        return tuple(PLAY if is_log and one == COMMAND else one for one in rights)
 
     def _hello(self, rights: tuple[str, ...]) -> Mapping[str, Json]:
         return {

@@ -4,21 +4,23 @@ import os
 import socket
 import sys
 import webbrowser
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING
 
 import click
 
-from lcmtools.cli.bus import notify, open_monitor
+from lcmtools.cli.bus import chosen_log, notify, open_monitor
 from lcmtools.cli.declare import CommandT, flag, option, together
-from lcmtools.cli.options import bus_options, json_option, names_options
+from lcmtools.cli.options import bag_option, bus_options, json_option, names_options
 from lcmtools.cli.output import document, talk
 from lcmtools.errors import MissingExtra
 
 if TYPE_CHECKING:  # the help does without the window
     from lcmtools.gui.protocol import Json
+    from lcmtools.gui.source import Source
 
 PORT = 7680
 _LAST_PORT = 65535
@@ -67,6 +69,7 @@ window_options: Callable[[CommandT], CommandT] = together(
     json_option,
     names_options,
     bus_options,
+    bag_option,
     _collected,
 )
 """The options of every panel; the command gets them as ``WindowChoice``."""
@@ -89,7 +92,6 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
             "type: pip install 'lcmtools-robotics[web]'",
         ) from error
     from lcmtools.gui.access import access_for
-    from lcmtools.gui.source import BusSource
 
     access = access_for(choice.host, [socket.gethostname()], is_read_only=choice.read_only)
     view: dict[str, Json] = {"panel": panel, "settings": settings} if panel else {}
@@ -100,13 +102,26 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
         if _has_display() if choice.opens is None else choice.opens:
             webbrowser.open([*addresses.values()][-1])
 
-    with open_monitor("gui") as monitor:
-        source = BusSource(monitor)
-        try:
-            server = Server(source, access, view, notify)
-            server.run_until_interrupted(choice.host or "127.0.0.1", choice.port, say)
-        finally:
-            source.close()
+    with _opened_source() as source:
+        server = Server(source, access, view, notify)
+        server.run_until_interrupted(choice.host or "127.0.0.1", choice.port, say)
+
+
+@contextmanager
+def _opened_source() -> "Iterator[Source]":
+    """The log or the bus that the command line names."""
+    with ExitStack() as stack:
+        source: Source
+        if (log := chosen_log()) is not None:
+            from lcmtools.gui.log_source import LogSource
+
+            source = LogSource(log, notify)
+        else:
+            from lcmtools.gui.source import BusSource
+
+            source = BusSource(stack.enter_context(open_monitor("gui")))
+        stack.callback(source.close)
+        yield source
 
 
 def _tell(addresses: Mapping[str, str], *, as_json: bool) -> None:

@@ -4,6 +4,7 @@ import { Connection } from "./connection.js";
 import { element, iconButton, openMenu, set, write } from "./elements.js";
 import { Layout } from "./layout.js";
 import { PANELS } from "./panels/index.js";
+import { Timeline } from "./timeline.js";
 
 const KEEP = "lcmtools.layout."; // before the name of a view, in the browser's storage
 const THEME = "lcmtools.theme";
@@ -38,6 +39,7 @@ document.body.append(
   ),
   trouble,
   layout.element,
+  new Timeline(connection).element,
   spoken,
 );
 showTheme(read(THEME));
@@ -166,7 +168,8 @@ function showLink() {
   const { hello, isOpen, refusal, state } = connection;
   write(bus, hello ? hello.bus : "");
   set(bus, "title", hello ? `${hello.source} ${hello.bus}` : null);
-  const words = isOpen ? (connection.canCommand ? "connected" : "watching only") : "no server";
+  const rights = hello?.source === "log" ? "log" : connection.canCommand ? "connected" : "watching only";
+  const words = isOpen ? rights : "no server";
   write(link, words);
   set(link, "data-state", isOpen ? (state.trouble ? "warn" : "good") : "bad");
   const lost = hello ? "The connection to lcmtools gui is lost." : "There is no answer yet.";

@@ -163,3 +163,17 @@ def test_a_long_log_without_an_index_is_read_with_a_word(
     monkeypatch.setattr("lcmtools.bag.playlist._SLOW_BYTES", 10)
     Playlist([path], Choice(), said.append).close()
     assert said == [f"reading {path}; with an index, of lcmtools bag reindex, it is at once"]
+
+
+def test_the_latest_message_of_each_topic_before_a_time(log: Log) -> None:
+    paths = [log("a", ("/a", 0), ("/b", 1), ("/a", 2), ("/a", 4)), log("b", ("/a", 3), ("/c", 5))]
+    with Playlist(paths, Choice()) as playlist:
+
+        def found(*names: str, time: float, after: float = -1) -> list[tuple[str, float]]:
+            times = START + round(time * S), START + round(after * S)
+            return [(m.topic, (m.time - START) / S) for m in playlist.latest(names, *times)]
+
+        assert found("/a", "/b", "/c", time=3.5) == [("/b", 1), ("/a", 3)]
+        assert found("/a", time=2) == [("/a", 2)]
+        assert found("/a", "/b", time=5, after=1) == [("/a", 4)]
+        assert found("/c", "/gone", time=4) == []

@@ -110,6 +110,9 @@ export default class Log {
 
   /** @param {{lines: [number, number, string, string, string][], leftOut: number}} data */
   take({ lines, leftOut }) {
+    const [first] = lines;
+    const last = this.lines[this.lines.length - 1];
+    if (first && last && first[0] < last.time - 1) this.clear(); // a log was wound back
     const nodes = new Set(this.lines.map((line) => line.node));
     for (const [time, level, node, text, place] of lines) this.add({ time, level, node, text, place, count: 1, row: null });
     this.leftOut += leftOut;

@@ -1,0 +1,253 @@
+"""A log as a source: it is played, and its one position is that of all pages.
+
+A thread owns the player. What pages want is done by it, between two messages.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from itertools import islice
+from queue import Empty, SimpleQueue
+from typing import Literal
+
+from lcmtools.bag.player import Player
+from lcmtools.bag.playlist import Choice, Played, Playlist
+from lcmtools.clock import NANOSECONDS
+from lcmtools.gui.protocol import Json
+from lcmtools.gui.publishing import Publishers
+from lcmtools.gui.source import End
+from lcmtools.gui.steering import Steering
+from lcmtools.messages.registry import Message
+from lcmtools.observe.activity import Activity
+from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.following import Take
+from lcmtools.observe.senders import SenderNames
+from lcmtools.wire.packet import Packet
+
+_WINDOW = 2.0  # [s] of the log that rates are about
+_PERIOD = 0.2  # [s] between two snapshots
+_MOST = 2000  # messages between two looks at what pages want
+_BINS = 300  # of the time line
+_MOST_MARKS = 1000
+
+
+class LogSource:
+    """A log that is played; it begins at its start.
+
+    Raises:
+        BusError: The file cannot be read, or is no log.
+        LcmtoolsError: It has no message.
+    """
+
+    kind: Literal["bus", "log"] = "log"
+    publishers: Publishers | None = None
+    steering: Steering | None = None
+
+    def __init__(self, path: str, notify: Callable[[str], None] = lambda _: None) -> None:
+        self.name = path
+        self._playlist = Playlist([path], Choice(), notify)
+        self._player = Player(self._playlist.messages, self._playlist.span, now=time.monotonic_ns())
+        builder = self._playlist.announced()
+        self._decoder = Decoder(builder.types_of)
+        self._types = {track.topic: track.type for track in self._playlist.tracks}
+        for track in self._playlist.tracks:  # topics are known before their first message
+            if track.fingerprint is not None:
+                head = track.fingerprint.to_bytes(8, "big")
+                builder.add(Packet(track.topic, head, self._playlist.span[0]))
+        self._graph = builder.snapshot(self._playlist.span[1])
+        self._rows = ChannelRows(ChannelSelection(), SenderNames())
+        self._activity = Activity(_WINDOW)
+        self._takers: dict[str, tuple[Take, ...]] = {}
+        self._wishes: SimpleQueue[Callable[[], object]] = SimpleQueue()
+        self._new: list[tuple[str, Take]] = []  # who follows since the last turn
+        self._wakes, self._ends = threading.Event(), threading.Event()
+        self._fault = ""
+        self.latest = self._snapshot()
+        self._thread = threading.Thread(target=self._run, name="log", daemon=True)
+        self._thread.start()
+
+    # For pages, on any thread
+
+    def follow(self, channel: str, take: Take) -> End:
+        """Pass a channel's messages on, its latest one at once; return the end of that."""
+        self._wish(lambda: self._add(channel, take))
+        has_ended: list[bool] = []
+
+        def end() -> None:
+            if not has_ended:
+                has_ended.append(True)
+                self._wish(lambda: self._remove(channel, take))
+
+        return end
+
+    def listen_to_all(self) -> End:
+        """Do nothing: nobody listens to a log."""
+        return lambda: None
+
+    def decode(self, packet: Packet) -> Message:
+        """Return the message in a packet; raises as ``Decoder.decode``."""
+        return self._decoder.decode(packet)
+
+    def state(self) -> Mapping[str, Json]:
+        """Return the trouble, and where the log is."""
+        seconds, length, rate, is_paused = self._player.position(time.monotonic_ns())
+        about = {"time": round(seconds, 3), "length": length, "rate": rate, "isPaused": is_paused}
+        return {"trouble": self._fault, "log": {**about, "isOver": self._player.is_over}}
+
+    def timeline(self) -> Mapping[str, Json]:
+        """Return what a time line shows: messages over time, and when some were lost."""
+        start, end = self._playlist.span
+        lost = [(one - start) / NANOSECONDS for one in islice(self._playlist.losses(), _MOST_MARKS)]
+        return {
+            "start": start / NANOSECONDS,
+            "length": (end - start) / NANOSECONDS,
+            "histogram": self._playlist.histogram(_BINS),
+            "losses": lost,
+        }
+
+    def pause(self) -> None:
+        """Hold the log."""
+        self._wish(lambda: self._player.pause(time.monotonic_ns()))
+
+    def resume(self) -> None:
+        """Let it go on; at its end, from its start."""
+        self._wish(self._resume)
+
+    def seek(self, seconds: float) -> None:
+        """Go to a time since the start, and pass on what was the latest of each topic then."""
+        self._wish(lambda: self._seek(seconds))
+
+    def set_rate(self, rate: float) -> None:
+        """Play faster or slower."""
+        self._wish(lambda: self._player.set_rate(rate, time.monotonic_ns()))
+
+    def step(self) -> None:
+        """Pause, and pass on the next message."""
+        self._wish(self._step)
+
+    def close(self) -> None:
+        """Read no more."""
+        self._ends.set()
+        self._wakes.set()
+        self._thread.join(5.0)
+        self._playlist.close()
+
+    def _wish(self, wish: Callable[[], object]) -> None:
+        self._wishes.put(wish)
+        self._wakes.set()
+
+    # On the thread that owns the player
+
+    def _run(self) -> None:
+        next_snapshot = 0.0
+        try:
+            while not self._ends.is_set():
+                self._attend()
+                due = self._due()
+                self._pass_on(due)
+                if time.monotonic() >= next_snapshot:
+                    next_snapshot = time.monotonic() + _PERIOD
+                    self.latest = self._snapshot()
+                if not due:
+                    pause = self._player.wait(time.monotonic_ns())
+                    left = max(0.0, next_snapshot - time.monotonic())
+                    self._wakes.wait(min(pause, left))
+        except Exception as error:  # noqa: BLE001 - shown on the pages
+            self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
+
+    def _attend(self) -> None:
+        """Do what pages want; who follows gets the latest messages, all in the order of time."""
+        self._wakes.clear()
+        try:
+            while True:
+                self._wishes.get_nowait()()
+        except Empty:
+            pass
+        if self._new:
+            new, self._new = self._new, []
+            now = self._player.time(time.monotonic_ns())
+            for played in self._playlist.latest({topic for topic, _ in new}, now):
+                for topic, take in new:
+                    if topic == played.topic:
+                        take(_packet(played))
+
+    def _due(self) -> list[Played]:
+        due: list[Played] = []
+        while len(due) < _MOST and (one := self._player.take(time.monotonic_ns())) is not None:
+            due.append(one)
+        return due
+
+    def _pass_on(self, messages: Iterable[Played]) -> None:
+        for one in messages:
+            packet = _packet(one)
+            self._activity.add(packet)
+            self._give(packet)
+
+    def _give(self, packet: Packet) -> None:
+        for take in self._takers.get(packet.channel, ()):
+            take(packet)
+
+    def _add(self, channel: str, take: Take) -> None:
+        self._takers[channel] = (*self._takers.get(channel, ()), take)
+        self._new.append((channel, take))
+
+    def _remove(self, channel: str, take: Take) -> None:
+        left = [one for one in self._takers.get(channel, ()) if one is not take]
+        self._takers[channel] = tuple(left)
+        self._new = [one for one in self._new if one[1] is not take]
+
+    def _resume(self) -> None:
+        now = time.monotonic_ns()
+        if self._player.is_over:
+            self._player.seek(self._playlist.span[0], now)
+        self._player.resume(now)
+
+    def _step(self) -> None:
+        one = self._player.step(time.monotonic_ns())
+        if one is not None:
+            self._pass_on([one])
+            self.latest = self._snapshot()
+
+    def _seek(self, seconds: float) -> None:
+        """Go there; forward, only what is new is passed on, so that curves go on."""
+        now, start = time.monotonic_ns(), self._playlist.span[0]
+        before, there = self._player.time(now), start + round(seconds * NANOSECONDS)
+        self._player.seek(there + 1, now)
+        there = max(start, min(there, self._playlist.span[1]))
+        latest = self._playlist.latest(self._types.keys(), there)
+        self._count(latest, there)
+        for one in latest:
+            if there < before or one.time > before:
+                self._give(_packet(one))
+        self.latest = self._snapshot()
+
+    def _count(self, latest: Iterable[Played], now: int) -> None:
+        """Count what came before a time, so that rates and ages are known there."""
+        self._activity.clear()
+        start = now - round(_WINDOW * NANOSECONDS)
+        for one in (
+            *(one for one in latest if one.time < start),
+            *self._playlist.messages(start, now),
+        ):
+            self._activity.add(_packet(one))
+
+    def _snapshot(self) -> Snapshot:
+        now = self._player.time(time.monotonic_ns())
+        graph = replace(self._graph, time=now)
+        rows = self._rows.make(graph, self._activity, {}, now)
+        return Snapshot(tuple(map(self._typed, rows)), trouble=self._fault, graph=graph)
+
+    def _typed(self, row: ChannelRow) -> ChannelRow:
+        """A row with its type, where no message has shown it yet."""
+        return (
+            row
+            if row.types
+            else replace(row, types=tuple(filter(None, [self._types.get(row.channel)])))
+        )
+
+
+def _packet(one: Played) -> Packet:
+    return Packet(one.topic, one.payload, one.time)

@@ -1,0 +1,38 @@
+"""Requests about a log: its time line, and playing it."""
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.log_source import LogSource
+from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.source import Source
+
+_DAY = 86_400.0
+_SLOWEST, _FASTEST = 1 / 64, 64.0
+
+
+def timeline(source: Source, _: Parameters) -> Json:
+    """Return the time line of the log."""
+    return _log(source).timeline()
+
+
+def play(source: Source, parameters: Parameters) -> Json:
+    """Do what ``action`` says: "play", "pause", "step", "seek" to ``time``, or "rate"."""
+    log, action = _log(source), parameters.text("action")
+    if action == "seek":
+        log.seek(parameters.number("time", None, -_DAY, 1000 * _DAY))
+    elif action == "rate":
+        log.set_rate(parameters.number("rate", None, _SLOWEST, _FASTEST))
+    elif action == "play":
+        log.resume()
+    elif action == "pause":
+        log.pause()
+    elif action == "step":
+        log.step()
+    else:
+        raise Rubbish(f"a log cannot '{action[:40]}'")
+    return None
+
+
+def _log(source: Source) -> LogSource:
+    if not isinstance(source, LogSource):
+        raise LcmtoolsError("a bus cannot be played", "lcmtools gui --bag FILE opens a log")
+    return source

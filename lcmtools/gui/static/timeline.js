@@ -1,0 +1,291 @@
+// The time line of a log, at the bottom of the page: play, pause, step, rate, and any moment.
+
+import { drawing, element, fill, icon, iconButton, set, write } from "./elements.js";
+
+/**
+ * @typedef {{time: number, length: number, rate: number, isPaused: boolean, isOver: boolean}} Position
+ * @typedef {{start: number, length: number, histogram: number[], losses: number[]}} About
+ */
+
+const RATES = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8, 16];
+const STEP = 5; // [s] of the arrow keys
+const SMALL_STEP = 0.5; // with Shift
+const OFTEN = 60; // [ms] between two moments that are asked for while the pointer moves
+const PLAYING = "button, input, select, textarea, [contenteditable], [role=tree], [role=grid], svg";
+
+/** The time line. */
+export class Timeline {
+  /** @param {import("./connection.js").Connection} connection */
+  constructor(connection) {
+    this.connection = connection;
+    /** @type {About | null} */
+    this.about = null;
+    /** @type {Position | null} */
+    this.position = null;
+    this.received = 0;
+    this.isDragged = false;
+    this.nextSeek = 0;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    this.bars = drawing("svg", { class: "timeline-bars", preserveAspectRatio: "none", "aria-hidden": "true" });
+    this.done = element("div", { class: "timeline-done" });
+    this.hand = element("div", { class: "timeline-hand" });
+    this.track = element(
+      "div",
+      {
+        class: "timeline-track",
+        role: "slider",
+        tabindex: 0,
+        "aria-label": "Time in the log",
+        "aria-valuemin": 0,
+        onpointerdown: (/** @type {PointerEvent} */ event) => this.press(event),
+        onpointermove: (/** @type {PointerEvent} */ event) => this.drag(event),
+        onpointerup: () => this.drop(),
+        onpointercancel: () => this.drop(),
+      },
+      this.bars,
+      this.done,
+      this.hand,
+    );
+    this.play = iconButton("play", "Play (Space)", () => this.toggle());
+    this.stepper = element(
+      "button",
+      { type: "button", class: "icon-button", title: "One message (.)", "aria-label": "One message", onclick: () => this.act("step") },
+      drawing("svg", { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" }, drawing("path", { d: "M4 3.5l6 4.5-6 4.5zM12 3.5v9" })),
+    );
+    this.rate = element(
+      "select",
+      { "aria-label": "Rate", title: "Rate (< and >)", onchange: () => this.act("rate", { rate: Number(this.rate.value) }) },
+      RATES.map((rate) => element("option", { value: rate }, rateText(rate))),
+    );
+    this.clock = element("span", { class: "mono timeline-clock" });
+    this.date = element("span", { class: "mono muted timeline-date" });
+    this.element = element(
+      "footer",
+      { class: "timeline", "aria-label": "Playing the log", hidden: true },
+      this.play,
+      this.stepper,
+      this.rate,
+      this.track,
+      element("div", { class: "timeline-times" }, this.clock, this.date),
+    );
+    connection.addEventListener("change", () => this.learn());
+    addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => this.draw()).observe(this.track);
+    this.learn();
+  }
+
+  get mayPlay() {
+    return this.connection.isOpen && Boolean(this.connection.hello?.rights.includes("play"));
+  }
+
+  /** Take the state of the log, and at first its time line. */
+  learn() {
+    const { hello, state, isOpen } = this.connection;
+    this.element.hidden = hello?.source !== "log";
+    if (this.element.hidden) return;
+    if (!this.about && isOpen) this.ask();
+    for (const part of [this.play, this.stepper, this.rate]) part.disabled = !this.mayPlay;
+    set(this.track, "aria-disabled", String(!this.mayPlay));
+    if (state.log && state.log !== this.position) {
+      this.position = state.log;
+      this.received = performance.now();
+      this.showState(state.log);
+    }
+  }
+
+  async ask() {
+    try {
+      this.about = await this.connection.request("ask", "timeline", {});
+      this.draw();
+      this.follow();
+    } catch {
+      this.about = null; // it is asked for again when the connection is back
+    }
+  }
+
+  /** @param {Position} position */
+  showState({ rate, isPaused, isOver, length }) {
+    const isStill = isPaused || isOver;
+    const label = isStill ? "Play (Space)" : "Pause (Space)";
+    if (this.play.title !== label) {
+      fill(this.play, icon(isStill ? "play" : "pause"));
+      set(this.play, "title", label);
+      set(this.play, "aria-label", label);
+    }
+    const nearest = RATES.reduce((best, one) => (Math.abs(one - rate) < Math.abs(best - rate) ? one : best), 1);
+    if (document.activeElement !== this.rate) this.rate.value = String(nearest);
+    set(this.track, "aria-valuemax", length.toFixed(1));
+  }
+
+  /** Move the hand at the rate of the log, so that it does not jump. */
+  follow() {
+    this.show(this.now());
+    requestAnimationFrame(() => this.follow());
+  }
+
+  /** Return the time in the log [s]. */
+  now() {
+    const { position } = this;
+    if (!position) return 0;
+    const isMoving = !(position.isPaused || position.isOver) && this.connection.isOpen;
+    const since = isMoving ? ((performance.now() - this.received) / 1000) * position.rate : 0;
+    return Math.min(position.time + Math.min(since, position.rate), position.length);
+  }
+
+  /** @param {number} time */
+  show(time) {
+    if (this.isDragged || !this.about) return;
+    this.showAt(time);
+  }
+
+  /** @param {number} time */
+  showAt(time) {
+    const { start = 0, length = 1 } = this.about ?? {};
+    const part = `${((100 * time) / Math.max(length, 1e-9)).toFixed(3)}%`;
+    if (this.hand.style.left !== part) {
+      this.hand.style.left = part;
+      this.done.style.width = part;
+    }
+    write(this.clock, `${timeText(time)} / ${timeText(length)}`);
+    write(this.date, dateText(start + time));
+    set(this.track, "aria-valuenow", time.toFixed(1));
+    set(this.track, "aria-valuetext", `${timeText(time)} of ${timeText(length)}`);
+  }
+
+  /** Draw how many messages there are when, the gaps, and the losses. */
+  draw() {
+    const { about } = this;
+    if (!about) return;
+    const { histogram, losses, length } = about;
+    const bins = histogram.length;
+    const most = Math.max(1, ...histogram);
+    set(this.bars, "viewBox", `0 0 ${bins} 100`);
+    const high = histogram.map((count) => (count ? Math.max(8, 92 * Math.sqrt(count / most)) : 0));
+    fill(
+      this.bars,
+      drawing("path", { class: "bars", d: high.map((value, at) => (value ? `M${at} 100V${100 - value}H${at + 0.86}V100Z` : "")).join("") }),
+      gaps(histogram).map(([from, to]) =>
+        drawing("rect", { class: "gap", x: from, y: 0, width: to - from, height: 100 }, drawing("title", {}, "no messages")),
+      ),
+      losses.map((time) => drawing("rect", { class: "loss", x: (bins * time) / Math.max(length, 1e-9) - 0.4, y: 0, width: 0.8, height: 16 })),
+    );
+  }
+
+  /** @param {PointerEvent} event */
+  press(event) {
+    if (!this.mayPlay || event.button) return;
+    this.isDragged = true;
+    this.track.setPointerCapture(event.pointerId);
+    this.drag(event);
+  }
+
+  /** @param {PointerEvent} event */
+  drag(event) {
+    if (!this.isDragged || !this.about) return;
+    const { left, width } = this.track.getBoundingClientRect();
+    const part = Math.min(1, Math.max(0, (event.clientX - left) / Math.max(1, width)));
+    const time = part * this.about.length;
+    this.showAt(time);
+    clearTimeout(this.timer);
+    const wait = Math.max(0, this.nextSeek - performance.now());
+    this.timer = setTimeout(() => this.seek(time), wait);
+    if (!wait) this.nextSeek = performance.now() + OFTEN;
+  }
+
+  drop() {
+    this.isDragged = false;
+  }
+
+  /** @param {number} time */
+  seek(time) {
+    this.nextSeek = performance.now() + OFTEN;
+    const most = this.position?.length ?? 0;
+    if (this.position) {
+      this.position = { ...this.position, time: Math.min(most, Math.max(0, time)), isOver: false };
+      this.received = performance.now();
+    }
+    this.act("seek", { time: Math.min(most, Math.max(0, time)) });
+  }
+
+  toggle() {
+    const isStill = !this.position || this.position.isPaused || this.position.isOver;
+    this.act(isStill ? "play" : "pause");
+  }
+
+  /** @param {number} step */
+  changeRate(step) {
+    const at = RATES.indexOf(Number(this.rate.value));
+    const rate = RATES[Math.min(RATES.length - 1, Math.max(0, at + step))] ?? 1;
+    this.rate.value = String(rate);
+    this.act("rate", { rate });
+  }
+
+  /**
+   * @param {string} action
+   * @param {object} [more]
+   */
+  async act(action, more = {}) {
+    if (!this.mayPlay) return;
+    try {
+      await this.connection.request("do", "play", { action, ...more });
+    } catch {
+      // the page says that the connection is gone
+    }
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const target = event.target instanceof Element ? event.target : null;
+    const isOwn = target === this.track;
+    if (this.element.hidden || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!isOwn && target?.closest(PLAYING)) return;
+    const step = event.shiftKey ? SMALL_STEP : STEP;
+    if (event.key === " ") this.toggle();
+    else if (event.key === "ArrowLeft") this.seek(this.now() - step);
+    else if (event.key === "ArrowRight") this.seek(this.now() + step);
+    else if (isOwn && event.key === "Home") this.seek(0);
+    else if (isOwn && event.key === "End") this.seek(this.position?.length ?? 0);
+    else if (event.key === ".") this.act("step");
+    else if (event.key === "<") this.changeRate(-1);
+    else if (event.key === ">") this.changeRate(1);
+    else return;
+    event.preventDefault();
+  }
+}
+
+/**
+ * Return the stretches without a message, from and to, but for a single bin of a sparse log.
+ * @param {number[]} histogram
+ */
+function gaps(histogram) {
+  /** @type {[number, number][]} */
+  const found = [];
+  histogram.forEach((count, at) => {
+    const last = found[found.length - 1];
+    if (count) return;
+    if (last && last[1] === at) last[1] = at + 1;
+    else found.push([at, at + 1]);
+  });
+  return found.filter(([from, to]) => to - from > 1);
+}
+
+/** @param {number} rate */
+function rateText(rate) {
+  return rate < 1 ? `1/${Math.round(1 / rate)} ×` : `${rate} ×`;
+}
+
+/** @param {number} seconds */
+function timeText(seconds) {
+  const [hours, minutes] = [Math.floor(seconds / 3600), Math.floor(seconds / 60) % 60];
+  const rest = (seconds % 60).toFixed(1).padStart(4, "0");
+  return `${hours ? `${hours}:${String(minutes).padStart(2, "0")}` : minutes}:${rest}`;
+}
+
+/** @param {number} time [s since 1970] */
+function dateText(time) {
+  const date = new Date(time * 1000);
+  const two = (/** @type {number} */ value) => String(value).padStart(2, "0");
+  const day = [date.getFullYear(), two(date.getMonth() + 1), two(date.getDate())].join("-");
+  return `${day} ${[date.getHours(), date.getMinutes(), date.getSeconds()].map(two).join(":")}`;
+}

@@ -1,0 +1,149 @@
+"""A log in the window, without a browser: its time line, and the message of each time."""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.window import LivePage, LiveWindow
+
+from lcmtools.gui.log_source import LogSource
+from lcmtools.messages.codec import encode
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet
+
+S = 1_000_000_000
+START = 1_795_000_000 * S
+
+
+def _speed(value: float) -> bytes:
+    twist = Twist()
+    twist.linear.x = value
+    return encode(twist)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> str:
+    """A log of two minutes: the time as a speed on /cmd each half second, and a /name at 1 s."""
+    name = String()
+    name.data = "cellar"
+    packets = [Packet("/cmd", _speed(at / 2), START + at * S // 2) for at in range(241)]
+    packets.insert(3, Packet("/name", encode(name), START + S))
+    path = tmp_path / "a.log"
+    path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(packets)))
+    return str(path)
+
+
+@pytest.fixture
+def page(log: str) -> Iterator[LivePage]:
+    """A page of the log, which stands still at its start."""
+    window = LiveWindow(LogSource(log))
+    with window.page() as opened:
+        _play(opened, "pause")
+        _play(opened, "seek", time=0)
+        yield opened
+    window.end()
+
+
+def _play(page: LivePage, action: str, **more: float) -> None:
+    page.send(op="do", id=9, what="play", action=action, **more)
+
+
+def _position(page: LivePage, is_right: Any) -> dict[str, Any]:
+    frame = page.until(lambda one: "state" in one and is_right(one["state"]["log"]))
+    found: dict[str, Any] = frame["state"]["log"]
+    return found
+
+
+def _value(data: Any, path: str) -> str:
+    return next((line[3] for line in data["lines"] if line[0] == path), "")
+
+
+def test_a_log_may_be_played_and_not_commanded(page: LivePage) -> None:
+    assert (page.hello["source"], page.hello["rights"]) == ("log", ["watch", "play"])
+    form = {"topic": "/a", "type": "std_msgs/String", "values": {"data": "x"}}
+    error = page.request("do", "publish", **form)["error"]
+    assert error["what"] == "a log takes no messages"
+
+
+@pytest.mark.parametrize("time", [7.0, 100.2, 3.5, 0.0, 119.9])
+def test_any_time_shows_the_message_of_that_time(page: LivePage, time: float) -> None:
+    page.open(1, "message", topic="/cmd")
+    for there in (60.0, time):
+        _play(page, "seek", time=there)
+        wanted = str(float(there * 2 // 1 / 2))
+        page.data(1, lambda data, wanted=wanted: _value(data, "linear.x") == wanted)
+
+
+def test_what_came_long_before_is_there(page: LivePage) -> None:
+    _play(page, "seek", time=90)
+    page.open(1, "message", topic="/name")  # also where it is wanted only now
+    page.data(1, lambda data: "cellar" in _value(data, "data"))
+    page.open(2, "topics")
+    rows = page.data(2, lambda data: any(row["rate"] for row in data["rows"]))["rows"]
+    assert {row["topic"]: row["types"][0] for row in rows} == {
+        "/cmd": "geometry_msgs/Twist",
+        "/name": "std_msgs/String",
+    }
+    assert next(row["age"] for row in rows if row["topic"] == "/name") == pytest.approx(89)
+
+
+def test_a_step_is_one_message(page: LivePage) -> None:
+    page.open(1, "message", topic="/cmd")
+    _play(page, "seek", time=10)
+    page.data(1, lambda data: _value(data, "linear.x") == "10.0")
+    _play(page, "step")
+    page.data(1, lambda data: _value(data, "linear.x") == "10.5")
+    assert _position(page, lambda log: log["time"] == 10.5)["isPaused"]
+
+
+def test_it_plays_at_a_rate_to_its_end_and_from_its_start(page: LivePage) -> None:
+    _play(page, "rate", rate=64)
+    _play(page, "seek", time=100)
+    _play(page, "play")
+    assert _position(page, lambda log: log["isOver"])["time"] == pytest.approx(120, abs=0.6)
+    _play(page, "rate", rate=0.25)
+    _play(page, "play")
+    assert _position(page, lambda log: not log["isOver"])["time"] < 100
+
+
+def test_the_time_line_shows_gaps_by_its_histogram(page: LivePage) -> None:
+    about = page.request("ask", "timeline")["answer"]
+    assert (about["start"], about["length"]) == (START / S, 120)
+    assert sum(about["histogram"]) == 242
+    assert about["losses"] == []
+
+
+def test_a_plot_begins_again_when_the_log_is_wound_back(page: LivePage) -> None:
+    _play(page, "seek", time=50)
+    page.open(1, "plot", fields=["/cmd/linear.x"])
+    for there in (60, 20):
+        _play(page, "seek", time=there)
+        page.until(lambda frame, there=there: _last_sample(frame) == (START / S + there, there))
+
+
+def _last_sample(frame: dict[str, Any]) -> tuple[float, float] | None:
+    payload = frame.get("payload", b"")
+    if frame.get("id") != 1 or not payload:
+        return None
+    time, value, _ = struct.unpack_from("<3d", payload, len(payload) - 24)
+    return time, value
+
+
+def test_rubbish_is_refused(page: LivePage) -> None:
+    assert "is not within" in page.request("do", "play", action="rate", rate=1e9)["error"]["what"]
+
+
+def test_a_file_that_is_no_log_is_an_error(tmp_path: Path, cli: Any) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("hello")
+    result = cli("gui", "--no-open", "--bag", str(path))
+    assert (result.code, result.err) == (
+        1,
+        f"lcmtools gui all: {path} has no messages; is it a log of LCM?\n",
+    )
+    result = cli("gui", "--bag", str(path), "--domain", "3")
+    assert "-b reads a log in place of the bus" in result.err
