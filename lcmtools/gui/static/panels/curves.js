@@ -1,6 +1,11 @@
 // The samples of curves, as rows of times with a value, or none, for each curve.
 
-/** @typedef {(number | null | undefined)[]} Column null is a gap, undefined no sample of this curve */
+/**
+ * @typedef {(number | null | undefined)[]} Column null is no number, undefined no sample of this curve
+ * @typedef {{time: number, value: number, drawn: number, interval: number, count: number,
+ *   gaps: [number, number][]}} Last the last sample of a curve, the time of the last that is a
+ *   number, its usual interval, how many it has had, and the times between which it has no line
+ */
 
 const SAMPLE = 3; // numbers of a sample: its time [s since 1970], its value, its curve
 const MOST_ROWS = 200_000;
@@ -14,8 +19,7 @@ export class Curves {
     this.times = [];
     /** @type {Column[]} */
     this.columns = [];
-    /** Of each curve: its last row, its usual interval, and how many samples it has had. */
-    /** @type {{time: number, value: number, interval: number, count: number}[]} */
+    /** @type {Last[]} */
     this.last = [];
     /** The time of the first sample [s since 1970]; NaN before it. */
     this.start = NaN;
@@ -56,40 +60,24 @@ export class Curves {
   addOne(time, value, curve) {
     while (this.columns.length <= curve) {
       this.columns.push(new Array(this.times.length).fill(undefined));
-      this.last.push({ time: NaN, value: NaN, interval: 0, count: 0 });
+      this.last.push({ time: NaN, value: NaN, drawn: NaN, interval: 0, count: 0, gaps: [] });
     }
-    const last = /** @type {Curves["last"][number]} */ (this.last[curve]);
+    const last = /** @type {Last} */ (this.last[curve]);
     const interval = time - last.time;
-    const usual = Math.max(SHORTEST_GAP, GAP * last.interval);
-    const isGap = last.count > 1 && interval > usual;
-    if (isGap) this.breakLine(curve, last.time + last.interval);
+    const isLate = last.count > 1 && interval > Math.max(SHORTEST_GAP, GAP * last.interval);
+    const isDrawn = Number.isFinite(value);
+    if (isDrawn && (isLate || last.drawn !== last.time)) last.gaps.push([last.drawn, time]);
     if (this.end !== time || !this.times.length) this.addRow(time);
     const column = /** @type {Column} */ (this.columns[curve]);
-    column[column.length - 1] = Number.isFinite(value) ? value : null;
-    if (interval > 0 && !isGap) last.interval = last.interval ? last.interval * 0.9 + interval * 0.1 : interval;
-    Object.assign(last, { time, value, count: last.count + 1 });
+    column[column.length - 1] = isDrawn ? value : null;
+    if (interval > 0 && !isLate) last.interval = last.interval ? last.interval * 0.9 + interval * 0.1 : interval;
+    Object.assign(last, { time, value, count: last.count + 1, drawn: isDrawn ? time : last.drawn });
   }
 
   /** @param {number} time */
   addRow(time) {
     this.times.push(time);
     for (const column of this.columns) column.push(undefined);
-  }
-
-  /**
-   * End a curve's line after a time, at the first row that has no sample of it.
-   * @param {number} curve
-   * @param {number} time
-   */
-  breakLine(curve, time) {
-    const column = /** @type {Column} */ (this.columns[curve]);
-    let row = column.length;
-    while (row > 0 && column[row - 1] === undefined && (this.times[row - 1] ?? 0) >= time) row -= 1;
-    if (row < column.length) column[row] = null;
-    else {
-      this.addRow(Math.max(time, this.end));
-      column[column.length - 1] = null;
-    }
   }
 
   /** @param {number} kept [s] */
@@ -99,6 +87,8 @@ export class Curves {
     if (extra < Math.max(1000, this.times.length / 10)) return;
     this.times.splice(0, extra);
     for (const column of this.columns) column.splice(0, extra);
+    const first = this.times[0] ?? 0;
+    for (const last of this.last) last.gaps = last.gaps.filter(([, to]) => to >= first);
   }
 
   /**

@@ -57,6 +57,6 @@ export class FieldTree {
     const box = element("input", { type: "checkbox", onchange: () => this.choose(value, box.checked) });
     box.checked = this.isChosen(value);
     const path = value.slice(topic.length + 1);
-    return element("label", {}, box, element("span", { class: "mono" }, path), element("small", {}, detail));
+    return element("label", {}, box, element("span", { class: "mono" }, path), " ", element("small", {}, detail));
   }
 }

@@ -57,6 +57,8 @@ export default class Plot {
     /** Updates of fields that were chosen before are still on their way. */
     this.choiceNumber = 0;
     this.nextTable = 0;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.tableTimer = undefined;
     this.isWaiting = false;
     /** @type {uPlot | null} */
     this.chart = null;
@@ -71,7 +73,11 @@ export default class Plot {
       (field) => this.fields.includes(field),
       (field, isChosen) => (isChosen ? this.add(field) : this.setFields(this.fields.filter((one) => one !== field))),
     );
-    this.treeButton = iconButton("menu", "Choose fields from a tree", () => this.openTree(), { "aria-expanded": "false" });
+    this.treeButton = element(
+      "button",
+      { type: "button", "aria-expanded": "false", title: "Choose fields from a tree", onclick: () => this.openTree() },
+      "Fields",
+    );
     this.pauseButton = iconButton("pause", "Pause (space)", () => this.pause(), { "aria-pressed": "false" });
     this.length = element(
       "select",
@@ -121,6 +127,7 @@ export default class Plot {
 
   close() {
     this.observer.disconnect();
+    clearTimeout(this.tableTimer);
     this.chart?.destroy();
   }
 
@@ -193,6 +200,8 @@ export default class Plot {
     this.fields = fields;
     this.choiceNumber += 1;
     this.stream.change({ fields, choice: this.choiceNumber });
+    this.about = fields.map((text) => this.about.find((one) => one.text === text) ?? { text, problem: "", curves: [] });
+    this.rebuild();
     this.context.changed();
   }
 
@@ -293,7 +302,7 @@ export default class Plot {
    * @param {number} index
    * @returns {uPlot.Series}
    */
-  line({ label, isShown }, index) {
+  line({ curve, label, isShown }, index) {
     return {
       label,
       show: isShown,
@@ -302,7 +311,23 @@ export default class Plot {
       width: 1.6,
       spanGaps: false,
       points: { size: 4 },
+      gaps: (chart) => this.gaps(chart, curve),
     };
+  }
+
+  /**
+   * Where a curve has no line [px].
+   * @param {uPlot} chart
+   * @param {number} curve
+   * @returns {[number, number][]}
+   */
+  gaps(chart, curve) {
+    const { min = 0, max = 0 } = chart.scales["x"] ?? {};
+    const shown = this.curves.last[curve]?.gaps.filter(([from, to]) => !(to < (min ?? 0)) && !(from > (max ?? 0)));
+    return (shown ?? []).map(([from, to]) => [
+      Number.isNaN(from) ? 0 : chart.valToPos(from, "x", true),
+      chart.valToPos(to, "x", true),
+    ]);
   }
 
   /** @returns {uPlot.AlignedData} */
@@ -537,7 +562,11 @@ export default class Plot {
 
   showTable() {
     const now = performance.now();
-    if (now < this.nextTable) return;
+    clearTimeout(this.tableTimer);
+    if (now < this.nextTable) {
+      this.tableTimer = setTimeout(() => this.showTable(), this.nextTable - now);
+      return;
+    }
     this.nextTable = now + TABLE_PERIOD;
     const { times, last } = this.curves;
     const hasCursor = !Number.isNaN(this.cursor) && times.length > 0;
@@ -547,7 +576,7 @@ export default class Plot {
       const cells = this.cells?.[index];
       if (!cells) return;
       write(cells.latest, numberText(last[curve]?.value));
-      write(cells.atCursor, hasCursor ? numberText(this.curves.valueBefore(curve, row)) : "");
+      write(cells.atCursor, hasCursor ? numberText(this.curves.valueBefore(curve, row) ?? undefined) : "");
     });
     const out = this.leftOut ? ` · ${this.leftOut} left out: this page was too slow` : "";
     write(this.status, `${this.curves.count} samples${out}`);
