@@ -2,18 +2,19 @@
 
 Linux grants a socket 208 KiB and counts twice that, which six fragments of a large message fill;
 liblcm sends all of a message at once. An observer that must lose nothing takes several sockets,
-each with a buffer of its own: one for short messages, the others for a share of the fragments
-each, by filters in the kernel. Each datagram costs its sender a little for each socket, so there
-are no more than messages need.
+each with a buffer of its own: some for a share of the short messages each, the others for a share
+of the fragments, by filters in the kernel. Each datagram costs its sender a little for each socket,
+so there are no more than messages need.
 """
 
 import select
 import socket
+import time
 from collections.abc import Sequence
 
 from lcmtools.bus.kernel import IS_LINUX, SELECTIVE, attach, mark, request_arrival
 from lcmtools.bus.multicast import receiving_socket
-from lcmtools.bus.socket_filter import fragments_only, no_fragments, nothing
+from lcmtools.bus.socket_filter import fragments_only, nothing, short_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.wire.datagram import FRAGMENT_MAX, SHORT_MESSAGE_MAX
 from lcmtools.wire.packet import Packet
@@ -22,6 +23,7 @@ _FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with t
 _SHORT_ROOM, _MOST_GROWTH = 900, 1.5
 """The same of a short message, beside so many times its size: it takes up to a power of two."""
 _MOST_SHARES = 8
+_SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages where a buffer has fewer bytes
 _WANTED, _NEEDED = 8, 2  # messages of the largest kind for which there is, or must be, room
 
 
@@ -29,7 +31,9 @@ class Receivers:
     """The sockets of one observer; one at first.
 
     Attributes:
-        sockets: All of them, those with short messages first.
+        sockets: All of them.
+        short: Those for short messages, the first of all.
+        since: Messages that arrived before are left out: they may have come twice, or not at all.
         has_times: The system gives each datagram's receive time.
         has_room: Two messages as large as the largest so far fit into the buffers together.
     """
@@ -40,7 +44,8 @@ class Receivers:
         self.has_times = self._prepare(self.sockets[0])
         self._granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
-        self._shares = self._message_bytes = 0
+        self.short = self.sockets[:]
+        self._shares = self._message_bytes = self.since = 0
         self.has_room = False
         self._poll = select.poll()
         self._poll.register(self.sockets[0], select.POLLIN)
@@ -59,7 +64,8 @@ class Receivers:
         """Return the part of a socket's buffer that the short messages among these take, about."""
         sizes = [len(packet.payload) for packet in packets]
         short = sum(size for size in sizes if size <= SHORT_MESSAGE_MAX)
-        return (_SHORT_ROOM * len(sizes) + _MOST_GROWTH * short) / self._granted
+        taken = _SHORT_ROOM * len(sizes) + _MOST_GROWTH * short
+        return taken / (self._granted * len(self.short))
 
     def make_room(self, message_bytes: int) -> None:
         """Have room for messages of such a size; more sockets than needed are never closed.
@@ -78,19 +84,24 @@ class Receivers:
         self.has_room = self._shares * self._room >= _NEEDED * fragments
 
     def _divide(self, shares: int) -> None:
-        """Divide the fragments into so many shares; no datagram is lost or comes twice."""
+        """Divide the fragments into so many shares, and the first time short messages too."""
         if not IS_LINUX:
             return
-        while len(self.sockets) <= shares:  # they receive nothing yet
+        shorts = _SHORT_SHARES if self._granted < _SMALL else 1
+        while len(self.sockets) < shorts + shares:  # they receive nothing yet
             receiver = receiving_socket(self._url, nothing())
             self._prepare(receiver)
             self.sockets.append(receiver)
             self._poll.register(receiver, select.POLLIN)
-        # in this order a fragment may come twice, which makes no message twice
-        for share, receiver in reversed([*enumerate(self.sockets[1:])]):
+        self.short, large = self.sockets[:shorts], self.sockets[shorts:]
+        # in this order a datagram may come twice, which makes no message of fragments twice
+        for share, receiver in reversed([*enumerate(large)]):
             attach(receiver, fragments_only(share, shares))
-        attach(self.sockets[0], no_fragments())
-        mark(self.sockets[0], SELECTIVE)
+        if not self._shares:
+            for share, receiver in enumerate(self.short):
+                attach(receiver, short_only(share, shorts))
+            mark(self.sockets[0], SELECTIVE)
+            self.since = time.time_ns()
         self._shares = shares
 
     @staticmethod

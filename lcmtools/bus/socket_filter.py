@@ -27,6 +27,7 @@ _RETURN = 0x06
 
 _UDP_HEADER = 8  # bytes that a UDP socket's filter sees before the datagram
 _SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAGIC_FRAGMENT))
+_SEQNO = _UDP_HEADER + 4
 _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
 _SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
 _PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # and of its channel, where it is the first
@@ -96,13 +97,27 @@ def heads_only(but_up_to: int = 0) -> FilterProgram:
     ]
 
 
-def no_fragments() -> FilterProgram:
-    """Drop all fragments; malformed datagrams pass."""
+def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
+    """Accept the short messages of one share: every so manieth of each sender, by its number.
+
+    Malformed datagrams are of the first share.
+
+    Args:
+        share: The number of the share, from 0.
+        shares: Their number, a power of two.
+    """
     return [
         Instruction(_LOAD_LENGTH),
-        Instruction(_JUMP_GREATER_EQUAL, _PAYLOAD, 0, 3),
+        Instruction(_JUMP_GREATER_EQUAL, _CHANNEL, 0, 8),
         Instruction(_LOAD_WORD, _UDP_HEADER),
-        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
+        Instruction(_JUMP_EQUAL, _SHORT, 3, 0),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 5),
+        Instruction(_LOAD_LENGTH),
+        Instruction(_JUMP_GREATER_EQUAL, _PAYLOAD, 4, 3),
+        Instruction(_LOAD_WORD, _SEQNO),
+        Instruction(_AND, shares - 1),
+        Instruction(_JUMP_EQUAL, share, 2, 1),
+        _DROP if share else _ACCEPT,
         _DROP,
         _ACCEPT,
     ]

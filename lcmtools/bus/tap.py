@@ -11,10 +11,10 @@ next to nothing to watch.
 import contextlib
 import socket
 import time
-from bisect import bisect_right
-from collections.abc import Iterator, Mapping
-from operator import attrgetter
-from typing import TYPE_CHECKING
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from operator import itemgetter
+from typing import TYPE_CHECKING, TypeAlias
 
 from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped
 from lcmtools.bus.multicast import (
@@ -46,8 +46,8 @@ LONG_NAP = 0.04
 
 _AT_FIRST = 1_000_000
 """Bytes of a large message for which there is room before the first one comes."""
-_TIME = attrgetter("time")
-_NEVER = 1 << 63  # [ns since 1970]
+_Datagram: TypeAlias = tuple[bytes, Sender, int, int | None]  # data, sender, time, time to live
+_TIME: Callable[[_Datagram], int] = itemgetter(2)
 
 
 class Tap(contextlib.AbstractContextManager["Tap"]):
@@ -100,9 +100,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self.sequences: Mapping[Sender, Sequence] = self._reader.sequences
         self.ttls: Mapping[Sender, int] = self._reader.ttls
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
-        self._batch: DatagramBatch | None = None
+        self._batches: dict[socket.socket, DatagramBatch] = {}
         self._turns = 0
-        self._held: list[Packet] = []
+        self._held: list[_Datagram] = []
 
     def __exit__(self, *_: object) -> None:
         """Leave the group."""
@@ -169,8 +169,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
         is_soon = time.monotonic() - start < _STREAM_GAP
         self._turns = self._turns + has_any if is_soon else 0
-        packets = self._read() if has_any else []
-        packets, self._held = (packets, self._held) if has_any else (self._held, [])
+        packets = self._read() if has_any or self._held else []
         if is_streaming and has_any:
             much = max(len(packets) / _OF_A_NAP, self._receivers.filled_by(packets) / _FILLED)
             self._nap = min(self.longest_nap, self._nap / max(much, _LITTLE))
@@ -183,31 +182,30 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         What arrives while they are read stays for the next turn: before it, something may have
         come to a socket that was read already.
         """
-        sockets, packets = self._receivers.sockets, self._held
-        if len(sockets) == 1:
-            self._drain(sockets[0], packets)
-            self._held = []
-            return packets
-        late: list[Packet] = []
-        until = time.time_ns()
-        for one in self._receivers.ready(0.0):
-            until = min(until, self._drain(one, late))
-        late.sort(key=_TIME)
-        place = bisect_right(late, until, key=_TIME)
-        self._held = late[place:]
-        return packets + late[:place]
+        receivers = self._receivers
+        if len(receivers.sockets) == 1:
+            return self._packets(self._datagrams(receivers.sockets[0]))
+        until, arrived = time.time_ns(), self._held
+        for one in receivers.ready(0.0):
+            found = list(self._datagrams(one))
+            if len(found) >= _BATCH:
+                until = min(until, _TIME(found[-1]))
+            arrived += found
+        arrived.sort(key=_TIME)
+        first = bisect_left(arrived, receivers.since, key=_TIME)
+        last = bisect_right(arrived, until, key=_TIME)
+        self._held = arrived[last:]
+        return self._packets(arrived[first:last])
 
-    def _drain(self, receiver: socket.socket, packets: list[Packet]) -> int:
-        """Read a socket; return the time up to which it has nothing more [ns since 1970]."""
-        read, count, received = self._reader.read, 0, 0
-        for data, sender, received, ttl in self._datagrams(receiver):
-            count += 1
+    def _packets(self, datagrams: Iterable[_Datagram]) -> list[Packet]:
+        read, packets = self._reader.read, []
+        for data, sender, received, ttl in datagrams:
             packet = read(data, sender, received, ttl)
             if packet is not None:
                 packets.append(packet)
                 if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
                     self._reader.ttls.pop(sender, None)
-        return received if count >= _BATCH else _NEVER
+        return packets
 
     def _attend_large(self) -> None:
         """Let the next large messages, as large as those that came, pass and have room."""
@@ -218,18 +216,17 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if self._is_spread:
             self._receivers.make_room(needed)
 
-    def _datagrams(
-        self, receiver: socket.socket
-    ) -> Iterator[tuple[bytes, Sender, int, int | None]]:
-        """Take what has arrived: data, sender, time, time to live."""
-        is_first = receiver is self._receivers.sockets[0]  # large ones fit no cache together
-        if is_first and not self._batch and self._turns >= _STREAM and self._receivers.has_times:
+    def _datagrams(self, receiver: socket.socket) -> Iterator[_Datagram]:
+        """Take what has arrived."""
+        batch = self._batches.get(receiver)
+        is_short = receiver in self._receivers.short  # large ones fit no cache together
+        if is_short and not batch and self._turns >= _STREAM and self._receivers.has_times:
             from lcmtools.bus import datagram_batch  # most commands end before they need it
 
             if datagram_batch.IS_POSSIBLE:
-                self._batch = datagram_batch.DatagramBatch(receiver)
-        if is_first and self._batch:
-            yield from self._batch.take(_BATCH)
+                batch = self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
+        if batch:
+            yield from batch.take(_BATCH)
             return
         receive, buffer = receiver.recvmsg_into, self._buffer
         with contextlib.suppress(BlockingIOError):
