@@ -4,7 +4,7 @@ Whole events reach the file: what a full disk or a write that failed leaves of a
 """
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import takewhile
 from pathlib import Path
@@ -172,17 +172,19 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._block = Block(self.size)
 
     def _write_events(self, batch: WriteBatch) -> None:
-        data, written = b"".join(batch.parts), 0
         if self._compress:
+            data = b"".join(batch.parts)
             self._write_frame(batch.start, self._compress(data) if data else b"")
             return
+        written = 0
         try:
-            left = memoryview(data)
-            while left:
-                done = os.write(self._log, left[:_AT_ONCE])
-                written, left = written + done, left[done:]
+            for piece in _pieces(batch.parts):
+                left = memoryview(piece)
+                while left:
+                    done = os.write(self._log, left[:_AT_ONCE])
+                    written, left = written + done, left[done:]
         except OSError as error:
-            ends = (event.end for event in events(data))
+            ends = (event.end for event in events(b"".join(batch.parts)))
             whole = max(takewhile(lambda end: end <= written, ends), default=0)
             self.size = self._taken = batch.start + whole
             self._is_cut_off = True
@@ -207,6 +209,18 @@ class LogWriter(AbstractContextManager["LogWriter"]):
                 data = data[os.write(self._index, data) :]
         except OSError as error:
             raise _failure(index_path(self.path), error) from error
+
+
+def _pieces(parts: list[bytes]) -> Iterator[bytes]:
+    """Yield the parts joined, some at a time: joining all would hold up the thread that reads."""
+    some, size = [], 0
+    for part in parts:
+        some.append(part)
+        size += len(part)
+        if size >= _AT_ONCE:
+            yield b"".join(some)
+            some, size = [], 0
+    yield b"".join(some)
 
 
 def _create(path: Path, *, force: bool) -> int:

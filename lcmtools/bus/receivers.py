@@ -24,7 +24,7 @@ _SHORT_ROOM, _MOST_GROWTH = 900, 1.5
 """The same of a short message, beside so many times its size: it takes up to a power of two."""
 _MOST_SHARES = 8
 _SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages where a buffer has fewer bytes
-_WANTED, _NEEDED = 8, 2  # messages of the largest kind for which there is, or must be, room
+_WANTED, _NEEDED = 32, 2  # messages of the largest kind for which there is, or must be, room
 
 
 class Receivers:

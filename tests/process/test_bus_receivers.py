@@ -1,0 +1,71 @@
+"""Short messages and fragments, spread over several sockets."""
+
+from collections import Counter
+from collections.abc import Callable
+
+import lcm
+import pytest
+
+from lcmtools.bus import multicast
+from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import parse_url
+from lcmtools.wire.packet import Packet
+
+_URL = "udpm://239.255.76.67:7667?ttl=0"
+
+
+@pytest.fixture
+def usual_buffers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
+
+
+@pytest.mark.usefixtures("private_network", "usual_buffers")
+def test_short_messages_have_room_in_several_usual_buffers_and_come_in_order_once(
+    wait_until: Callable[..., None],
+) -> None:
+    packets: list[Packet] = []
+    with Tap(parse_url(_URL), whole=True, spread=True) as tap:
+        plain = lcm.LCM(_URL)
+        for number in range(1600):  # a single buffer holds about 500
+            plain.publish("SHORT" if number % 100 else "LARGE", number.to_bytes(4, "big") * 25)
+        plain.publish("LARGE", bytes(300_000))
+
+        def has_all() -> bool:
+            packets.extend(p for p in tap.receive(0.1) if p.channel != "LCM_SELF_TEST")
+            return len(packets) >= 1601
+
+        wait_until(has_all)
+        (sequence,) = tap.numbered.values()
+    payloads = [int.from_bytes(packet.payload[:4], "big") for packet in packets[:-1]]
+    assert payloads == list(range(1600))
+    assert len(packets[-1].payload) == 300_000
+    assert (sequence.lost, sequence.restarts) == (0, 0)
+
+
+@pytest.mark.usefixtures("private_network", "usual_buffers")
+def test_malformed_datagrams_are_seen_once_beside_several_sockets(
+    wait_until: Callable[..., None],
+) -> None:
+    url, seen = parse_url(_URL), Counter[str]()
+    with Tap(url, whole=True, spread=True) as tap, sending_socket(url) as sender:
+        for data in (b"", b"LC02", b"LC03", b"LC03" + bytes(10), b"LC99" + bytes(40), b"x"):
+            sender.sendto(data, (url.host, url.port))
+        sender.sendto(b"LC02\0\0\0\x07END\0", (url.host, url.port))
+
+        def has_end() -> bool:
+            parsed = tap._packets
+
+            def counted(datagrams: object) -> list[Packet]:
+                every = list(datagrams)  # type: ignore[call-overload]
+                seen.update(data.hex() for data, *_ in every if not data.startswith(b"LC02\0"))
+                return parsed(every)
+
+            tap._packets = counted  # type: ignore[method-assign]
+            found = tap.receive(0.1)
+            tap._packets = parsed  # type: ignore[method-assign]
+            return any(packet.channel == "END" for packet in found)
+
+        wait_until(has_end)
+        assert len(tap.malformed) == 1
+    assert sorted(seen.values()) == [1] * 6
