@@ -31,7 +31,12 @@ OPTIONS = [
     for option in command.params
     if isinstance(option, click.Option)
 ]
-VALUED = [(path, option) for path, option in OPTIONS if not option.is_flag]
+# but for those whose value may be left out: there the next word is an option
+VALUED = [
+    (path, option)
+    for path, option in OPTIONS
+    if not option.is_flag and not isinstance(option.flag_value, str)
+]
 Captured = pytest.CaptureFixture[str]
 
 
