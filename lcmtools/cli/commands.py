@@ -145,6 +145,7 @@ steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
 plot    cli.gui.panels:plot        Plot fields of messages over time.
 image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
 graph   cli.gui.panels:graph       Show nodes and topics, and what is wrong with them.
+world   cli.gui.panels:world       Show robots, sensors and paths in 3D.
 topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
 """)
 gui = WindowGroup(
@@ -193,7 +194,7 @@ COMMANDS = {
 spy         cli.spy.command:command         Watch all channels of the bus, live.
 plot        cli.plot:command                Draw fields of messages over time, live.
 bag         cli.commands:bag                Record, play and look into logs.
-relay       cli.relay.command:command       Carry messages between buses; serve tcpq.
+relay       cli.relay.command:command       Serve tcpq, and join buses.
 foxglove    cli.foxglove:command            Serve the bus to Foxglove and Lichtblick.
 node        cli.commands:node               Query nodes: list, info, ping and more.
 msg         cli.commands:msg                Show message types: list, show, proto and more.

@@ -2,12 +2,17 @@
 
 import threading
 from contextlib import ExitStack
+from typing import TypeVar, cast
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.messages.registry import Message
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
+from lcmtools.node.service import Client, ServiceType
 from lcmtools.publish.own_node import own_node
+
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
 
 
 class Publishers:
@@ -19,6 +24,7 @@ class Publishers:
         self._stack = ExitStack()
         self._node: Node | None = None
         self._publishers: dict[tuple[str, type[Message]], Publisher[Message]] = {}
+        self._clients: dict[str, object] = {}
 
     @property
     def node(self) -> Node:
@@ -45,9 +51,23 @@ class Publishers:
                 self._publishers[key] = self.node.create_publisher(kind, topic, literal=True)
             self._publishers[key].publish_payload(payload)
 
+    def client(
+        self, kind: ServiceType[RequestT, ResponseT], name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Return a client of a service of this full name, made when it is first needed.
+
+        Raises:
+            BusError: The bus cannot be reached.
+        """
+        with self._lock:
+            if name not in self._clients:
+                self._clients[name] = self.node.create_client(kind, name)
+            return cast("Client[RequestT, ResponseT]", self._clients[name])
+
     def close(self) -> None:
         """Leave the bus."""
         with self._lock:
             self._publishers.clear()
+            self._clients.clear()
             self._node = None
             self._stack.close()

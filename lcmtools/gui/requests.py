@@ -26,6 +26,8 @@ ASKS = {
 ACTIONS = {
     "play": "playback:play",
     "publish": "forms:publish",
+    "send-pose": "simulators:send_pose",
+    "simulate": "simulators:simulate",
 }
 """The same of each action, which only a page that may command can take."""
 

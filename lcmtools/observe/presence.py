@@ -34,7 +34,6 @@ class Presence:
 
     Attributes:
         node: The node as it is announced.
-        send: Publishes a payload on a channel.
         trouble: The reason why the last announcement was not sent; "" for none.
     """
 
@@ -46,7 +45,7 @@ class Presence:
     ) -> None:
         self.node = node
         self.trouble = ""
-        self.send, self._on_shutdown = send, on_shutdown
+        self._send, self._on_shutdown = send, on_shutdown
         self._next = 0.0
 
     def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
@@ -76,7 +75,7 @@ class Presence:
         announcement = Announcement(self.node, leaving, answers)
         # a network that is gone may come back: the next announcement is a period later
         try:
-            self.send(NODE_CHANNEL, encode_announcement(announcement))
+            self._send(NODE_CHANNEL, encode_announcement(announcement))
             self.trouble = ""
         except BusError as error:
             self.trouble = str(error)

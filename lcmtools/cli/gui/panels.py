@@ -73,3 +73,14 @@ def graph(window: WindowChoice) -> None:
     Findings are marked where they belong, and looked for every few seconds.
     """
     open_window(window, "graph")
+
+
+@subcommand("world", window_options)
+@examples("gui world", "gui world --read-only")
+def world(window: WindowChoice) -> None:
+    """Show the world in 3D in the browser: robots, laser, points, paths, maps, trails.
+
+    With the simulator it shows walls and objects too; robots and crates can be dragged, and time
+    paused. A click sends a pose.
+    """
+    open_window(window, "world")

@@ -7,11 +7,15 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
+    "drawable": "world:Drawable",
     "findings": "findings:DoctorFindings",
+    "frames": "world:Frames",
     "graph": "graph:GraphStream",
     "image": "image:NewestImage",
     "log": "log:LogLines",
+    "markers": "world:Markers",
     "message": "message:LatestMessage",
+    "newest": "world:Newest",
     "plot": "plot:Plot",
     "publishing": "publishing:RepeatedForm",
     "steer": "steer:Steer",

@@ -19,6 +19,11 @@ export const PANELS = {
     detail: "fields of messages over time",
     module: () => import("./plot.js"),
   },
+  world: {
+    title: "World",
+    detail: "robots, sensors and paths in 3D",
+    module: () => import("./world.js"),
+  },
   image: {
     title: "Image",
     detail: "colour, grey and depth",

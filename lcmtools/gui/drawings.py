@@ -1,0 +1,236 @@
+"""Messages as pages draw them: plain values, and numbers as bytes where there are many.
+
+Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure: no source, no time
+but what comes in.
+"""
+
+import sys
+from array import array
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from typing import cast
+
+from lcmtools.gui.protocol import Json
+from lcmtools.gui.streams.base import Update
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.types.geometry_msgs import (
+    Point,
+    Pose,
+    PoseArray,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    Vector3,
+)
+from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
+from lcmtools.types.sensor_msgs import LaserScan, PointCloud, PointCloud2
+from lcmtools.types.std_msgs import ColorRGBA
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools.types.visualization_msgs import Marker, MarkerArray
+
+_NANOSECONDS = 1e9
+
+
+@cache
+def drawable_types() -> frozenset[str]:
+    """Return the names of all types that can be drawn."""
+    return frozenset(type_name(kind) for kind in (*DRAWINGS, TFMessage, Marker, MarkerArray))
+
+
+class Poses:
+    """Frames, each with its parent and its last pose there."""
+
+    def __init__(self) -> None:
+        self._stamp = 0.0
+        self._frames: dict[str, tuple[str, list[float]]] = {}
+
+    def take(self, message: TFMessage) -> None:
+        """Take the frames of a message."""
+        for one in message.transforms:
+            stamp = one.header.stamp
+            self._stamp = stamp.sec + stamp.nsec / _NANOSECONDS
+            place, turn = one.transform.translation, one.transform.rotation
+            self._frames[one.child_frame_id] = (one.header.frame_id, _pose(place, turn))
+
+    def drawing(self, time: float) -> Update:
+        """Return all frames at a time [s]: pairs of names, and their poses as float32."""
+        names: list[Json] = [[parent, child] for child, (parent, _) in self._frames.items()]
+        numbers = (number for _, pose in self._frames.values() for number in pose)
+        about: dict[str, Json] = {"kind": "frames", "time": time, "stamp": self._stamp}
+        return Update({**about, "frames": names}, floats(numbers))
+
+
+class MarkerScene:
+    """The markers of a topic, as messages have added and removed them."""
+
+    def __init__(self) -> None:
+        self._markers: dict[tuple[str, int], Json] = {}
+        self._ends: dict[tuple[str, int], float] = {}
+        self._has_changed = False
+
+    def take(self, message: Message, now: float) -> None:
+        """Take a Marker or a MarkerArray at a time [s]."""
+        for marker in message.markers if isinstance(message, MarkerArray) else [message]:
+            assert isinstance(marker, Marker), "a topic of markers has no others"
+            self._take(marker, now)
+        self._has_changed = True
+
+    def drawing(self, now: float) -> Update | None:
+        """Return all markers at a time [s]; None if nothing has changed."""
+        for key in [key for key, end in self._ends.items() if now >= end]:
+            del self._markers[key], self._ends[key]
+            self._has_changed = True
+        if not self._has_changed:
+            return None
+        self._has_changed = False
+        return Update({"kind": "markers", "markers": list(self._markers.values())})
+
+    def _take(self, marker: Marker, now: float) -> None:
+        if marker.action == Marker.DELETEALL:
+            self._markers.clear()
+            self._ends.clear()
+            return
+        key = marker.ns, marker.id
+        self._ends.pop(key, None)
+        self._markers.pop(key, None)
+        if marker.action == Marker.ADD:
+            self._markers[key] = _marker(marker)
+            if life := marker.lifetime.sec + marker.lifetime.nsec / _NANOSECONDS:
+                self._ends[key] = now + life
+
+
+def floats(numbers: Iterable[float]) -> bytes:
+    """Return numbers as float32, little-endian."""
+    found = array("f", numbers)
+    if sys.byteorder == "big":
+        found.byteswap()
+    return found.tobytes()
+
+
+def _pose(place: Point | Vector3, turn: Quaternion) -> list[float]:
+    return [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
+
+
+def _of(pose: Pose) -> list[float]:
+    return _pose(pose.position, pose.orientation)
+
+
+def _marker(marker: Marker) -> Mapping[str, Json]:
+    return {
+        "ns": marker.ns,
+        "frame": marker.header.frame_id,
+        "type": marker.type,
+        "pose": _of(marker.pose),
+        "scale": [marker.scale.x, marker.scale.y, marker.scale.z],
+        "color": _rgba(marker.color),
+        "points": [number for at in marker.points for number in (at.x, at.y, at.z)],
+        "colors": [number for color in marker.colors for number in _rgba(color)],
+        "text": marker.text,
+    }
+
+
+def _rgba(color: ColorRGBA) -> list[float]:
+    return [color.r, color.g, color.b, color.a]
+
+
+def _scan(scan: LaserScan) -> Update:
+    """The ranges as float32 [m]."""
+    about: dict[str, Json] = {
+        "kind": "scan",
+        "frame": scan.header.frame_id,
+        "first": scan.angle_min,
+        "step": scan.angle_increment,
+        "shortest": scan.range_min,
+        "longest": scan.range_max,
+    }
+    return Update(about, floats(scan.ranges))
+
+
+def _cloud(cloud: PointCloud2) -> Update:
+    """The points as they are, with the places of their fields: the page reads them."""
+    about: dict[str, Json] = {
+        "kind": "cloud",
+        "frame": cloud.header.frame_id,
+        "width": cloud.width,
+        "height": cloud.height,
+        "pointStep": cloud.point_step,
+        "rowStep": cloud.row_step,
+        "isBigEndian": cloud.is_bigendian,
+        "fields": [[field.name, field.offset, field.datatype] for field in cloud.fields],
+    }
+    return Update(about, bytes(cloud.data))
+
+
+def _plain_cloud(cloud: PointCloud) -> Update:
+    """The points as float32 [m]."""
+    about: dict[str, Json] = {"kind": "points", "frame": cloud.header.frame_id}
+    return Update(about, floats(number for at in cloud.points for number in (at.x, at.y, at.z)))
+
+
+def _odometry(odometry: Odometry) -> Update:
+    linear, angular = odometry.twist.twist.linear, odometry.twist.twist.angular
+    return Update(
+        {
+            "kind": "odometry",
+            "frame": odometry.header.frame_id,
+            "child": odometry.child_frame_id,
+            "pose": _of(odometry.pose.pose),
+            "twist": [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z],
+        }
+    )
+
+
+def _stamped(message: PoseStamped) -> Update:
+    return Update({"kind": "pose", "frame": message.header.frame_id, "pose": _of(message.pose)})
+
+
+def _uncertain(message: PoseWithCovarianceStamped) -> Update:
+    return Update(
+        {
+            "kind": "pose",
+            "frame": message.header.frame_id,
+            "pose": _of(message.pose.pose),
+            "covariance": list(message.pose.covariance),
+        }
+    )
+
+
+def _many(message: PoseArray) -> Update:
+    """The poses as float32."""
+    about: dict[str, Json] = {"kind": "poses", "frame": message.header.frame_id}
+    return Update(about, floats(number for pose in message.poses for number in _of(pose)))
+
+
+def _path(path: Path) -> Update:
+    """The positions as float32 [m]."""
+    places = (one.pose.position for one in path.poses)
+    about: dict[str, Json] = {"kind": "path", "frame": path.header.frame_id}
+    return Update(about, floats(number for at in places for number in (at.x, at.y, at.z)))
+
+
+def _grid(grid: OccupancyGrid) -> Update:
+    """The cells as int8: -1 for unknown, 0 to 100 for how likely it is occupied."""
+    about: dict[str, Json] = {
+        "kind": "grid",
+        "frame": grid.header.frame_id,
+        "resolution": grid.info.resolution,
+        "width": grid.info.width,
+        "height": grid.info.height,
+        "origin": _of(grid.info.origin),
+    }
+    return Update(about, array("b", grid.data).tobytes())
+
+
+_DRAWINGS = {
+    LaserScan: _scan,
+    PointCloud2: _cloud,
+    PointCloud: _plain_cloud,
+    Odometry: _odometry,
+    PoseStamped: _stamped,
+    PoseWithCovarianceStamped: _uncertain,
+    PoseArray: _many,
+    Path: _path,
+    OccupancyGrid: _grid,
+}
+DRAWINGS = cast("Mapping[type[Message], Callable[[Message], Update]]", _DRAWINGS)
+"""The types that are drawn alone, the newest message only."""

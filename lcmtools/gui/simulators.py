@@ -1,0 +1,97 @@
+"""Requests of a page for simulators, by their services, and poses that it sends."""
+
+from typing import Protocol, TypeVar
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.publishing import Publishers
+from lcmtools.gui.source import Source
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
+from lcmtools.names import resolve
+from lcmtools.node.service import ServiceType
+from lcmtools.types.geometry_msgs import Pose, PoseStamped
+from lcmtools.types.sim_msgs import SetPose, SetRate, Step
+from lcmtools.types.std_srvs import Trigger
+
+_TIMEOUT = 5.0  # [s]
+_FARTHEST = 1e5  # [m]
+_MOST_STEPS = 10_000
+
+RequestT = TypeVar("RequestT", bound=Message)
+
+
+class _Outcome(Message, Protocol):
+    """The fields of every simulator's response."""
+
+    success: bool
+    message: str
+
+
+OutcomeT = TypeVar("OutcomeT", bound=_Outcome)
+_TRIGGERS = ("pause", "resume", "reset")
+
+
+def simulate(source: Source, parameters: Parameters) -> Json:
+    """Call ``verb`` of the simulator ``node``; return its answer.
+
+    Raises:
+        LcmtoolsError: It could not do it, with the reason.
+        ServiceTimeout: It did not answer.
+    """
+    verb = parameters.text("verb")
+    name = resolve(f"{parameters.text('node')}/{verb}")
+    publishers = _publishers(source)
+    if verb in _TRIGGERS:
+        return _call(publishers, Trigger, name, Trigger.Request())
+    if verb == "step":
+        step = Step.Request()
+        step.steps = round(parameters.number("steps", 1, 1, _MOST_STEPS))
+        return _call(publishers, Step, name, step)
+    if verb == "set_rate":
+        rate = SetRate.Request()
+        rate.rate = parameters.number("rate", 1.0, 0.0)
+        return _call(publishers, SetRate, name, rate)
+    if verb == "set_pose":
+        pose = SetPose.Request()
+        pose.robot, pose.pose = parameters.text("name"), _pose(parameters)
+        return _call(publishers, SetPose, name, pose)
+    raise Rubbish(f"no simulator has a service '{verb[:40]}'")
+
+
+def send_pose(source: Source, parameters: Parameters) -> Json:
+    """Publish a pose in a ``frame`` on ``topic``, as rviz does for a goal."""
+    message = PoseStamped()
+    message.header.frame_id, message.pose = parameters.text("frame"), _pose(parameters)
+    topic = resolve(parameters.text("topic"))
+    _publishers(source).publish(topic, PoseStamped, encode(message))
+    return {"topic": topic}
+
+
+def _call(
+    publishers: Publishers,
+    kind: ServiceType[RequestT, OutcomeT],
+    name: str,
+    request: RequestT,
+) -> Json:
+    response = publishers.client(kind, name).call(request, _TIMEOUT)
+    if not response.success:
+        raise LcmtoolsError(response.message)
+    return {"message": response.message}
+
+
+def _publishers(source: Source) -> Publishers:
+    if source.publishers is None:
+        raise LcmtoolsError("a log takes no commands")
+    return source.publishers
+
+
+def _pose(parameters: Parameters) -> Pose:
+    """The pose in ``x``, ``y`` [m] and the quaternion's ``qz`` and ``qw``."""
+    pose = Pose()
+    pose.position.x, pose.position.y, pose.position.z = (
+        parameters.number(name, 0.0, -_FARTHEST, _FARTHEST) for name in "xyz"
+    )
+    pose.orientation.z = parameters.number("qz", 0.0, -1, 1)
+    pose.orientation.w = parameters.number("qw", 1.0, -1, 1)
+    return pose

@@ -1,0 +1,507 @@
+// The world in 3D: robots by their shapes, what their sensors see, where they should go.
+
+import { color, element, iconButton, fill, set, write } from "../elements.js";
+import { stylesheet } from "./stylesheet.js";
+import { Display, TYPES } from "./world/displays.js";
+import { Frames } from "./world/frames.js";
+import { Pointing } from "./world/pointing.js";
+import { Sidebar } from "./world/sidebar.js";
+import { Simulator } from "./world/simulator.js";
+import { View } from "./world/view.js";
+
+/**
+ * @typedef {import("./world/frames.js").Pose} Pose
+ * @typedef {{topic: string, type: string, rate: number | null, silent: boolean}} Topic
+ * @typedef {"look" | "move" | "pose"} Tool
+ */
+
+const TOOLS = /** @type {[Tool, string, string][]} */ ([
+  ["look", "Look", "Turn the view: drag; move it: right button or Shift; closer: wheel"],
+  ["move", "Move", "Drag robots and crates; Shift turns them"],
+  ["pose", "Send pose", "Click a place and draw the heading: a PoseStamped is sent"],
+]);
+const SERIES = 8;
+const SMOOTH = 200; // [ms] that the view is drawn on after a message
+const TOLD = 250; // [ms] between two looks at the poses for the list
+
+/** The panel. */
+export default class World {
+  /**
+   * @param {import("../context.js").Context} context
+   * @param {any} settings
+   */
+  constructor(context, settings) {
+    stylesheet("world.css");
+    this.context = context;
+    this.title = "World";
+    this.kept = { fixed: "", follow: "", goal: "/goal", side: true, shown: {}, colors: {}, camera: null, ...settings };
+    this.frames = new Frames();
+    /** @type {Map<string, {display: Display, close: () => void}>} */
+    this.displays = new Map();
+    /** @type {Topic[]} */
+    this.topics = [];
+    this.tool = /** @type {Tool} */ ("look");
+    this.fixed = "world";
+    this.hasLooked = Boolean(this.kept.camera);
+    /** @type {Pose | null} */
+    this.followed = null;
+    this.told = 0;
+    this.listed = "";
+    this.message = element("p", { class: "world-message", role: "status", hidden: true });
+    this.stage = element("div", {
+      class: "world-stage",
+      tabindex: 0,
+      role: "application",
+      "aria-label": "World in 3D: arrow keys turn the view, plus and minus change the distance, the list has the poses",
+      onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
+    });
+    this.simulator = new Simulator(context, (text) => this.tell(text));
+    this.sidebar = new Sidebar({
+      isShown: (topic) => this.isShown(topic),
+      color: (topic) => this.colorOf(topic),
+      show: (topic, isShown) => this.show(topic, isShown),
+      paint: (topic, chosen) => this.paint(topic, chosen),
+      look: (name) => this.lookAt(name),
+    });
+    this.element = element("div", { class: "world" }, this.tools(), element("div", { class: "world-room" }, this.stage, this.sidebar.element));
+    this.stage.append(this.message);
+    this.begin();
+    context.open("drawable", {}, (data) => this.setTopics(data));
+    context.onChange(() => this.showTools());
+  }
+
+  /** Begin to draw, where the browser can. */
+  begin() {
+    try {
+      this.view = new View(this.stage);
+    } catch {
+      this.stage.append(
+        element("p", { class: "empty" }, "This browser has no WebGL, which the view needs: the list has the poses."),
+      );
+      this.timer = setInterval(() => this.listPoses(performance.now()), TOLD);
+      return;
+    }
+    const { view } = this;
+    view.beforeDrawing = (now) => this.place(now);
+    view.controls.addEventListener("end", () => this.keepCamera());
+    if (this.kept.camera) view.look(this.kept.camera.position, this.kept.camera.target);
+    const theme = () => view.setTheme(isDark());
+    new MutationObserver(theme).observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme, { signal: this.context.signal });
+    theme();
+    this.pointing = new Pointing({
+      view,
+      tool: () => (this.context.canCommand ? this.tool : "look"),
+      bodyAt: (hit) => this.bodyAt(hit.object),
+      poseOf: (frame) => this.frames.pose(frame, "world", performance.now()),
+      hold: (frame, pose) => this.frames.hold(frame, pose),
+      put: ({ node, name }, [x, y, , , , qz, qw]) => this.simulator.call("set_pose", { name, x, y, qz, qw }, node),
+      send: (pose) => this.sendPose(pose),
+      color: () => hex("--accent"),
+    });
+  }
+
+  tools() {
+    /** @type {Map<Tool, HTMLButtonElement>} */
+    this.toolButtons = new Map();
+    for (const [tool, name, title] of TOOLS) {
+      const button = element("button", { type: "button", title, "aria-pressed": tool === "look", onclick: () => this.choose(tool) }, name);
+      this.toolButtons.set(tool, button);
+    }
+    this.goal = element("input", {
+      type: "text",
+      class: "mono",
+      "aria-label": "Topic of the pose",
+      title: "Topic of the pose (geometry_msgs/PoseStamped)",
+      hidden: true,
+      onchange: () => {
+        this.kept.goal = this.goal?.value.trim() || "/goal";
+        this.context.changed();
+      },
+    });
+    this.goal.value = this.kept.goal;
+    this.fixedChoice = element("select", { "aria-label": "Fixed frame", title: "Fixed frame", onchange: () => this.setFixed() });
+    this.followChoice = element("select", { "aria-label": "Follow", title: "The camera follows", onchange: () => this.setFollow() });
+    this.side = iconButton("settings", "Displays and poses", () => {
+      this.kept.side = !this.kept.side;
+      this.showTools();
+      this.context.changed();
+    });
+    return element(
+      "div",
+      { class: "tools world-tools" },
+      element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, [...this.toolButtons.values()], this.goal),
+      this.fixedChoice,
+      this.followChoice,
+      element("button", { type: "button", title: "Back to where the view began", onclick: () => this.resetView() }, "Reset view"),
+      element("button", { type: "button", title: "Look from above", onclick: () => this.lookFromAbove() }, "Top"),
+      this.simulator.element,
+      element("span", { class: "space" }),
+      this.side,
+    );
+  }
+
+  showTools() {
+    const may = this.context.canCommand && this.context.source === "bus";
+    this.toolButtons?.forEach((button, tool) => {
+      set(button, "aria-pressed", String(tool === this.tool));
+      button.disabled = tool !== "look" && !may;
+    });
+    if (this.goal) this.goal.hidden = this.tool !== "pose";
+    if (this.side) set(this.side, "aria-pressed", String(this.kept.side));
+    this.sidebar.element.classList.toggle("is-folded", !this.kept.side);
+    this.stage.dataset["tool"] = may ? this.tool : "look";
+  }
+
+  /** @param {Tool} tool */
+  choose(tool) {
+    this.tool = tool;
+    this.showTools();
+  }
+
+  /** @param {{topics: Topic[], simulators: string[]}} data */
+  setTopics({ topics, simulators }) {
+    this.topics = topics;
+    this.simulator.setNodes(simulators);
+    const names = new Set(topics.map(({ topic }) => topic));
+    for (const topic of this.displays.keys()) if (!names.has(topic)) this.hide(topic);
+    for (const topic of topics) if (this.isShown(topic)) this.open(topic);
+    const key = JSON.stringify(topics.map(({ topic, type }) => [topic, type]));
+    if (key !== this.listed) {
+      this.listed = key;
+      this.sidebar.setTopics(topics);
+    }
+  }
+
+  /** @param {{topic: string, type: string}} topic */
+  isShown({ topic, type }) {
+    return this.kept.shown[topic] ?? !TYPES[type]?.isOff;
+  }
+
+  /** @param {{topic: string, type: string}} topic */
+  colorOf({ topic }) {
+    const colored = this.topics.filter(({ type }) => TYPES[type]?.hasColor).map((one) => one.topic);
+    return this.kept.colors[topic] ?? hex(`--series-${(Math.max(0, colored.indexOf(topic)) % SERIES) + 1}`);
+  }
+
+  /**
+   * @param {{topic: string, type: string}} topic
+   * @param {boolean} isShown
+   */
+  show(topic, isShown) {
+    this.kept.shown[topic.topic] = isShown;
+    if (isShown) this.open(topic);
+    else this.hide(topic.topic);
+    this.view?.invalidate();
+    this.context.changed();
+  }
+
+  /**
+   * @param {{topic: string}} topic
+   * @param {string} chosen
+   */
+  paint({ topic }, chosen) {
+    this.kept.colors[topic] = chosen;
+    this.displays.get(topic)?.display.paint(chosen);
+    this.view?.invalidate();
+    this.context.changed();
+  }
+
+  /** @param {{topic: string, type: string}} topic */
+  open(topic) {
+    const kind = TYPES[topic.type];
+    if (!kind || this.displays.has(topic.topic)) return;
+    const display = new Display(topic.topic, topic.type);
+    display.color = this.colorOf(topic);
+    display.isPainted = topic.topic in this.kept.colors;
+    const stream = this.context.connection.open(
+      kind.stream,
+      { topic: topic.topic },
+      (data, payload) => this.take(display, data, payload),
+      (problem) => this.sidebar.setStatus(topic.topic, problem || kind.name, Boolean(problem)),
+    );
+    this.displays.set(topic.topic, { display, close: stream.close });
+  }
+
+  /** @param {string} topic */
+  hide(topic) {
+    const found = this.displays.get(topic);
+    if (!found) return;
+    found.close();
+    found.display.close();
+    this.displays.delete(topic);
+    this.frames.drop(topic);
+    this.sidebar.setStatus(topic, "", false);
+  }
+
+  /**
+   * @param {Display} display
+   * @param {any} data
+   * @param {ArrayBuffer} [payload]
+   */
+  take(display, data, payload) {
+    const now = performance.now();
+    if (data.kind === "frames") this.takeFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
+    else {
+      if (data.kind === "odometry" && data.child) {
+        this.frames.take(display.topic, data.frame, data.child, data.pose, now, true);
+      }
+      display.take(data, payload);
+      display.leaveTrail(this.frames, this.fixed, now);
+    }
+    this.view?.invalidate(SMOOTH);
+  }
+
+  /**
+   * @param {string} topic
+   * @param {{frames: [string, string][], stamp: number}} data
+   * @param {Float32Array} numbers
+   * @param {number} now
+   */
+  takeFrames(topic, data, numbers, now) {
+    const before = this.frames.frames.size;
+    data.frames.forEach(([parent, child], index) => {
+      const pose = /** @type {Pose} */ (Array.from(numbers.subarray(7 * index, 7 * index + 7)));
+      this.frames.take(topic, parent, child, pose, now);
+    });
+    this.simulator.take(topic, data.stamp);
+    if (this.frames.frames.size !== before) this.offerFrames();
+  }
+
+  offerFrames() {
+    const names = this.frames.names();
+    this.fixed = names.includes(this.kept.fixed) ? this.kept.fixed : this.frames.root();
+    const shown = names.filter((name) => !name.startsWith("ground_truth/") || name === this.fixed);
+    offer(this.fixedChoice, shown.length ? shown : ["world"], this.fixed);
+    offer(this.followChoice, ["", ...this.bodies().map(({ name }) => name)], this.kept.follow, "follow nothing");
+  }
+
+  /**
+   * The bodies that move, by their names, each with its frame.
+   * @returns {{name: string, frame: string}[]}
+   */
+  bodies() {
+    /** @type {Map<string, string>} */
+    const found = new Map();
+    for (const { display } of this.displays.values()) {
+      for (const { frame, ns } of display.parts) {
+        if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, frame);
+      }
+      const { latest } = display;
+      if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
+        found.set(`${display.topic}`, latest.child || latest.frame);
+      }
+    }
+    /** @param {string} name */
+    const rank = (name) => (this.displays.has(name) ? 2 : name.startsWith("/") ? 0 : 1);
+    return [...found]
+      .map(([name, frame]) => ({ name, frame }))
+      .sort((a, b) => rank(a.name) - rank(b.name) || a.name.localeCompare(b.name, undefined, { numeric: true }));
+  }
+
+  /**
+   * A frame that is known, for a sensor's that may not be: that of the odometry in its namespace.
+   * @param {string} frame
+   * @param {string} topic
+   */
+  frameOf(frame, topic) {
+    if (this.frames.frames.has(frame) || frame === this.fixed || this.frames.names().includes(frame)) return frame;
+    let best = "";
+    let found = frame;
+    for (const [name, { display }] of this.displays) {
+      const space = name.slice(0, name.lastIndexOf("/") + 1);
+      if (display.latest?.kind === "odometry" && topic.startsWith(space) && space.length > best.length) {
+        best = space;
+        found = display.latest.child;
+      }
+    }
+    return found;
+  }
+
+  /**
+   * Put all that is shown where it is.
+   * @param {number} now
+   */
+  place(now) {
+    const { view } = this;
+    if (!view) return;
+    for (const { display } of this.displays.values()) {
+      display.place(view.content, this.frames, this.fixed, now, (frame, topic) => this.frameOf(frame, topic));
+    }
+    view.ground.visible = !view.content.children.some((/** @type {any} */ one) => one.userData.isGround);
+    this.follow(now);
+    this.listPoses(now);
+  }
+
+  /** @param {number} now */
+  follow(now) {
+    const body = this.bodies().find(({ name }) => name === this.kept.follow);
+    const pose = body ? this.frames.pose(body.frame, this.fixed, now) : null;
+    if (pose && this.followed) {
+      this.view?.shift(pose[0] - this.followed[0], pose[1] - this.followed[1], pose[2] - this.followed[2]);
+    }
+    this.followed = pose;
+  }
+
+  /** @param {number} now */
+  listPoses(now) {
+    if (now - this.told < TOLD) return;
+    this.told = now;
+    const bodies = this.bodies().flatMap(({ name, frame }) => {
+      const pose = this.frames.pose(frame, this.fixed, now);
+      return pose ? [{ name, pose }] : [];
+    });
+    this.sidebar.setBodies(bodies);
+    for (const [topic, { display }] of this.displays) {
+      const text = display.lost || display.status;
+      if (text) this.sidebar.setStatus(topic, text, Boolean(display.lost));
+    }
+    if (this.followChoice && this.followChoice.options.length !== bodies.length + 1) this.offerFrames();
+    if (!this.hasLooked && bodies.length) this.resetView();
+  }
+
+  resetView() {
+    const body = this.bodies().find(({ name }) => name === this.kept.follow) ?? this.bodies()[0];
+    const pose = body ? this.frames.pose(body.frame, this.fixed, performance.now()) : null;
+    this.hasLooked = true;
+    this.view?.lookFromBehind(pose ? [pose[0], pose[1], 0.3] : [0, 0, 0.3]);
+    this.keepCamera();
+  }
+
+  lookFromAbove() {
+    this.view?.lookFromAbove();
+    this.keepCamera();
+  }
+
+  /** @param {string} name */
+  lookAt(name) {
+    const body = this.bodies().find((one) => one.name === name);
+    const pose = body ? this.frames.pose(body.frame, this.fixed, performance.now()) : null;
+    if (!pose || !this.view) return;
+    const { target } = this.view.controls;
+    this.view.shift(pose[0] - target.x, pose[1] - target.y, 0.2 - target.z);
+    this.keepCamera();
+  }
+
+  keepCamera() {
+    if (!this.view) return;
+    this.kept.camera = {
+      position: this.view.camera.position.toArray().map(rounded),
+      target: this.view.controls.target.toArray().map(rounded),
+    };
+    this.context.changed();
+  }
+
+  setFixed() {
+    this.kept.fixed = this.fixed = this.fixedChoice?.value ?? "world";
+    this.view?.invalidate();
+    this.context.changed();
+  }
+
+  setFollow() {
+    this.kept.follow = this.followChoice?.value ?? "";
+    this.followed = null;
+    if (this.kept.follow) this.lookAt(this.kept.follow);
+    this.context.changed();
+  }
+
+  /**
+   * The body that a mesh belongs to, where a simulator can move it.
+   * @param {any} object
+   */
+  bodyAt(object) {
+    while (object && !object.userData.topic) object = object.parent;
+    const { topic, ns } = object?.userData ?? {};
+    const node = this.simulator.nodes.find((name) => topic === `${name}/world`);
+    const body = this.bodies().find(({ name }) => name === ns);
+    return node && body ? { node, name: ns, frame: body.frame } : null;
+  }
+
+  /** @param {Pose} pose */
+  async sendPose([x, y, , , , qz, qw]) {
+    const topic = this.kept.goal;
+    try {
+      await this.context.do("send-pose", { topic, frame: this.fixed, x, y, qz, qw });
+      this.tell(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
+    } catch (error) {
+      this.tell(String(/** @type {Error} */ (error).message));
+    }
+  }
+
+  /** @param {string} text */
+  tell(text) {
+    write(this.message, text);
+    this.message.hidden = !text;
+    clearTimeout(this.silence);
+    this.silence = setTimeout(() => {
+      this.message.hidden = true;
+    }, 4000);
+  }
+
+  /** @param {KeyboardEvent} event */
+  press(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || !this.view) return;
+    const turn = /** @type {Record<string, [number, number, number]>} */ ({
+      ArrowLeft: [-0.1, 0, 1],
+      ArrowRight: [0.1, 0, 1],
+      ArrowUp: [0, 0.07, 1],
+      ArrowDown: [0, -0.07, 1],
+      "+": [0, 0, 0.9],
+      "=": [0, 0, 0.9],
+      "-": [0, 0, 1 / 0.9],
+    })[event.key];
+    if (turn) this.view.move(...turn);
+    else if (event.key === "Home") this.resetView();
+    else if (event.key === "t") this.lookFromAbove();
+    else return;
+    event.preventDefault();
+    this.keepCamera();
+  }
+
+  settings() {
+    return this.kept;
+  }
+
+  close() {
+    clearInterval(this.timer);
+    clearTimeout(this.silence);
+    for (const topic of [...this.displays.keys()]) this.hide(topic);
+    this.view?.close();
+  }
+}
+
+/** @param {number} value */
+const rounded = (value) => Math.round(value * 1000) / 1000;
+
+function isDark() {
+  const chosen = document.documentElement.dataset["theme"];
+  return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+/**
+ * A colour of style.css as #rrggbb.
+ * @param {string} name
+ */
+function hex(name) {
+  const numbers = color(name).match(/\d+/g) ?? [];
+  return `#${numbers
+    .slice(0, 3)
+    .map((value) => Number(value).toString(16).padStart(2, "0"))
+    .join("")}`;
+}
+
+/**
+ * @param {HTMLSelectElement | undefined} select
+ * @param {string[]} values
+ * @param {string} value
+ * @param {string} [none]
+ */
+function offer(select, values, value, none = "") {
+  if (!select) return;
+  const all = values.includes(value) ? values : [...values, value];
+  fill(
+    select,
+    all.map((one) => element("option", { value: one }, one || none)),
+  );
+  select.value = value;
+}

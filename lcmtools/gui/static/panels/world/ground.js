@@ -1,0 +1,51 @@
+// The ground's material: lines a metre apart are a part of it, so that nothing flickers.
+
+import { Color, Mesh, MeshStandardMaterial, PlaneGeometry, Vector3 } from "../../vendor/three/three.js";
+
+const SIZE = 500; // [m]
+
+/** What all grounds have in common: the colour of the lines, and the place where they are strong. */
+export const lines = { color: { value: new Color() }, centre: { value: new Vector3() } };
+
+/** Make a material with lines at each metre, strong ones at each ten, that fade with the distance. */
+export function groundMaterial() {
+  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.95 });
+  material.onBeforeCompile = (/** @type {any} */ shader) => {
+    shader.uniforms.lineColor = lines.color;
+    shader.uniforms.lineCentre = lines.centre;
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nvarying vec3 linePlace;")
+      .replace("#include <begin_vertex>", "#include <begin_vertex>\nlinePlace = (modelMatrix * vec4(transformed, 1.0)).xyz;");
+    shader.fragmentShader = shader.fragmentShader
+      .replace(
+        "#include <common>",
+        `#include <common>
+        varying vec3 linePlace; uniform vec3 lineColor, lineCentre;
+        float lineAt(float size, float width) {
+          vec2 at = linePlace.xy / size, pixel = fwidth(at);
+          vec2 far = abs(fract(at - 0.5) - 0.5) - width / size;
+          vec2 found = 1.0 - smoothstep(vec2(0.0), 1.5 * pixel, far);
+          return max(found.x, found.y) * (1.0 - smoothstep(0.12, 0.5, max(pixel.x, pixel.y)));
+        }`,
+      )
+      .replace(
+        "#include <color_fragment>",
+        `#include <color_fragment>
+        float lineFade = 1.0 - smoothstep(6.0, 45.0, distance(linePlace, lineCentre));
+        float line = max(0.2 * lineAt(1.0, 0.004), 0.38 * lineAt(10.0, 0.009)) * lineFade;
+        diffuseColor.rgb = mix(diffuseColor.rgb, lineColor, line);`,
+      );
+  };
+  return material;
+}
+
+/** Make the ground where no message has one. */
+export function plainGround() {
+  const material = groundMaterial();
+  material.vertexColors = false;
+  material.color.set("#b9bdb8");
+  const found = new Mesh(new PlaneGeometry(SIZE, SIZE), material);
+  found.receiveShadow = true;
+  found.position.z = -0.002;
+  return found;
+}

@@ -1,0 +1,148 @@
+// The pointer on the world: bodies are moved, poses are sent.
+
+import { dispose } from "./shapes.js";
+import { pointer } from "./displays.js";
+import { heading } from "./frames.js";
+
+const PERIOD = 70; // [ms] between two poses while a body is dragged
+const TURN = 0.01; // [rad] for each pixel with Shift
+
+/**
+ * @typedef {import("./frames.js").Pose} Pose
+ * @typedef {{node: string, name: string, frame: string}} Body
+ * @typedef {{
+ *   view: import("./view.js").View,
+ *   tool: () => "look" | "move" | "pose",
+ *   bodyAt: (hit: any) => Body | null,
+ *   poseOf: (frame: string) => Pose | null,
+ *   hold: (frame: string, pose: Pose | null) => void,
+ *   put: (body: Body, pose: Pose) => Promise<boolean>,
+ *   send: (pose: Pose) => void,
+ *   color: () => string,
+ * }} Owner
+ */
+
+/** Follows the pointer with the tool that is chosen. */
+export class Pointing {
+  /** @param {Owner} owner */
+  constructor(owner) {
+    this.owner = owner;
+    /** @type {((event: PointerEvent) => void) | null} */
+    this.onMove = null;
+    /** @type {(() => void) | null} */
+    this.onEnd = null;
+    const { canvas } = owner.view;
+    canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
+    canvas.addEventListener("pointermove", (event) => this.onMove?.(event));
+    canvas.addEventListener("pointerup", () => this.end());
+    canvas.addEventListener("pointercancel", () => this.end());
+  }
+
+  /** @param {PointerEvent} event */
+  begin(event) {
+    if (event.button !== 0 || !event.isPrimary) return;
+    const tool = this.owner.tool();
+    const started = tool === "move" ? this.drag(event) : tool === "pose" ? this.aim(event) : false;
+    if (!started) return;
+    const { view } = this.owner;
+    view.controls.enabled = false;
+    try {
+      view.canvas.setPointerCapture(event.pointerId);
+    } catch {
+      // the pointer has gone again
+    }
+  }
+
+  end() {
+    this.onEnd?.();
+    this.onMove = this.onEnd = null;
+    this.owner.view.controls.enabled = true;
+    this.owner.view.invalidate(300);
+  }
+
+  /**
+   * Begin to move the body under the pointer; with Shift it is turned.
+   * @param {PointerEvent} event
+   */
+  drag(event) {
+    const { view, bodyAt, poseOf, hold, put } = this.owner;
+    const hits = view.ray(event).intersectObjects(view.content.children, true);
+    const body = hits.length ? bodyAt(hits[0]) : null;
+    const start = body && poseOf(body.frame);
+    const from = hits.length ? view.place(event, hits[0].point.z) : null;
+    if (!body || !start || !from) return false;
+    const height = hits[0].point.z;
+    let pose = flat(start[0], start[1], heading(start));
+    let [x, y] = [event.clientX, event.clientY];
+    let grip = [from[0] - start[0], from[1] - start[1]];
+    let wanted = /** @type {Pose | null} */ (null);
+    let isBusy = false;
+    const send = async () => {
+      if (isBusy) return;
+      isBusy = true;
+      while (wanted) {
+        const next = wanted;
+        wanted = null;
+        await put(body, next);
+        await new Promise((resolve) => setTimeout(resolve, PERIOD));
+      }
+      isBusy = false;
+      if (!this.onMove) hold(body.frame, null);
+    };
+    this.onMove = (moved) => {
+      const at = view.place(moved, height);
+      if (moved.shiftKey) {
+        pose = flat(pose[0], pose[1], heading(pose) - TURN * (moved.clientX - x));
+        if (at) grip = [at[0] - pose[0], at[1] - pose[1]];
+      } else if (at) {
+        pose = flat(at[0] - /** @type {number} */ (grip[0]), at[1] - /** @type {number} */ (grip[1]), heading(pose));
+      }
+      [x, y] = [moved.clientX, moved.clientY];
+      wanted = pose;
+      hold(body.frame, pose);
+      view.invalidate(300);
+      send();
+    };
+    this.onEnd = () => {
+      if (!isBusy) hold(body.frame, null);
+    };
+    return Number.isFinite(y);
+  }
+
+  /**
+   * Begin to choose a pose: the place, and by moving on the heading.
+   * @param {PointerEvent} event
+   */
+  aim(event) {
+    const { view, send, color } = this.owner;
+    const at = view.place(event);
+    if (!at) return false;
+    let pose = flat(at[0], at[1], 0);
+    let arrow = pointer(pose, color());
+    view.content.add(arrow);
+    this.onMove = (moved) => {
+      const end = view.place(moved);
+      if (!end || Math.hypot(end[0] - at[0], end[1] - at[1]) < 0.05) return;
+      pose = flat(at[0], at[1], Math.atan2(end[1] - at[1], end[0] - at[0]));
+      dispose(arrow);
+      arrow = pointer(pose, color());
+      view.content.add(arrow);
+      view.invalidate();
+    };
+    this.onEnd = () => {
+      dispose(arrow);
+      send(pose);
+    };
+    return true;
+  }
+}
+
+/**
+ * @param {number} x
+ * @param {number} y
+ * @param {number} yaw
+ * @returns {Pose}
+ */
+function flat(x, y, yaw) {
+  return [x, y, 0, 0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)];
+}

@@ -1,0 +1,108 @@
+// The list beside the world: displays with ticks and colours, and where the robots are.
+
+import { element, fill, set, write } from "../../elements.js";
+import { TYPES } from "./displays.js";
+import { heading } from "./frames.js";
+
+/**
+ * @typedef {import("./frames.js").Pose} Pose
+ * @typedef {{topic: string, type: string}} Topic
+ * @typedef {{
+ *   isShown: (topic: Topic) => boolean,
+ *   color: (topic: Topic) => string,
+ *   show: (topic: Topic, isShown: boolean) => void,
+ *   paint: (topic: Topic, color: string) => void,
+ *   look: (name: string) => void,
+ * }} Owner
+ */
+
+/** The list. */
+export class Sidebar {
+  /** @param {Owner} owner */
+  constructor(owner) {
+    this.owner = owner;
+    /** @type {Map<string, {row: HTMLElement, status: HTMLElement}>} */
+    this.rows = new Map();
+    this.displays = element("ul", { class: "world-displays" });
+    this.none = element("p", { class: "muted" }, "Nothing on the bus can be drawn yet.");
+    this.bodies = element("ul", { class: "world-bodies", "aria-label": "Poses" });
+    this.element = element(
+      "aside",
+      { class: "world-side" },
+      element("h3", {}, "Displays"),
+      this.none,
+      this.displays,
+      element("h3", {}, "Robots and objects"),
+      this.bodies,
+    );
+  }
+
+  /** @param {Topic[]} topics */
+  setTopics(topics) {
+    this.none.hidden = topics.length > 0;
+    this.rows.clear();
+    fill(
+      this.displays,
+      topics.map((topic) => this.row(topic)),
+    );
+  }
+
+  /** @param {Topic} topic */
+  row(topic) {
+    const { owner } = this;
+    const kind = TYPES[topic.type];
+    const tick = element("input", { type: "checkbox", onchange: () => owner.show(topic, tick.checked) });
+    tick.checked = owner.isShown(topic);
+    const status = element("small");
+    const color = kind?.hasColor
+      ? element("input", {
+          type: "color",
+          "aria-label": `Colour of ${topic.topic}`,
+          oninput: (/** @type {Event} */ event) => owner.paint(topic, /** @type {HTMLInputElement} */ (event.target).value),
+        })
+      : null;
+    if (color) color.value = owner.color(topic);
+    const row = element(
+      "li",
+      { title: `${topic.topic}, ${topic.type}` },
+      element("label", {}, tick, element("span", { class: "mono" }, topic.topic)),
+      color,
+      status,
+    );
+    this.rows.set(topic.topic, { row, status });
+    write(status, kind?.name ?? "");
+    return row;
+  }
+
+  /**
+   * @param {string} topic
+   * @param {string} text what is wrong, or what it is
+   * @param {boolean} isBad
+   */
+  setStatus(topic, text, isBad) {
+    const found = this.rows.get(topic);
+    if (!found) return;
+    write(found.status, text);
+    found.row.classList.toggle("is-bad", isBad);
+  }
+
+  /** @param {{name: string, pose: Pose}[]} bodies */
+  setBodies(bodies) {
+    while (this.bodies.children.length > bodies.length) this.bodies.lastElementChild?.remove();
+    bodies.forEach(({ name, pose }, index) => {
+      let line = this.bodies.children[index];
+      if (!line) {
+        const button = element("button", { type: "button", onclick: () => this.owner.look(button.dataset["name"] ?? "") });
+        line = element("li", {}, button, element("span", { class: "number" }));
+        this.bodies.append(line);
+      }
+      const [button, text] = /** @type {[HTMLElement, HTMLElement]} */ ([...line.children]);
+      button.dataset["name"] = name;
+      set(button, "title", `Look at ${name}`);
+      write(button, name);
+      const [x, y, yaw] = [pose[0], pose[1], (heading(pose) * 180) / Math.PI];
+      write(text, `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m, ${yaw.toFixed(0)}°`);
+      line.setAttribute("data-pose", `${name} ${x.toFixed(4)} ${y.toFixed(4)} ${heading(pose).toFixed(4)}`);
+    });
+  }
+}

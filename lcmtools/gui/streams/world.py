@@ -1,0 +1,166 @@
+"""The streams of the world: what can be drawn, frames, markers, and the newest of any other topic.
+
+Each takes a ``topic``, but for the first one. What a message looks like to a page is in
+``gui.drawings``.
+"""
+
+import threading
+import time
+from collections import deque
+from typing import ClassVar
+
+from lcmtools.errors import DecodeError
+from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawable_types
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source, absence
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.find import offered_services
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools.types.visualization_msgs import Marker, MarkerArray
+from lcmtools.wire.packet import Packet
+
+_SIMULATOR = "sim_msgs/SetPose"
+"""The type of service that only simulators offer."""
+_MOST_WAITING = 2000  # messages of frames between two updates
+_FASTEST = 20e6  # [bytes/s] of one stream's numbers, larger messages come less often
+
+
+class Drawable(PageStream):
+    """The topics that can be drawn, and the simulators."""
+
+    period = 0.5
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._seen: Snapshot | None = None
+        self._last: dict[str, Json] = {}
+
+    def update(self) -> Update | None:
+        """Return them, if they are others than before."""
+        latest = self.source.latest
+        if latest is self._seen:
+            return None
+        self._seen = latest
+        found: dict[str, Json] = {
+            "topics": [
+                {"topic": row.channel, "type": kind, "rate": row.rate, "silent": row.is_silent}
+                for row in latest.rows
+                for kind in row.types[:1]
+                if kind in drawable_types()
+            ],
+            "simulators": [
+                service.name.rpartition("/")[0]
+                for service in offered_services(latest.graph)
+                if service.is_alive and _SIMULATOR in service.types
+            ],
+        }
+        if found == self._last:
+            return None
+        self._last = found
+        return Update(found)
+
+
+class _Messages(PageStream):
+    """A topic's messages that wait for the next update, decoded then."""
+
+    is_shared = True
+    most_waiting: ClassVar[int] = 1
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._waiting: deque[Packet] = deque(maxlen=self.most_waiting)
+        self._lock = threading.Lock()
+        self._mistake = ""
+        self._has_come = False
+        self.follow(parameters.text("topic"), self._take)
+
+    def problem(self) -> str:
+        """Return why nothing has been drawn; what is latched may be silent."""
+        return self._mistake or ("" if self._has_come else absence(self.source, self._topic))
+
+    def _take(self, packet: Packet) -> None:
+        with self._lock:
+            self._waiting.append(packet)
+
+    def taken(self, *kinds: type[Message]) -> list[tuple[Packet, Message]]:
+        """Take what waits, which has to be of one of these types."""
+        with self._lock:
+            packets = list(self._waiting)
+            self._waiting.clear()
+        found: list[tuple[Packet, Message]] = []
+        for packet in packets:
+            try:
+                message = self.source.decode(packet)
+            except DecodeError as error:
+                self._mistake = f"{self._topic}: {error}"
+                continue
+            if isinstance(message, kinds):
+                self._mistake = ""
+                found.append((packet, message))
+            else:
+                self._mistake = f"{self._topic}: {type_name(message)} is drawn in no world"
+        self._has_come = self._has_come or bool(found)
+        return found
+
+
+class Frames(_Messages):
+    """The frames of a topic of tf2_msgs/TFMessage: all of them, each where it was last."""
+
+    period = 1 / 30
+    most_waiting = _MOST_WAITING
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._poses = Poses()
+
+    def update(self) -> Update | None:
+        """Return all frames, if any came."""
+        time = 0
+        for packet, message in self.taken(TFMessage):
+            assert isinstance(message, TFMessage), "it was taken as one"
+            self._poses.take(message)
+            time = packet.time
+        return self._poses.drawing(time / 1e9) if time else None
+
+
+class Markers(_Messages):
+    """The markers of a topic that are there at the time."""
+
+    period = 0.1
+    most_waiting = 100
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._scene = MarkerScene()
+        self._last = b""
+
+    def update(self) -> Update | None:
+        """Return all markers, if they have changed."""
+        for packet, message in self.taken(Marker, MarkerArray):
+            if packet.payload != self._last:  # latched ones come again and again
+                self._scene.take(message, time.monotonic())
+                self._last = packet.payload
+        return self._scene.drawing(time.monotonic())
+
+
+class Newest(_Messages):
+    """The newest message of a topic of one of the types in ``drawings.DRAWINGS``."""
+
+    period = 1 / 30
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._not_before = 0.0
+
+    def update(self) -> Update | None:
+        """Return the newest message, if it has not been returned."""
+        if time.monotonic() < self._not_before:
+            return None
+        for packet, message in self.taken(*DRAWINGS):
+            found = DRAWINGS[type(message)](message)
+            self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST
+            return Update({**found.data, "time": packet.time / 1e9}, found.payload)
+        return None

@@ -1,0 +1,236 @@
+"""The streams of the world: frames, markers, and the newest of other topics, as numbers."""
+
+import math
+from array import array
+
+import pytest
+from fixtures.gui import FakeSource
+
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.gui.drawings import DRAWINGS, MarkerScene
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.streams.base import Update
+from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
+from lcmtools.messages.registry import Message
+from lcmtools.observe.feed import Snapshot
+from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped
+from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
+from lcmtools.types.sensor_msgs import Image, LaserScan, PointCloud2, PointField
+from lcmtools.types.std_msgs import String
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools.types.visualization_msgs import Marker, MarkerArray
+
+
+def on(topic: str) -> Parameters:
+    return Parameters({"topic": topic})
+
+
+def numbers(update: Update | None) -> list[float]:
+    assert update is not None
+    assert update.payload is not None
+    return [round(one, 4) for one in array("f", bytes(update.payload))]
+
+
+def transforms(*frames: tuple[str, str, float], sec: int = 0) -> TFMessage:
+    """Frames with their parent and x."""
+    message = TFMessage()
+    for parent, child, x in frames:
+        one = TransformStamped()
+        one.header.frame_id, one.child_frame_id, one.header.stamp.sec = parent, child, sec
+        one.transform.translation.x, one.transform.rotation.w = x, 1.0
+        message.transforms.append(one)
+    return message
+
+
+def marker(number: int, action: int = Marker.ADD, life: int = 0) -> Marker:
+    found = Marker()
+    found.ns, found.id, found.action, found.type = "a", number, action, Marker.CUBE
+    found.header.frame_id, found.lifetime.sec = "base", life
+    found.scale.x, found.color.g, found.pose.orientation.w = 2.0, 1.0, 1.0
+    return found
+
+
+def ids(update: Update | None) -> int:
+    """The number of markers of an update."""
+    assert update is not None
+    shown = update.data["markers"]
+    assert isinstance(shown, list)
+    return len(shown)
+
+
+def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
+    source = FakeSource()
+    source.know(tf=TFMessage, scan=LaserScan, chatter=String, camera=Image, unknown=None)
+    service = Endpoint("/morse/set_pose", Role.SERVICE, types=("sim_msgs/SetPose",))
+    node = Node("/morse", "1", "here", 1, endpoints=(service,))
+    source.latest = Snapshot(source.latest.rows, graph=Graph(nodes=(node,)))
+    stream = Drawable(source, Parameters({}))
+
+    update = stream.update()
+
+    assert update is not None
+    topics: Json = update.data["topics"]
+    assert isinstance(topics, list)
+    assert [(one["topic"], one["type"]) for one in topics] == [
+        ("/scan", "sensor_msgs/LaserScan"),
+        ("/tf", "tf2_msgs/TFMessage"),
+    ]
+    assert update.data["simulators"] == ["/morse"]
+    assert stream.update() is None
+
+
+def test_frames_of_all_messages_are_kept_each_where_it_was_last() -> None:
+    source = FakeSource()
+    stream = Frames(source, on("/tf"))
+    source.put("/tf", transforms(("odom", "a", 1), ("a", "laser", 3), sec=4), time=10.0)
+    source.put("/tf", transforms(("odom", "b", 2)))
+    source.put("/tf", transforms(("odom", "a", 5), sec=7), time=12.0)
+
+    update = stream.update()
+
+    assert update is not None
+    assert update.data["frames"] == [["odom", "a"], ["a", "laser"], ["odom", "b"]]
+    assert (update.data["time"], update.data["stamp"]) == (12.0, 7.0)
+    assert numbers(update)[::7] == [5, 3, 2]
+    assert stream.update() is None
+
+
+def test_markers_come_and_go_and_end() -> None:
+    scene = MarkerScene()
+    message = MarkerArray()
+    message.markers = [marker(1), marker(2, life=5), marker(3)]
+    scene.take(message, 100.0)
+    assert ids(scene.drawing(100.0)) == 3
+    assert scene.drawing(101.0) is None
+
+    scene.take(marker(1, Marker.DELETE), 101.0)
+    assert ids(scene.drawing(101.0)) == 2
+    assert ids(scene.drawing(105.5)) == 1
+
+    scene.take(marker(0, Marker.DELETEALL), 106.0)
+    assert ids(scene.drawing(106.0)) == 0
+
+
+def test_markers_that_are_sent_again_as_they_are_change_nothing() -> None:
+    source = FakeSource()
+    stream = Markers(source, on("/world"))
+    source.put("/world", marker(1))
+    update = stream.update()
+    source.put("/world", marker(1))
+
+    assert update is not None
+    assert update.data["markers"] == [
+        {
+            "ns": "a",
+            "frame": "base",
+            "type": Marker.CUBE,
+            "pose": [0, 0, 0, 0, 0, 0, 1],
+            "scale": [2, 0, 0],
+            "color": [0, 1, 0, 0],
+            "points": [],
+            "colors": [],
+            "text": "",
+        }
+    ]
+    assert stream.update() is None
+
+
+def test_of_other_topics_the_newest_message_is_sent() -> None:
+    source = FakeSource()
+    stream = Newest(source, on("/scan"))
+    for first in (1.0, 2.0):
+        scan = LaserScan()
+        scan.header.frame_id, scan.angle_min, scan.range_max = "laser", -1.0, 9.0
+        scan.ranges = [first, math.inf]
+        source.put("/scan", scan, time=first)
+
+    update = stream.update()
+
+    assert numbers(update) == [2, math.inf]
+    assert update is not None
+    found = {name: update.data[name] for name in ("kind", "frame", "first", "longest", "time")}
+    assert found == {"kind": "scan", "frame": "laser", "first": -1, "longest": 9, "time": 2}
+    assert stream.update() is None
+
+
+def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told() -> None:
+    source = FakeSource()
+    source.know(chatter=String)
+    stream = Newest(source, on("/chatter"))
+    source.put("/chatter", String())
+    assert stream.update() is None
+    assert stream.problem() == "/chatter: std_msgs/String is drawn in no world"
+
+    assert "did you mean /chatter?" in Newest(source, on("/chater")).problem()
+
+
+def test_what_has_come_once_may_be_silent() -> None:
+    source = FakeSource()
+    stream = Newest(source, on("/path"))
+    assert stream.problem() == "there is no topic /path; waiting for it"
+
+    source.put("/path", Path())
+    stream.update()
+
+    assert stream.problem() == ""
+
+
+def odometry() -> Odometry:
+    message = Odometry()
+    message.header.frame_id, message.child_frame_id = "odom", "base"
+    message.pose.pose.position.x, message.twist.twist.angular.z = 1.0, 0.5
+    return message
+
+
+def goal() -> PoseStamped:
+    message = PoseStamped()
+    message.pose.position.y = 3.0
+    return message
+
+
+def path() -> Path:
+    message = Path()
+    message.poses = [goal(), goal()]
+    return message
+
+
+@pytest.mark.parametrize(
+    ("message", "about", "payload"),
+    [
+        (odometry(), {"kind": "odometry", "child": "base", "twist": [0, 0, 0, 0, 0, 0.5]}, None),
+        (goal(), {"kind": "pose", "pose": [0, 3, 0, 0, 0, 0, 0]}, None),
+        (path(), {"kind": "path"}, [0, 3, 0, 0, 3, 0]),
+    ],
+    ids=["odometry", "pose", "path"],
+)
+def test_poses_are_seven_numbers(
+    message: Message, about: dict[str, object], payload: list[float] | None
+) -> None:
+    update = DRAWINGS[type(message)](message)
+
+    assert {name: update.data[name] for name in about} == about
+    assert (update.payload and numbers(update)) == payload
+
+
+def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields() -> None:
+    cloud = PointCloud2()
+    field = PointField()
+    field.name, field.offset, field.datatype = "x", 4, PointField.FLOAT32
+    cloud.fields, cloud.width, cloud.height, cloud.point_step = [field], 2, 1, 8
+    cloud.data = bytes(range(16))
+
+    update = DRAWINGS[PointCloud2](cloud)
+
+    assert update.data["fields"] == [["x", 4, PointField.FLOAT32]]
+    assert update.payload == bytes(range(16))
+
+
+def test_the_cells_of_a_map_are_bytes() -> None:
+    grid = OccupancyGrid()
+    grid.info.width, grid.info.height, grid.info.resolution = 3, 1, 0.5
+    grid.data = [-1, 0, 100]
+
+    update = DRAWINGS[OccupancyGrid](grid)
+
+    assert update.payload == array("b", [-1, 0, 100]).tobytes()
+    assert (update.data["width"], update.data["resolution"]) == (3, 0.5)
