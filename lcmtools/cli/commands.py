@@ -147,6 +147,7 @@ image   cli.gui.panels:image       Show the images of a topic: colour, grey and 
 graph   cli.gui.panels:graph       Show nodes and topics, and what is wrong with them.
 world   cli.gui.panels:world       Show robots, sensors and paths in 3D.
 topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
+log     cli.gui.panels:log         Show the nodes' log lines.
 """)
 gui = WindowGroup(
     "gui",

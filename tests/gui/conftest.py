@@ -68,10 +68,21 @@ def serve(
 
 @pytest.fixture
 def page(browser: Any) -> Iterator[Any]:
-    """A page; what goes wrong in it fails the test."""
+    """A page; what goes wrong in it, and a request to another computer, fails the test."""
     opened = browser.new_page()
     errors: list[str] = []
+
+    def take_line(line: Any) -> None:
+        if line.type == "error" and "WebSocket connection" not in line.text:  # the server has ended
+            errors.append(line.text)
+
+    def take_request(request: Any) -> None:
+        if not request.url.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "blob:", "data:")):
+            errors.append(f"a request to {request.url}")
+
     opened.on("pageerror", lambda error: errors.append(str(error)))
+    opened.on("console", take_line)
+    opened.on("request", take_request)
     yield opened
     opened.close()
     assert errors == []

@@ -27,6 +27,13 @@ def topics(window: WindowChoice) -> None:
     open_window(window, "topics")
 
 
+@subcommand("log", window_options)
+@examples("gui log", "gui log --port 8000")
+def log(window: WindowChoice) -> None:
+    """Show the nodes' log lines in the browser: by level, node and text."""
+    open_window(window, "log")
+
+
 @subcommand("steer", window_options)
 @examples("gui steer /husky0/desired_velocity", "gui steer /cmd_vel --max-linear 0.3")
 @argument("topic", metavar="TOPIC", completer="bus:topics")

@@ -158,8 +158,11 @@ export function openMenu(button, entries) {
     ),
   );
   const menu = element("div", { class: "menu", role: "menu", "aria-label": button.title }, items);
+  let isOpen = true;
   /** @param {boolean} comesBack */
   function close(comesBack) {
+    if (!isOpen) return; // an element that is removed loses the focus, too
+    isOpen = false;
     menu.remove();
     button.setAttribute("aria-expanded", "false");
     if (comesBack) button.focus();

@@ -37,6 +37,7 @@ export class PublishForm {
     this.rate = element("input", { class: "rate", "aria-label": "Rate [Hz]", inputmode: "decimal", value: "10" });
     this.once = element("button", { type: "submit", class: "primary" }, "Publish once");
     this.repeat = element("button", { type: "button", "aria-pressed": "false", onclick: () => this.changeRepeat() }, "Repeat");
+    this.rights = element("p", { class: "muted" }, "this page may watch but not command");
     this.result = element("p", { class: "result", role: "status" });
     this.element = element(
       "form",
@@ -50,7 +51,7 @@ export class PublishForm {
       },
       element("div", { class: "form-head" }, this.topic, this.type, this.types),
       this.body,
-      element("div", { class: "form-foot" }, this.once, this.repeat, element("label", {}, "at ", this.rate, " Hz"), this.result),
+      element("div", { class: "form-foot" }, this.once, this.repeat, element("label", {}, "at ", this.rate, " Hz"), this.rights, this.result),
     );
     context.onChange(() => this.showRights());
     this.learn();
@@ -65,7 +66,7 @@ export class PublishForm {
     const may = this.context.canCommand;
     set(this.once, "disabled", !may);
     set(this.repeat, "disabled", !may);
-    if (!may && this.context.connection.isOpen) this.say("this page may watch but not command", true);
+    this.rights.hidden = may || !this.context.connection.isOpen;
   }
 
   async listTypes() {
