@@ -27,7 +27,7 @@ class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
     """
 
     port = 0
-    is_live, is_awaiting = True, False
+    is_live, is_awaiting, has_strangers = True, False, False
     numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(

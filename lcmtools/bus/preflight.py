@@ -1,6 +1,6 @@
-"""Checks before liblcm is called, of conditions that make it hang, crash or print.
+"""Checks before liblcm or Zenoh is called, of conditions that make it hang, crash or print.
 
-Must not import lcm.
+Must not import lcm or zenoh.
 """
 
 import os
@@ -11,6 +11,7 @@ from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.zenoh_check import check_place
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
 
@@ -20,7 +21,7 @@ _PERIOD = 0.2  # [s] between two checks
 
 
 def check_bus(url: BusUrl) -> None:
-    """Make sure that liblcm can use the bus. It takes under a second to find out.
+    """Make sure that the bus can be used. It takes under a second to find out.
 
     Raises:
         BusError: It cannot, with what to do.
@@ -30,6 +31,8 @@ def check_bus(url: BusUrl) -> None:
         check_multicast(url)
     elif url.provider == "tcpq":
         _check_server(url)
+    elif url.provider == "zenoh":
+        check_place(url.place)
     elif url.provider == "file":
         _check_log(url)
 

@@ -21,8 +21,7 @@ class NodeRecords:
     """The records of one bus, in XDG_RUNTIME_DIR of the environment."""
 
     def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
-        bus = f"{url.provider}-{url.host}-{url.port}"
-        self._folders = [base / "nodes" / bus for base in _base_folders(environment)]
+        self._folders = [base / "nodes" / url.file_name for base in _base_folders(environment)]
 
     def write(self, node: Node) -> None:
         """Write a node's record, if there is room, in place of those of dead nodes of its name."""

@@ -70,7 +70,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         BusError: Multicast does not work here, with what to type.
     """
 
-    is_live, is_log, is_awaiting = True, False, False
+    is_live, is_log, is_awaiting, has_strangers = True, False, False, False
 
     def __init__(
         self,

@@ -61,6 +61,15 @@ class BusUrl:
         return parse_place(str(self), self.network, self.options)
 
     @property
+    def file_name(self) -> str:
+        """A name for files of this bus; the same for different URLs of one bus where possible."""
+        if self.provider != "zenoh":
+            return f"{self.provider}-{self.host}-{self.port}"
+        place = self.place
+        where = place.file or ",".join(map(str, place.hosts)) or place.group
+        return f"zenoh-{where}-{place.keys.prefix}".replace("/", "+")
+
+    @property
     def ttl(self) -> int:
         """Hops that datagrams may travel: 0 stays on this host. liblcm keeps 8 bits."""
         return int(self.options.get("ttl", "0")) & 0xFF

@@ -12,20 +12,30 @@ _LOOPBACK_INTERFACE = "lo0" if sys.platform == "darwin" else "lo"
 _MARK = "6c636d746f6f6c73"  # "lcmtools": the first half of the ids of its sessions
 _DELAY_MS = 100  # for who is alone; others answer within some milliseconds
 _LET_GO_US = 1_000_000
+_LEASE_MS = 4000  # of silence, after which a connection counts as lost
+
+
+def is_own(session: str) -> bool:
+    """Return whether a session's id is that of a program of lcmtools."""
+    return session.startswith(_MARK)
 
 
 def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
     """Return the settings of a session, by their path in Zenoh's configuration."""
+    name = {"id": f"{_MARK}{identifier:016x}"}
+    if place.file:
+        return name
     common = {
-        "id": f"{_MARK}{identifier:016x}",
+        **name,
         "transport/link/tx/queue/congestion_control/block/wait_before_close": _LET_GO_US,
+        "transport/link/tx/lease": _LEASE_MS,
     }
     if place.is_client:
         return {
             **common,
             "mode": "client",
             "connect/endpoints": [f"tcp/{host}" for host in place.hosts],
-            "connect/timeout_ms": 2000,
+            "connect/timeout_ms": 1500,
             "scouting/multicast/enabled": False,
         }
     listen = [f"tcp/{place.listen}"] if place.listen else []

@@ -56,6 +56,11 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
         """True while answers to a probe may still come."""
         return self._session.is_awaiting
 
+    @property
+    def has_strangers(self) -> bool:
+        """True if programs may send that do not answer probes."""
+        return self._session.has_strangers
+
     def send(self, channel: str, payload: bytes, origin: Origin | None = None) -> None:
         """Publish one message; see ``Bus.publish``.
 

@@ -4,14 +4,17 @@
   which connects again when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit.
 - A session knows the first of several others when it opens: it waits until no more appear.
+- A message is sent at once, or waits for room: see ``bus.outbox`` for those that come meanwhile.
 - Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
 - Replies with the same key are merged unless that is switched off.
 """
 
 import atexit
 import contextlib
+import itertools
 import json
 import os
+import re
 import threading
 import time
 from collections import deque
@@ -19,9 +22,13 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from lcmtools.bus.kernel import computer_id
+from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
+from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
-from lcmtools.bus.zenoh_config import settings_of
+from lcmtools.bus.zenoh_check import check_place, refusal
+from lcmtools.bus.zenoh_config import is_own, settings_of
+from lcmtools.bus.zenoh_url import Address, locator_address
 from lcmtools.errors import BusError, MissingExtra
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Retained, decode_probe
 from lcmtools.messages.registry import candidates
@@ -40,6 +47,11 @@ _STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at mos
 _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
+_CODE_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
+_JSON_FAULT = re.compile(r'msg: "(?P<text>.*?)", location.*line: (?P<line>\d+)', re.DOTALL)
+_SYNTAX_FAULT = re.compile(r"--> (?P<line>\d+):.*= (?P<text>.*)", re.DOTALL)
+_FORM = "docs/networks.md shows a configuration file of Zenoh"
+_SLOW = 0.01  # [s]: a message that took so long to send had to wait for the network
 
 
 class ZenohSession:
@@ -66,14 +78,17 @@ class ZenohSession:
         self._keys = self._place.keys
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
         self.dropped = 0
-        self._seqno = 0
+        self._numbers = itertools.count(1)
         self._arrived: deque[tuple[zenoh.Sample, int, bool]] = deque()
         self._bytes = 0
         self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
         self._wakeup = WakeupEvent()
         self._answers = 0  # requests whose answers are awaited
         self._retained = Retained()
-        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
+        self._large_keys: set[str] = set()
+        self._is_slow = False  # the network, for small messages
+        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_quietly)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session = self._open()
         atexit.register(self.close)
@@ -90,6 +105,12 @@ class ZenohSession:
         """True while answers to a probe may still come."""
         return self._answers > 0
 
+    @property
+    def has_strangers(self) -> bool:
+        """True if it is connected with programs that are not lcmtools', or with a router."""
+        info = self._session.info
+        return any(not is_own(str(zid)) for zid in (*info.peers_zid(), *info.routers_zid()))
+
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
     ) -> None:
@@ -105,12 +126,20 @@ class ZenohSession:
         if self._keys.is_typed and not type_name:
             names = candidates(int.from_bytes(payload[:8], "big"))
             type_name = names[0] if len(names) == 1 else ""
-        publisher = self._publisher(self._keys.key(channel, type_name))
-        self._seqno += 1
-        try:
-            publisher.put(payload, attachment=encode_stamp(self.id, self._seqno, origin))
-        except zenoh.ZError as error:
-            raise BusError(f"cannot publish on {channel}: {_reason(error)}") from error
+        key = self._keys.key(channel, type_name)
+        if len(payload) > MOST_WAITING_BYTES:
+            self._large_keys.add(key)
+        stamp = encode_stamp(self.id, next(self._numbers), origin)
+        message = Outgoing(key, payload, stamp, key in self._large_keys)
+        if message.is_large:
+            self._large.add(message)
+        elif self._is_slow or self._small.has_waiting(key):
+            self._small.add(message)
+        else:
+            try:
+                self._put(message)
+            except zenoh.ZError as error:
+                raise BusError(f"cannot publish on {channel}: {_reason(error)}") from error
 
     def subscribe(self, channel: str | None) -> None:
         """Take a channel's messages from now on; for None, those of all channels."""
@@ -138,25 +167,44 @@ class ZenohSession:
         return [packet for one in taken if (packet := self._packet(*one))]
 
     def close(self) -> None:
-        """Leave the bus."""
+        """Send what waits, and leave the bus."""
         atexit.unregister(self.close)
+        self._small.close()
+        self._large.close()
         with contextlib.suppress(zenoh.ZError):
             self._session.close()  # type: ignore[no-untyped-call]
         self._wakeup.close()
 
     def _open(self) -> zenoh.Session:
-        config = zenoh.Config()
-        for key, value in settings_of(self._place, self.id).items():
-            config.insert_json5(key, json.dumps(value))
+        check_bus(self._url)
+        config = self._config()
+        is_client = json.loads(config.get_json("mode")) == "client"
         try:
             session = zenoh.open(config)
         except zenoh.ZError as error:
-            raise BusError(f"Zenoh cannot open {self._url}: {_reason(error)}") from error
-        if self._place.is_client:
+            if not is_client:
+                raise BusError(f"Zenoh cannot open {self._url}: {_reason(error)}") from error
+            address = _host_of(config)
+            if address is None:
+                what = "no router of Zenoh is found"
+                raise BusError(what, f"'connect' in {self._place.file} may name one") from error
+            check_place(self._place._replace(file="", hosts=(address,)))
+            raise refusal(address, *_login_of(config)) from error
+        if is_client:
             session.info.declare_transport_events_listener(_direct(self._note_outage))
         else:
             _await_others(session)
         return session
+
+    def _config(self) -> zenoh.Config:
+        path = self._place.file
+        try:
+            config = zenoh.Config.from_file(path) if path else zenoh.Config()
+            for name, value in settings_of(self._place, self.id).items():
+                config.insert_json5(name, json.dumps(value))
+        except zenoh.ZError as error:
+            raise BusError(f"cannot use {path or self._url}: {_reason(error)}", _FORM) from error
+        return config
 
     def _note_outage(self, event: zenoh.TransportEvent) -> None:
         self._outages.append(event.kind == zenoh.SampleKind.DELETE)
@@ -169,13 +217,26 @@ class ZenohSession:
         else:
             self._on_outage(f"the connection to {self._url} is back", "")
 
-    def _publisher(self, key: str) -> zenoh.Publisher:
-        publisher = self._publishers.get(key)
+    def _put(self, message: Outgoing) -> None:
+        """Send a message: a small one waits for room, and then the next ones in the outbox."""
+        publisher = self._publishers.get((message.key, message.is_large))
         if publisher is None:
-            publisher = self._publishers[key] = self._session.declare_publisher(
-                key, congestion_control=zenoh.CongestionControl.BLOCK
-            )
-        return publisher
+            publisher = self._publishers[message.key, message.is_large] = self._declare(message)
+        start = time.monotonic()
+        publisher.put(message.payload, attachment=message.stamp)
+        if not message.is_large:
+            self._is_slow = time.monotonic() - start > _SLOW
+
+    def _put_quietly(self, message: Outgoing) -> None:
+        with contextlib.suppress(zenoh.ZError):  # closed
+            self._put(message)
+
+    def _declare(self, message: Outgoing) -> zenoh.Publisher:
+        """Return a publisher; large messages let small ones of other topics overtake them."""
+        priority = zenoh.Priority.DATA_LOW if message.is_large else zenoh.Priority.DATA
+        return self._session.declare_publisher(
+            message.key, congestion_control=zenoh.CongestionControl.BLOCK, priority=priority
+        )
 
     def _ask(self, probe: bytes) -> None:
         """Request the announcements that other sessions keep: all that there are come at once."""
@@ -201,7 +262,7 @@ class ZenohSession:
 
     def _answer(self, query: zenoh.Query) -> None:
         """Send the announcements of this session's nodes to who has come later."""
-        stamp = encode_stamp(self.id, self._seqno)
+        stamp = encode_stamp(self.id, 0)
         for payload in self._retained.payloads(time.monotonic()):
             query.reply(query.key_expr, payload, attachment=stamp)
 
@@ -227,10 +288,14 @@ class ZenohSession:
         attachment = sample.attachment
         stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
         if stamp is None:
-            return Packet(named.channel, payload, arrival)
+            return Packet(named.channel, payload, arrival, type_name=named.type_name)
         sender = Sender(f"{stamp.sender:016x}", 0)
         seqno = None if is_reply else stamp.seqno
-        return Packet(named.channel, payload, arrival, sender, seqno, origin=stamp.origin)
+        return Packet(
+            *(named.channel, payload, arrival, sender, seqno),
+            origin=stamp.origin,
+            type_name=named.type_name,
+        )
 
 
 def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
@@ -250,6 +315,25 @@ def _await_others(session: zenoh.Session) -> None:
         time.sleep(0.002)
 
 
+def _host_of(config: zenoh.Config) -> Address | None:
+    """Return the first host of a client's configuration."""
+    found = json.loads(config.get_json("connect/endpoints"))
+    endpoints = found.get("client", []) if isinstance(found, dict) else found
+    return locator_address(str(endpoints[0])) if endpoints else None
+
+
+def _login_of(config: zenoh.Config) -> tuple[str, str | None]:
+    """Return the user that a configuration names, and its certificates where it uses TLS."""
+    user = json.loads(config.get_json("transport/auth/usrpwd/user"))
+    if '"tls/' not in config.get_json("connect/endpoints"):
+        return user or "", None
+    trusted = json.loads(config.get_json("transport/link/tls/root_ca_certificate"))
+    return user or "", trusted or ""
+
+
 def _reason(error: Exception) -> str:
-    """Return Zenoh's own words without the place in its code."""
-    return str(error).partition(" at /")[0].strip()
+    """Return Zenoh's own words in one line, without the places in its code."""
+    text = _CODE_PLACE.sub("", str(error))
+    if (said := _JSON_FAULT.search(text)) or (said := _SYNTAX_FAULT.search(text)):
+        text = f"line {said['line']}: {said['text']}"
+    return " ".join(text.partition(", expected one of")[0].split())

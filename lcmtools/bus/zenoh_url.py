@@ -97,6 +97,12 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
     return place._replace(hosts=hosts)
 
 
+def locator_address(locator: str) -> Address | None:
+    """Return the host and port of a locator of Zenoh ("tls/robot:7447"); None without one."""
+    found = _ADDRESS.fullmatch(re.split("[?#]", locator)[0].partition("/")[2])
+    return Address(found["host"], int(found["port"] or DEFAULT_PORT)) if found else None
+
+
 def _address(where: str, text: str) -> Address:
     found = _ADDRESS.fullmatch(text)
     if not found:

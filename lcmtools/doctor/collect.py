@@ -254,7 +254,7 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
     lags: dict[tuple[str, str], dict[str, float]] = {}
     for node in graph.nodes:
         if node.lag is not None and node.sender and not is_here(node):
-            place = node.host, node.sender.address
+            place = node.host, node.sender.computer
             lags.setdefault(place, {})[node.name] = node.lag / 1e9
     return tuple(HostClock(*place, min(of.values()), tuple(of)) for place, of in lags.items())
 

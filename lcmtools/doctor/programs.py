@@ -122,7 +122,7 @@ def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
         named, _ = choose_url(said, "", variables)
     except LcmtoolsError:  # a URL without a port, for example
         return said or variables.get("LCM_DEFAULT_URL", "")
-    if (named.provider, named.host, named.port) == (url.provider, url.host, url.port):
+    if named.file_name == url.file_name:
         return ""
     return f"{named.host}:{named.port}" if named.is_multicast else str(named)
 

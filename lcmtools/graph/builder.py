@@ -28,11 +28,14 @@ class _Count:
     head: bytes = b""  # of the last payload, as long as a fingerprint
     bytes: int = 0
     fingerprints: dict[int, None] = field(default_factory=dict)
+    types: dict[str, None] = field(default_factory=dict)
 
     def add(self, packet: Packet) -> None:
         self.messages += 1
         self.bytes += packet.size
         self.last_time = packet.time
+        if packet.type_name and len(self.types) < MOST_FINGERPRINTS:
+            self.types[packet.type_name] = None
         head = packet.payload[:8]
         if head != self.head and len(self.fingerprints) < MOST_FINGERPRINTS:
             self.head = head
@@ -101,11 +104,16 @@ class GraphBuilder:
         return known | {sender for _, sender in self._traffic if sender is not None}
 
     def types_of(self, channel: str) -> tuple[str, ...]:
-        """Return the types that nodes announce for a channel, publishers' first, each once."""
+        """Return the types that nodes announce for a channel, publishers' first, each once.
+
+        After them those that are named beside its messages.
+        """
         every = (end for node in self._nodes.values() for end in node.endpoints)
         ends = [end for end in every if end.topic == channel and end.role in _OF_TOPICS]
         ends.sort(key=lambda end: end.role)
-        return tuple(dict.fromkeys(end.type for end in ends if end.type))
+        counts = (count for (name, _), count in self._traffic.items() if name == channel)
+        named = (name for count in counts for name in count.types)
+        return tuple(dict.fromkeys([*(end.type for end in ends if end.type), *named]))
 
     def snapshot(self, now: int) -> Graph:
         """Return the graph at the time ``now`` (nanoseconds since 1970)."""
@@ -149,6 +157,7 @@ class GraphBuilder:
                 count.bytes,
                 count.first_time,
                 count.last_time,
+                tuple(count.types),
             )
 
 

@@ -151,6 +151,7 @@ class Traffic:
     bytes: int  # of their payloads
     first_time: int  # arrival of the first
     last_time: int
+    types: tuple[str, ...] = ()  # that the sender names beside the messages, where the bus does
 
     def rate(self) -> float | None:
         """Return the messages per second, first to last; None before two messages."""
@@ -179,9 +180,10 @@ class Topic:
 
     @property
     def types(self) -> tuple[str, ...]:
-        """The announced types, publishers' first, each once."""
+        """The announced types, publishers' first, and those named beside messages, each once."""
         declared = [endpoint.type for _, endpoint in self.publishers + self.subscribers]
-        return tuple(dict.fromkeys(name for name in declared if name))
+        named = (name for seen in self.traffic for name in seen.types)
+        return tuple(dict.fromkeys(name for name in (*declared, *named) if name))
 
     @property
     def fingerprints(self) -> tuple[int, ...]:

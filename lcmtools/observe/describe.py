@@ -100,6 +100,9 @@ def program_text(traffic: Traffic) -> str:
         return "a plain LCM program (this kind of bus does not identify senders)"
     if sender.name:
         return f"{sender.name} (when it was recorded)"
+    if not sender.port:
+        place = "of this computer" if is_local(sender.address) else "on another computer"
+        return f"a program {place} (session {sender} of Zenoh)"
     if not is_local(sender.address):
         return f"a program on {sender.address}, port {sender.port}"
     found = SocketTable.read({sender.port}).processes(sender)
@@ -161,8 +164,9 @@ class Computers:
 
 
 def address_of(node: Node) -> str:
-    """Return the address of a node's computer; "" for this computer, or if unknown."""
-    return "" if node.sender is None or is_local(node.sender.address) else node.sender.address
+    """Return the address of a node's computer; "" for this computer, on Zenoh, or if unknown."""
+    sender = node.sender
+    return "" if sender is None or not sender.port or is_local(sender.address) else sender.address
 
 
 def by_computer(topics: Iterable[Topic]) -> dict[str, list[Topic]]:

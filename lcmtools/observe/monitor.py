@@ -206,6 +206,8 @@ class BusMonitor:
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
             self._await_foreign(start + _FOREIGN)
+        elif foreign and self._observer.has_strangers:
+            deque(self.packets(start + _FOREIGN - time.monotonic()), maxlen=0)
 
     def graph(self) -> Graph:
         """Return the graph as it is known now, in a log read at once at its last message."""

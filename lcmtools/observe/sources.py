@@ -33,6 +33,11 @@ class Observer(Protocol):
         ...
 
     @property
+    def has_strangers(self) -> bool:
+        """True if the bus knows of programs that do not answer probes, and may send."""
+        ...
+
+    @property
     def numbered(self) -> Mapping[Sender, Sequence]:
         """The sequences of senders whose numbers show their losses."""
         ...
@@ -74,7 +79,7 @@ class LogObserver:
     """
 
     port = 0
-    is_live, is_log, is_awaiting = False, True, False
+    is_live, is_log, is_awaiting, has_strangers = False, True, False, False
     numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:

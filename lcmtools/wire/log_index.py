@@ -76,7 +76,7 @@ class Block:
 
     def add(self, packet: Packet, sender: int = -1) -> None:
         """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
-        channel, _, received, _, _, whole, _ = packet
+        channel, _, received, _, _, whole = packet[:6]
         time = received // 1000 * 1000  # as the log has it
         size = len(packet[1]) if whole is None else whole
         self.last_time = max(self.last_time, time)

@@ -23,6 +23,11 @@ class Sender(NamedTuple):
     port: int
     name: str = ""
 
+    @property
+    def computer(self) -> str:
+        """The address of its computer: on Zenoh, the computer's part of the session's id."""
+        return self.address if self.port or self.name else self.address[:8]
+
     def __str__(self) -> str:
         """Return its name, else address and port, as ss and netstat print them."""
         return self.name or (f"{self.address}:{self.port}" if self.port else self.address)
@@ -39,6 +44,7 @@ class Packet(NamedTuple):
         seqno: The sender's number of the message; None where there is none.
         whole_bytes: Bytes of the whole payload if ``payload`` is only its beginning; else None.
         origin: Its first sender, before any relay; None where the bus names none.
+        type_name: The type that its sender names beside it ("geometry_msgs/Twist"); "" for none.
     """
 
     channel: str
@@ -48,6 +54,7 @@ class Packet(NamedTuple):
     seqno: int | None = None
     whole_bytes: int | None = None
     origin: Origin | None = None
+    type_name: str = ""
 
     @property
     def size(self) -> int:

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from lcmtools.bus.zenoh_bus import ZenohBus
 from lcmtools.bus.zenoh_listener import ZenohListener
 from lcmtools.graph.protocol import PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
 
@@ -67,9 +69,82 @@ def test_zenoh_says_who_sent_what(bus_url: str) -> None:
         assert listener.numbered[own.sender].lost == 0
 
 
-def test_commands_look_at_zenoh(cli: Any, start_node: Any) -> None:
+def test_commands_work_on_zenoh(cli: Any, start_node: Any) -> None:
     start_node(Talker, "__ns:=/a")
-    assert "/a/chatter" in cli("list").ok().splitlines()
-    assert "/a/talker" in cli("info", "/a/chatter").ok()
-    assert "hello world" in cli("echo", "-n", "1", "/a/chatter").ok()
-    assert cli("node", "list").ok().splitlines() == ["/a/talker"]
+    chatter, talker = "/a/chatter", "/a/talker"
+    for arguments, expected in (
+        (("list",), f"{chatter}\n"),
+        (("list", "-t"), f"{chatter} [std_msgs/String]\n"),
+        (("type", chatter), "std_msgs/String\n"),
+        (("info", chatter), f" * {talker} ("),
+        (("echo", "-n", "1", chatter), 'data: "hello world'),
+        (("node", "list"), f"{talker}\n"),
+        (("node", "info", talker), f" * {chatter} [std_msgs/String]"),
+        (("node", "ping", "-c", "1", talker), "/a/talker"),
+        (("param", "list", talker), "use_sim_time"),
+        (("param", "get", talker, "use_sim_time"), "alse"),
+        (("hz", "-n", "3", chatter), "average rate: "),
+        (("wtf",), "No errors or warnings"),
+    ):
+        assert expected in cli(*arguments).out, arguments
+
+
+def test_recording_and_playing_work_on_zenoh(cli: Any, start_node: Any, tmp_path: Path) -> None:
+    start_node(Talker)
+    log = str(tmp_path / "a.lcmlog")
+    assert cli("bag", "record", "-o", log, "-n", "5", "/chatter").code == 0
+    assert "/talker" in cli("bag", "info", log).ok()
+    assert cli("bag", "play", log, "--ns", "/replay").code == 0
+
+
+def test_a_late_list_is_complete_at_once(bus_url: str, start_node: Any) -> None:
+    """Sessions keep their nodes' announcements for who asks: no time has to pass."""
+    for number in range(10):
+        start_node(Talker, f"__ns:=/r{number}")
+    with BusMonitor(parse_url(bus_url), "test", {}) as monitor:
+        assert len(monitor.discover().nodes) == 10
+
+
+def test_dimos_program_is_heard_and_spoken_to(
+    bus_url: str, cli: Any, start_python: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A plain program of Zenoh with dimos's keys: the type in the key, payloads as LCM has them."""
+    group = bus_url.removeprefix("zenoh://")
+    program = start_python(_DIMOS, group)
+    program.wait_for("ready")
+    monkeypatch.setenv("LCM_DEFAULT_URL", f"zenoh://{group}?prefix=dimos")
+    assert cli("list", "-t").ok().splitlines() == [
+        *("/cmd_vel [geometry_msgs/Twist]", "/odd [my_msgs/Odd]", "/where [geometry_msgs/Point]")
+    ]
+    assert cli("type", "/where").ok() == "geometry_msgs/Point\n"
+    assert (
+        "x: 1.0" in cli("echo", "-n", "1", "/cmd_vel/linear/x").out
+        or cli("echo", "-n", "1", "/cmd_vel").ok()
+    )
+    assert cli("pub", "-1", "/goal", "std_msgs/String", "data: kitchen").code == 0
+    assert program.wait_for("heard dimos/goal/std_msgs.String kitchen")
+
+
+_DIMOS = """
+import json, sys, time
+import zenoh
+from lcmtools.types.geometry_msgs import Point, Twist
+from lcmtools.types.std_msgs import String
+
+config = zenoh.Config()
+config.insert_json5("mode", '"peer"')
+config.insert_json5("scouting/multicast/interface", '"lo"')
+config.insert_json5("scouting/multicast/address", json.dumps(sys.argv[1]))
+
+def hear(sample):
+    print("heard", sample.key_expr, String.decode(sample.payload.to_bytes()).data, flush=True)
+
+with zenoh.open(config) as session:
+    keep = session.declare_subscriber("dimos/goal/std_msgs.String", hear)
+    print("ready", flush=True)
+    while True:
+        session.put("dimos/cmd_vel/geometry_msgs.Twist", Twist().encode())
+        session.put("dimos/where/geometry_msgs.Point", Point().encode())
+        session.put("dimos/odd/my_msgs.Odd", b"12345678 no type that is known")
+        time.sleep(0.05)
+"""

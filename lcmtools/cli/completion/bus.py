@@ -20,7 +20,9 @@ def urls(situation: Situation) -> Iterator[Candidate]:
     """The bus of the environment, the default, and the beginnings of other kinds."""
     yield Candidate(situation.environment.get("LCM_DEFAULT_URL") or _DEFAULT_URL)
     yield Candidate(_DEFAULT_URL)
-    yield from (Candidate(provider, is_open=True) for provider in ("tcpq://", "file://"))
+    yield from (
+        Candidate(provider, is_open=True) for provider in ("tcpq://", "zenoh://", "file://")
+    )
 
 
 def topics(situation: Situation) -> Iterator[Candidate]:

@@ -65,6 +65,8 @@ class Situation:
         from lcmtools.bus.quick_probe import QuickProbe
 
         try:
+            if self.url.provider == "zenoh":  # the others announce nothing when asked
+                return self._discovered()
             with QuickProbe(self.url) as quick_probe:
                 from lcmtools.bus.recent_channels import with_recent_channels
 
@@ -75,6 +77,13 @@ class Situation:
             from lcmtools.graph.model import Graph
 
             return Graph()
+
+    def _discovered(self) -> "Graph":
+        """The nodes of a bus of another kind, which takes longer."""
+        from lcmtools.observe.monitor import BusMonitor
+
+        with BusMonitor(self.url, "complete", self.environment) as monitor:
+            return monitor.discover()
 
     @cached_property
     def url(self) -> "BusUrl":

@@ -27,7 +27,7 @@ _SECOND = 10**9
 class _Log:
     """A source of some messages."""
 
-    port, is_live, is_log, is_awaiting = 0, False, True, False
+    port, is_live, is_log, is_awaiting, has_strangers = 0, False, True, False, False
     numbered: ClassVar[dict[Any, Any]] = {}
 
     def __init__(self, packets: Sequence[Packet]) -> None:

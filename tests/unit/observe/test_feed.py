@@ -21,7 +21,7 @@ class Bus:
     """A bus that does what a test says."""
 
     port = 0
-    is_live, is_awaiting = True, False
+    is_live, is_awaiting, has_strangers = True, False, False
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
     def __init__(self, behaviour: Behaviour, *, is_log: bool = False) -> None:

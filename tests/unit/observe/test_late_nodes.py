@@ -24,7 +24,7 @@ LATE = 0.6  # [s], as on a computer with many busy programs
 class LateObserver:
     """A source in which one announcement comes, a long time after the request."""
 
-    is_live, is_log, is_awaiting, port = True, False, False, 0
+    is_live, is_log, is_awaiting, has_strangers, port = True, False, False, False, 0
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
     def __init__(self, node: Node) -> None:

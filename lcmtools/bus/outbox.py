@@ -1,0 +1,89 @@
+"""Messages that wait for a network that is slower than their publishers, on a thread of their own.
+
+Of each topic up to 64 kB wait, or one message: of commands hundreds, of images the newest. The
+oldest make room, so that no publisher waits and none of them is sent late.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+MOST_WAITING_BYTES = 64_000
+"""Bytes of a topic's messages that wait; one message may always."""
+
+_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
+
+
+class Outgoing(NamedTuple):
+    """A message on its way: its key, its payload, and what goes beside it."""
+
+    key: str
+    payload: bytes
+    stamp: bytes
+    is_large: bool
+
+
+class Outbox:
+    """Messages that wait, sent one after another, each topic in its turn.
+
+    Args:
+        put: Sends a message; may take long, and raises nothing.
+
+    Attributes:
+        dropped: Messages that made room for newer ones of their topic.
+    """
+
+    def __init__(self, put: Callable[[Outgoing], None]) -> None:
+        self._put = put
+        self.dropped = 0
+        self._waiting: dict[str, deque[Outgoing]] = {}
+        self._sending = ""  # the key of the message that is being sent
+        self._changed = threading.Condition()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    def add(self, message: Outgoing) -> None:
+        """Queue a message; the oldest ones of its topic make room."""
+        with self._changed:
+            if self._thread is None and not self._closed:
+                self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
+                self._thread.start()
+            queue = self._waiting.setdefault(message.key, deque())
+            queue.append(message)
+            while len(queue) > 1 and sum(len(one.payload) for one in queue) > MOST_WAITING_BYTES:
+                queue.popleft()
+                self.dropped += 1
+            self._changed.notify_all()
+
+    def has_waiting(self, key: str) -> bool:
+        """Return whether a message of this topic waits or is being sent: none may overtake it."""
+        return key in self._waiting or key == self._sending
+
+    def close(self) -> None:
+        """Send what waits, for half a second at most."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(_FLUSH_TIMEOUT)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._sending = ""
+                self._changed.wait_for(lambda: self._closed or self._waiting)
+                if not self._waiting:
+                    return
+                message = self._next()
+            self._put(message)
+
+    def _next(self) -> Outgoing:
+        """Take the first message of the topic that has waited longest for its turn."""
+        key = next(iter(self._waiting))
+        queue = self._waiting.pop(key)
+        message = queue.popleft()
+        self._sending = key
+        if queue:
+            self._waiting[key] = queue
+        return message

@@ -1,0 +1,69 @@
+"""Messages that wait for a slow network: of each topic the newest, in order, each in its turn."""
+
+import threading
+from collections.abc import Callable
+
+from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
+
+
+class _Line:
+    """A network that takes a message when it is told to."""
+
+    def __init__(self) -> None:
+        self.taken: list[Outgoing] = []
+        self.begun = threading.Semaphore(0)
+        self.room = threading.Semaphore(0)
+
+    def put(self, message: Outgoing) -> None:
+        """Take a message when there is room."""
+        self.begun.release()
+        self.room.acquire()
+        self.taken.append(message)
+
+
+def _message(key: str, number: int, size: int = 8) -> Outgoing:
+    return Outgoing(key, bytes([number]) * size, b"", is_large=False)
+
+
+def _numbers(line: _Line, key: str) -> list[int]:
+    return [message.payload[0] for message in line.taken if message.key == key]
+
+
+def test_commands_wait_in_order_and_images_are_replaced_by_newer_ones() -> None:
+    line = _Line()
+    outbox = Outbox(line.put)
+    outbox.add(_message("other", 0))
+    line.begun.acquire()  # the line is busy from now on
+    for number in range(100):
+        outbox.add(_message("command", number))
+        outbox.add(_message("image", number, MOST_WAITING_BYTES + 1))
+    assert outbox.has_waiting("command")
+    assert outbox.has_waiting("other")
+    assert not outbox.has_waiting("another")
+    line.room.release(102)
+    outbox.close()
+    assert _numbers(line, "command") == list(range(100))
+    assert _numbers(line, "image") == [99]
+    assert outbox.dropped == 99
+
+
+def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
+    line = _Line()
+    outbox = Outbox(line.put)
+    for number in range(3):
+        outbox.add(_message("a", number))
+    line.begun.acquire()
+    outbox.add(_message("b", 0))
+    line.room.release(4)
+    wait_until(lambda: len(line.taken) == 4)
+    assert [message.key for message in line.taken].index("b") < 3
+    outbox.close()
+
+
+def test_closing_waits_for_half_a_second_only() -> None:
+    line = _Line()
+    outbox = Outbox(line.put)
+    outbox.add(_message("a", 0))
+    outbox.close()  # the line never has room
+    assert line.taken == []
+    line.room.release()
