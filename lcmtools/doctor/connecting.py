@@ -131,7 +131,8 @@ class Connecting:
         self._by_base = _by(base_name_of, published)
         self._by_namespace = _by(namespace_of, published)
         self._published = _by(str, published)
-        self._subscribed = _by(str, ((n, e) for n, e in live if e.role is Role.SUBSCRIBER))
+        taking = ((n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool)
+        self._subscribed = _by(str, taking)  # not by commands: spy and gui listen to all
         self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
         self._near_subscribed = NearNames(self._subscribed)
         outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
@@ -171,7 +172,7 @@ class Connecting:
         """The remedies that lead a loose publication to a subscription that has a publisher."""
         for topic in self._near_subscribed.of(endpoint.topic):
             for listener, other in self._subscribed[topic]:
-                if listener.id != node.id and not listener.tool and _fit(endpoint, other):
+                if listener.id != node.id and _fit(endpoint, other):
                     remedy = publish_on(node, endpoint.topic, topic)
                     yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
 

@@ -101,6 +101,22 @@ def test_a_publisher_and_a_subscriber_are_connected(sentence: str) -> None:
     assert remedies(publisher, node(listener, Role.SUBSCRIBER, *subscribes)) == (remedy,)
 
 
+def test_a_command_that_listens_to_all_topics_changes_no_remedy() -> None:
+    sensor = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
+    output = Endpoint("/wheel_cmd", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
+    driver = node("/driver", Role.SUBSCRIBER, "/odometry")
+    driver = replace(driver, endpoints=(*driver.endpoints, output))
+    watching = tuple(
+        Endpoint(topic, Role.SUBSCRIBER) for topic in ("/robot/odometry", "/wheel_cmd")
+    )
+    spy = Node("/_spy", "spy", "here", 2, tool=True, endpoints=watching)
+    evidence = Evidence("udpm://", graph=Graph((sensor, driver, spy)))
+    found = {finding.rule: finding for finding in judge(evidence)}
+    assert found["unconnected-subscriptions"].remedies == (
+        "/robot/odometry is published: start /driver with __ns:=/robot",
+    )
+
+
 @pytest.mark.parametrize(
     ("one", "other", "near"),
     [
