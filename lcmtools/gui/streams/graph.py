@@ -5,7 +5,7 @@ It looks on a thread of its own, so that laying out a large bus holds up nobody.
 
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lcmtools.bus.url import BusUrl, parse_url
@@ -17,6 +17,7 @@ from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.diagram import diagram_of
+from lcmtools.observe.feed import Snapshot
 from lcmtools.observe.senders import Program, programs
 
 _LOOK_PERIOD = 0.5  # [s]
@@ -74,16 +75,22 @@ class GraphStream(PageStream):
                 if time.monotonic() >= next_look:
                     next_look = time.monotonic() + _PROGRAMS_PERIOD
                     found = programs(snapshot.graph, self._url)
-                rates = {
-                    row.channel: row.rate or 0.0 for row in snapshot.rows if row.age is not None
-                }
-                graph = snapshot.graph
-                if not self.parameters.flag("dead", default=True):
-                    graph = replace(graph, nodes=tuple(n for n in graph.nodes if not n.stale))
-                self._latest = self._maker.make(diagram_of(graph, found, rates))
+                self._latest = self._maker.make(self._diagram(snapshot, found))
                 self._fault = ""
             except Exception as error:  # noqa: BLE001 - shown in the panel
                 self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
+
+    def _diagram(self, snapshot: Snapshot, found: Sequence[Program]) -> Diagram:
+        rates = {row.channel: row.rate or 0.0 for row in snapshot.rows if row.age is not None}
+        graph = snapshot.graph
+        if not self.parameters.flag("dead", default=True):
+            graph = replace(graph, nodes=tuple(node for node in graph.nodes if not node.stale))
+        diagram = diagram_of(graph, found, rates)
+        if self.source.kind == "bus":
+            return diagram
+        # of a log no node is on this computer, which each need not say
+        members = tuple(replace(member, is_here=True) for member in diagram.members)
+        return replace(diagram, members=members)
 
 
 class GraphMaker:

@@ -1,0 +1,75 @@
+"""The graph in a browser: the lab's nodes, a planted fault at its node, and walking by keys."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.programs import Program
+
+CONTROLLER = 'g[data-key="node:/simple_controller"]'
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _lab(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+    """The Husky, and a controller that lacks its namespace."""
+    module_start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
+    module_start(lcmtools_path, "run", "simple_controller")
+
+
+@pytest.fixture
+def graph(page: Any, serve: Callable[..., tuple[Program, str]]) -> Any:
+    """The panel with the graph in it."""
+    _, address = serve("graph")
+    page.goto(address)
+    page.wait_for_selector(CONTROLLER)
+    return page
+
+
+def test_a_fault_is_marked_at_its_node_and_shows_its_remedy(graph: Any) -> None:
+    graph.wait_for_selector('g[data-key="node:/morse"]')
+    graph.wait_for_selector('text="50.0 Hz" >> nth=0')
+    graph.wait_for_selector(f"{CONTROLLER} .sign.is-warning")
+    graph.click(".graph-findings >> text=subscriptions are unconnected")
+    assert "__ns:=/husky0" in graph.inner_text(".graph-about .remedy >> nth=0")
+    assert graph.get_attribute(CONTROLLER, "class").split() == ["vertex", "is-node"]
+    assert "is-dimmed" in graph.get_attribute('g[data-key="topic:/husky0/imu"]', "class")
+    graph.keyboard.press("Escape")
+    graph.wait_for_selector(".graph-about", state="hidden")
+
+
+def test_keys_walk_along_the_edges(graph: Any) -> None:
+    graph.focus('g[data-key="topic:/desired_velocity"]')
+    graph.keyboard.press("ArrowRight")
+    focused = "document.activeElement.dataset.key"
+    assert graph.evaluate(focused) == "node:/simple_controller"
+    graph.keyboard.press("Enter")
+    assert "publishes /controlled_velocity" in graph.inner_text(".graph-about")
+    graph.keyboard.press("ArrowRight")
+    assert graph.evaluate(focused) == "topic:/controlled_velocity"
+
+
+def test_the_graph_is_text_for_screen_readers(graph: Any) -> None:
+    text = graph.locator(".graph-outline").text_content()
+    assert "/simple_controller" in text
+    assert "subscribes to /desired_velocity" in text
+    graph.click("button:text-is('Text')")
+    assert graph.is_visible(".graph-outline")
+    assert graph.is_hidden(".graph-drawing")
+
+
+def test_choices_change_what_is_drawn(graph: Any) -> None:
+    graph.click("button:text-is('Groups')")
+    graph.wait_for_selector('.band-name:text-is("/husky0")')
+    graph.click("button:text-is('Topics')")
+    graph.wait_for_selector('g[data-key="topic:/desired_velocity"]', state="detached")
+
+
+def test_the_drawing_is_saved_with_its_colours(graph: Any, tmp_path: Path) -> None:
+    with graph.expect_download() as download:
+        graph.click("[aria-label='Save the drawing as SVG']")
+    path = tmp_path / "graph.svg"
+    download.value.save_as(path)
+    text = path.read_text()
+    assert "/simple_controller" in text
+    assert 'fill="rgb(' in text

@@ -1,0 +1,74 @@
+"""A log in a browser: any moment by the time line, and the message of that moment."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.programs import Program
+
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import Float64
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet
+from tests.gui.conftest import panel_address
+
+S = 1_000_000_000
+START = 1_795_000_000 * S
+SLIDER = ".timeline-track"
+
+
+@pytest.fixture
+def log(page: Any, serve: Callable[..., tuple[Program, str]], tmp_path: Path) -> Any:
+    """A page of a log of a hundred seconds, in which /count has the seconds; it stands still."""
+    packets = []
+    for second in range(101):
+        message = Float64()
+        message.data = float(second)
+        packets.append(Packet("/count", encode(message), START + second * S))
+    path = tmp_path / "a.log"
+    path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(packets)))
+    _, address = serve("topics", "--bag", str(path))
+    page.goto(panel_address(address, "topics", topic="/count"))
+    page.click("[aria-label='Pause (Space)']")
+    page.wait_for_selector("[aria-label='Play (Space)']")
+    return page
+
+
+def _shows(page: Any, value: str) -> None:
+    page.wait_for_function(
+        "value => document.querySelector('.tree').textContent.includes(value)", arg=value
+    )
+
+
+def test_a_moment_shows_the_message_before_it(log: Any) -> None:
+    box = log.locator(SLIDER).bounding_box()
+    log.mouse.click(box["x"] + 1 + (box["width"] - 2) * 0.425, box["y"] + 10)
+    _shows(log, "42.0")
+    log.mouse.click(box["x"] + 1 + (box["width"] - 2) * 0.075, box["y"] + 10)  # and back
+    _shows(log, "7.0")
+
+
+def test_keys_step_and_seek(log: Any) -> None:
+    log.focus(SLIDER)
+    log.keyboard.press("Home")
+    _shows(log, "0.0")
+    log.keyboard.press("ArrowRight")
+    _shows(log, "5.0")
+    log.keyboard.press(".")
+    _shows(log, "6.0")
+    log.keyboard.press("End")
+    _shows(log, "100.0")
+    assert log.locator(".timeline-clock").inner_text().endswith("/ 1:40.0")
+    log.keyboard.press("Home")
+    log.keyboard.press(">")
+    log.keyboard.press(" ")
+    log.wait_for_selector("[aria-label='Pause (Space)']")
+    _shows(log, "3.0")
+    assert log.input_value(".timeline select") == "2"
+
+
+def test_nothing_can_be_published(log: Any) -> None:
+    assert log.locator(".link").inner_text() == "log"
+    log.click("text=Publish …")
+    log.wait_for_selector("button:has-text('Publish'):disabled")
