@@ -1,15 +1,17 @@
 """Recording from a bus: what the logs have, and what becomes of them at any end."""
 
+import json
 import os
 import re
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import lcm
 import pytest
+from fixtures.typist import Typist
 
 from lcmtools import Node
 from lcmtools.bag.choice import RecordedTopics
@@ -18,12 +20,14 @@ from lcmtools.bag.ring import SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bus import multicast
 from lcmtools.bus.url import parse_url
+from lcmtools.messages.codec import encode
 from lcmtools.names import Resolver
 from lcmtools.observe.find import GLOBAL
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.packages.user_types import source_text
 from lcmtools.types.geometry_msgs import PointStamped
-from lcmtools.types.std_msgs import String
+from lcmtools.types.std_msgs import Bool, String
 
 WaitUntil = Callable[..., None]
 
@@ -322,3 +326,119 @@ def test_services_pause_and_go_on(
     _publish(lcm.LCM(bus_url), "EXAMPLE", 1)
     assert program.wait() == 0
     assert len(_payloads(path, "EXAMPLE")) == 1
+
+
+def _recorder(start: Callable[..., Any], lcmtools_path: str, url: str, *words: str) -> Any:
+    return start(lcmtools_path, "bag", "record", *words, LCM_DEFAULT_URL=url)
+
+
+def test_what_was_recorded_is_reported_as_json(
+    bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str, wait_until: WaitUntil
+) -> None:
+    words = ("-o", str(path), "-n", "5", "EXAMPLE", "--json")
+    program = _recorder(start, lcmtools_path, bus_url, *words)
+    wait_until(path.exists)  # it has joined the bus before
+    _publish(lcm.LCM(bus_url), "EXAMPLE", 5)
+    assert program.wait() == 0
+    assert json.loads(program.output) == {
+        "files": [str(path)],
+        "messages": 5,
+        "bytes": path.stat().st_size,
+        "losses": [],
+    }
+
+
+def test_tcpq_is_recorded(
+    tcpq_server: Any,
+    path: Path,
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    wait_until: WaitUntil,
+) -> None:
+    words = ("-o", str(path), "-n", "20", "EXAMPLE")
+    program = _recorder(start, lcmtools_path, tcpq_server.url, *words)
+    wait_until(lambda: any([*tcpq_server._clients.values()]))
+    sent = _publish(lcm.LCM(tcpq_server.url), "EXAMPLE", 20)
+    assert program.wait() == 0, program.output
+    assert _payloads(path, "EXAMPLE") == sent
+    assert "20 messages" in program.output
+    assert "no losses" in program.output
+
+
+def test_a_condition_saves_a_snapshot_of_what_came_before_and_after(
+    bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str, wait_until: WaitUntil
+) -> None:
+    words = ("--snapshot", "1m", "--after", "100ms", "--when", "/estop m.data", "-o", str(path))
+    program = _recorder(start, lcmtools_path, bus_url, *words)
+    bus, stop = lcm.LCM(bus_url), Bool()
+    wait_until(lambda: "/_lcmtools_record" in _tools(bus_url))
+    before = _publish(bus, "EXAMPLE", 5)
+    bus.publish("/estop", encode(stop))
+    _publish(bus, "EXAMPLE", 5)
+    assert not path.exists()
+    stop.data = True
+    bus.publish("/estop", encode(stop))
+    wait_until(lambda: index_path(path).exists() and '"end"' in index_path(path).read_text())
+    program.send_signal(signal.SIGINT)
+    program.wait()
+    assert _payloads(path, "EXAMPLE") == before * 2
+    assert len(_payloads(path, "/estop")) == 2
+    assert "12 messages" in program.output
+
+
+def _tools(url: str) -> str:
+    with BusMonitor(parse_url(url), "test", os.environ) as monitor:
+        return str([node.name for node in monitor.discover().nodes])
+
+
+def test_keys_pause_save_and_end(
+    bus_url: str, path: Path, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    words = ("bag", "record", "--snapshot", "1m", "-o", str(path))
+    with closing(Typist(lcmtools_path, *words)) as typist:
+        typist.wait_for("keeping 0 messages")
+        bus = lcm.LCM(bus_url)
+        _publish(bus, "A", 3)
+        typist.wait_for("keeping 3 messages")
+        typist.type(" ")
+        typist.wait_for("paused (space goes on)")
+        _publish(bus, "B", 3)
+        typist.type(" ")
+        typist.wait_for("none lost")
+        typist.type("s")
+        typist.wait_for("; 3 messages, ")
+        typist.type("q")
+        assert typist.end() == 0
+        assert typist.settings() == typist.before
+    assert (len(_payloads(path, "A")), len(_payloads(path, "B"))) == (3, 0)
+
+
+@pytest.mark.parametrize(("size", "least"), [(1000, 1_040_000), (200_000, 5 * 200_000)])
+def test_a_disk_of_a_megabyte_is_filled_to_the_last_message_that_fits(
+    bus_url: str,
+    tmp_path: Path,
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    size: int,
+    least: int,
+) -> None:
+    disk, kept = tmp_path / "disk", tmp_path / "kept"
+    disk.mkdir()
+    kept.mkdir()
+    script = f"mount -t tmpfs -o size=1m tmpfs {disk} || exit 99; : > {tmp_path}/begun\n"
+    script += f'"$@"; code=$?; cp {disk}/* {kept}; exit $code'
+    words = (lcmtools_path, "bag", "record", "-o", str(disk / "ride.lcmlog"))
+    program = start("unshare", "-rm", "sh", "-c", script, "sh", *words, LCM_DEFAULT_URL=bus_url)
+    bus = lcm.LCM(bus_url)
+    while program._process.poll() is None:
+        _publish(bus, "EXAMPLE", 10, size=size)
+    if program.wait() == 99 or "unshare" in program.output:
+        pytest.skip("no file system may be mounted here")
+    assert program.wait() == 1
+    (line,) = program.lines
+    assert "No space left on device; " in line
+    path = kept / "ride.lcmlog"
+    payloads = _payloads(path, "EXAMPLE")
+    assert {len(payload) for payload in payloads} == {size}
+    assert path.stat().st_size == len(payloads) * (28 + 7 + size) >= least

@@ -22,7 +22,7 @@ from lcmtools.cli.bag.record_options import (
 from lcmtools.cli.bag.recording import attend, reported
 from lcmtools.cli.bus import chosen_url, looking_names, notify
 from lcmtools.cli.declare import argument, examples, subcommand
-from lcmtools.cli.options import bus_options, names_options
+from lcmtools.cli.options import bus_options, json_option, names_options
 from lcmtools.wire.log_compression import Compression
 
 
@@ -34,6 +34,7 @@ from lcmtools.wire.log_compression import Compression
     snapshot_options,
     names_options,
     bus_options,
+    json_option,
 )
 @examples(
     "bag record",
@@ -61,6 +62,7 @@ def command(
     snapshot: float | None,
     after: float | None,
     when: str | None,
+    as_json: bool,
 ) -> None:
     """Record messages into an LCM log, until Ctrl-C.
 
@@ -96,7 +98,7 @@ def command(
         trigger = Trigger(when, names, monitor.types_of) if when else None
         kept = SnapshotPlan(snapshot, after or 0.0, max_size, trigger) if snapshot else None
         recorder = BagRecorder(monitor, choice, series, limits, kept, paused=paused)
-        stack.enter_context(reported(recorder, series))
+        stack.enter_context(reported(recorder, series, as_json=as_json))
         node = None
         if services:
             node = stack.enter_context(recorder_node(names.resolve(services), url, recorder))

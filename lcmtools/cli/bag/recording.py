@@ -5,11 +5,14 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
+from lcmtools.cli.output import document
+from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
 from lcmtools.node.spinning import spin_once
@@ -19,19 +22,17 @@ from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
 
 _TURN = 0.1  # [s] between looks at keys and requests
 _SHOWN_EVERY = 0.5  # [s]
-_CLEAR_LINE = "\r\033[K"
 _PAUSE, _SAVE, _END = " ", "s", "q"
 
 
 def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
     """Show a recording in a line, take keys and requests, until it ends by itself."""
     with ExitStack() as stack:
-        shows = is_terminal(sys.stderr)
+        line = stack.enter_context(StatusLine("lcmtools bag record"))
+        shown = _Shown(recorder, series, line)
         keys = None
-        if shows and is_terminal(sys.stdin):
+        if line.shows and is_terminal(sys.stdin):
             keys = TerminalKeys(stack.enter_context(Terminal(keys=True)))
-        line = _Line(recorder, series)
-        stack.callback(line.clear)
         while not recorder.wait(0.0 if keys or node else _TURN):
             if node is not None:
                 spin_once(node, 0.0 if keys else _TURN)
@@ -39,13 +40,11 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 if key == _END:
                     return
                 _press(key, recorder)
-            line.tell_trouble()
-            if shows:
-                line.show()
+            shown.show()
 
 
 @contextmanager
-def reported(recorder: BagRecorder, series: LogSeries) -> Iterator[None]:
+def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
     """Record, and report in the end what was recorded; in one line, also where it failed."""
     is_begun = False
     try:
@@ -59,7 +58,9 @@ def reported(recorder: BagRecorder, series: LogSeries) -> Iterator[None]:
             raise LcmtoolsError(error.what, hint) from error
         raise
     finally:
-        if is_begun and not isinstance(sys.exc_info()[1], LcmtoolsError):
+        if is_begun and as_json:
+            document(_record(recorder.progress(), series))
+        elif is_begun and not isinstance(sys.exc_info()[1], LcmtoolsError):
             notify(last_word(recorder.progress(), series))
 
 
@@ -73,6 +74,19 @@ def last_word(progress: Progress, series: LogSeries) -> str:
     return f"{what}; {losses_text(progress.losses)}"
 
 
+def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
+    """Return the same for JSON."""
+    return {
+        "files": [*map(str, series.paths)],
+        "messages": progress.messages,
+        "bytes": progress.bytes,
+        "losses": [
+            {"sender": name, "lost": loss.lost, "of": loss.sent}
+            for name, loss in progress.losses.items()
+        ],
+    }
+
+
 def losses_text(losses: Mapping[str, Loss]) -> str:
     """Return the losses of all senders for people."""
     if not losses:
@@ -81,40 +95,24 @@ def losses_text(losses: Mapping[str, Loss]) -> str:
     return "lost " + ", ".join(f"{loss} of {name}" for name, loss in by_size)
 
 
-class _Line:
-    """The line of a terminal that shows a recording, written again and again."""
+class _Shown:
+    """The line of a terminal that shows a recording, and what is said above it."""
 
-    def __init__(self, recorder: BagRecorder, series: LogSeries) -> None:
-        self._recorder, self._series = recorder, series
+    def __init__(self, recorder: BagRecorder, series: LogSeries, line: StatusLine) -> None:
+        self._recorder, self._series, self._line = recorder, series, line
         self._last = recorder.progress()
         self._time = time.monotonic()
-        self._trouble = ""
-        self._is_shown = False
-
-    def tell_trouble(self) -> None:
-        """Report trouble with the bus when it begins and when it ends."""
-        trouble = self._recorder.progress().trouble
-        if trouble != self._trouble:
-            self.clear()
-            notify(trouble or "the bus is back")
-            self._trouble = trouble
 
     def show(self) -> None:
-        """Write the line, if it is time."""
+        """Report trouble with the bus when it begins and ends; write the line, if it is time."""
         now, progress = time.monotonic(), self._recorder.progress()
+        if progress.trouble != self._last.trouble:
+            self._line.talk(progress.trouble or "the bus is back")
+            self._last = replace(self._last, trouble=progress.trouble)
         seconds = now - self._time
-        if seconds < _SHOWN_EVERY:
-            return
-        text = self._text(progress, seconds)
-        columns = shutil.get_terminal_size().columns
-        _write(_CLEAR_LINE + text[: columns - 1])
-        self._last, self._time, self._is_shown = progress, now, True
-
-    def clear(self) -> None:
-        """Remove the line."""
-        if self._is_shown:
-            _write(_CLEAR_LINE)
-            self._is_shown = False
+        if self._line.shows and seconds >= _SHOWN_EVERY:
+            self._line.write(self._text(progress, seconds))
+            self._last, self._time = progress, now
 
     def _text(self, progress: Progress, seconds: float) -> str:
         rate = (progress.messages - self._last.messages) / seconds
@@ -145,9 +143,3 @@ def _press(key: str, recorder: BagRecorder) -> None:
 
 def _counted(messages: int) -> str:
     return "1 message" if messages == 1 else f"{messages} messages"
-
-
-def _write(text: str) -> None:
-    with suppress(OSError):
-        sys.stderr.write(text)
-        sys.stderr.flush()
