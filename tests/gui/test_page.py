@@ -1,9 +1,11 @@
 """The page itself, in a real browser: topics, messages, the form, the log, and the arrangement."""
 
+import json
 import signal
 import socket
 from collections.abc import Callable
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from fixtures.programs import Program
@@ -31,10 +33,10 @@ def address(module_start: Callable[..., Program], lcmtools_path: str) -> str:
 
 @pytest.fixture
 def topics(page: Any, address: str) -> Any:
-    """A page that shows the topics, arranged as at first."""
-    page.goto(address)
-    page.get_by_text("connected", exact=True).wait_for()
-    page.get_by_role("button", name="Arrange as at first").click()  # else as the last test left it
+    """A page that shows the topics above the log."""
+    parts = [{"panel": "topics"}, {"panel": "log"}]
+    tree = {"split": "column", "parts": parts, "sizes": [3, 1]}
+    page.goto(f"{address}#{quote(json.dumps(tree))}")
     page.get_by_role("cell", name="/chatter", exact=True).wait_for()
     return page
 
@@ -175,6 +177,7 @@ def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
     topics.locator("[data-panel=graph]").wait_for()
     topics.get_by_role("button", name="Arrange as at first").click()
     topics.locator("[data-panel=graph]").wait_for(state="detached")
+    assert panels(topics) == ["Topics", "Log", "World"]
     other = browser.new_page()
     other.goto(shared)
     other.locator("[data-panel=graph]").wait_for()
@@ -223,7 +226,7 @@ def test_a_topic_is_chosen_and_its_message_unfolded_by_the_keyboard(topics: Any)
     reach(topics, "Filter topics")
     topics.keyboard.type("pose")
     row(topics, "/chatter").wait_for(state="detached")
-    reach(topics, "Listeners")
+    reach(topics, "Listeners")  # the last column
     press(topics, "Tab", "Enter")  # the row behind the heading
     tree = topics.get_by_role("tree", name="Message of /pose")
     tree.get_by_role("treeitem").first.wait_for()

@@ -4,6 +4,8 @@ import { Context } from "./context.js";
 import { element, iconButton, openMenu, set, write, fill, icon } from "./elements.js";
 import { PANELS } from "./panels/index.js";
 
+const LATER = 400; // [ms]
+
 /**
  * @typedef {import("./tree.js").Side} Side
  * @typedef {{changed: () => void, announce: (text: string) => void,
@@ -11,6 +13,7 @@ import { PANELS } from "./panels/index.js";
  *   remove: (leaf: import("./tree.js").Leaf) => void,
  *   move: (leaf: import("./tree.js").Leaf, side: Side) => void,
  *   enlarge: (leaf: import("./tree.js").Leaf) => void,
+ *   isAlone: (leaf: import("./tree.js").Leaf) => boolean,
  *   drag: (leaf: import("./tree.js").Leaf, event: PointerEvent) => void}} Owner
  */
 
@@ -59,6 +62,8 @@ export class Frame {
 
   async load() {
     try {
+      // what takes long to load lets the other panels show something first
+      if (this.kind.isLarge) await new Promise((done) => setTimeout(done, this.owner.isAlone(this.leaf) ? 0 : LATER));
       const { default: PanelClass } = await this.kind.module();
       if (this.context.signal.aborted) return;
       this.panel = new PanelClass(this.context, this.leaf.settings ?? {});

@@ -174,6 +174,7 @@ export class Layout {
       remove: (leaf) => this.remove(leaf),
       move: (leaf, side) => this.move(leaf, side),
       enlarge: (leaf) => this.enlarge(leaf),
+      isAlone: (leaf) => this.tree === leaf,
       drag: (leaf, event) => this.drag(leaf, event),
     };
   }

@@ -9,7 +9,14 @@ import { Timeline } from "./timeline.js";
 const KEEP = "lcmtools.layout."; // before the name of a view, in the browser's storage
 const THEME = "lcmtools.theme";
 const SOON = 300; // [ms] until a change is kept
-const DEFAULT = { split: "column", parts: [{ panel: "topics" }, { panel: "log" }], sizes: [3, 1] };
+const DEFAULT = {
+  split: "row",
+  sizes: [3, 2],
+  parts: [
+    { split: "column", sizes: [3, 1], parts: [{ panel: "topics" }, { panel: "log" }] },
+    { panel: "world" },
+  ],
+};
 
 const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket${location.search}`;
 const connection = new Connection(address);

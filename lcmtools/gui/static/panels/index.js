@@ -4,7 +4,7 @@
  * @typedef {import("../context.js").Context} Context
  * @typedef {{element: HTMLElement, title: string, settings: () => any, close: () => void}} Panel
  * @typedef {{new (context: Context, settings: any): Panel}} PanelClass
- * @typedef {{title: string, detail: string, module: () => Promise<{default: PanelClass}>}} Kind
+ * @typedef {{title: string, detail: string, isLarge?: boolean, module: () => Promise<{default: PanelClass}>}} Kind
  */
 
 /** @type {Record<string, Kind>} */
@@ -22,6 +22,7 @@ export const PANELS = {
   world: {
     title: "World",
     detail: "robots, sensors and paths in 3D",
+    isLarge: true,
     module: () => import("./world.js"),
   },
   image: {
