@@ -53,5 +53,7 @@ def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
         "scouting/multicast/enabled": not place.hosts,
         "scouting/multicast/interface": _LOOPBACK_INTERFACE if is_here else place.interface,
         "scouting/multicast/address": place.group,
+        # a program that is on the network as well would tell of others there
+        "scouting/gossip/enabled": not is_here or bool(place.hosts),
         "scouting/delay": _DELAY_MS,
     }

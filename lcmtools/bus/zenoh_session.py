@@ -1,9 +1,8 @@
-"""A session of Zenoh, and its sharp edges. The only module that imports its package.
+"""A session of Zenoh, and its sharp edges. With ``zenoh_opening``, all that imports its package.
 
 - A message to a program that does not read waits; after a second, Zenoh lets go of that program,
   which connects again when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit.
-- A session knows the first of several others when it opens: it waits until no more appear.
 - A message is sent at once, or waits for room: see ``bus.outbox`` for those that come meanwhile.
 - Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
 - Replies with the same key are merged unless that is switched off.
@@ -12,9 +11,7 @@
 import atexit
 import contextlib
 import itertools
-import json
 import os
-import re
 import threading
 import time
 from collections import deque
@@ -23,34 +20,21 @@ from typing import TypeVar
 
 from lcmtools.bus.kernel import computer_id
 from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
-from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
-from lcmtools.bus.zenoh_check import check_place, refusal
-from lcmtools.bus.zenoh_config import is_own, settings_of
-from lcmtools.bus.zenoh_url import Address, locator_address
-from lcmtools.errors import BusError, MissingExtra
+from lcmtools.bus.zenoh_config import is_own
+from lcmtools.bus.zenoh_opening import open_session, reason_of, zenoh
+from lcmtools.errors import BusError
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Retained, decode_probe
 from lcmtools.messages.registry import candidates
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin, decode_stamp, encode_stamp
 
-try:
-    import zenoh
-except ImportError as error:
-    hint = "pip install -e '.[zenoh]'"
-    raise MissingExtra("a bus of Zenoh needs the extra 'zenoh'", hint) from error
-
 ItemT = TypeVar("ItemT")
 
-_STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at most
 _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
-_CODE_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
-_JSON_FAULT = re.compile(r'msg: "(?P<text>.*?)", location.*line: (?P<line>\d+)', re.DOTALL)
-_SYNTAX_FAULT = re.compile(r"--> (?P<line>\d+):.*= (?P<text>.*)", re.DOTALL)
-_FORM = "docs/networks.md shows a configuration file of Zenoh"
 _SLOW = 0.01  # [s]: a message that took so long to send had to wait for the network
 
 
@@ -82,7 +66,6 @@ class ZenohSession:
         self._arrived: deque[tuple[zenoh.Sample, int, bool]] = deque()
         self._bytes = 0
         self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
-        self._wakeup = WakeupEvent()
         self._answers = 0  # requests whose answers are awaited
         self._retained = Retained()
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
@@ -90,8 +73,11 @@ class ZenohSession:
         self._is_slow = False  # the network, for small messages
         self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_quietly)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
-        self._session = self._open()
+        self._session, is_client = open_session(url, self.id)
+        self._wakeup = WakeupEvent()
         atexit.register(self.close)
+        if is_client:
+            self._session.info.declare_transport_events_listener(_direct(self._note_outage))
         self._queryable = self._session.declare_queryable(
             self._keys.key(NODE_CHANNEL), _direct(self._answer)
         )
@@ -139,7 +125,7 @@ class ZenohSession:
             try:
                 self._put(message)
             except zenoh.ZError as error:
-                raise BusError(f"cannot publish on {channel}: {_reason(error)}") from error
+                raise BusError(f"cannot publish on {channel}: {reason_of(error)}") from error
 
     def subscribe(self, channel: str | None) -> None:
         """Take a channel's messages from now on; for None, those of all channels."""
@@ -174,37 +160,6 @@ class ZenohSession:
         with contextlib.suppress(zenoh.ZError):
             self._session.close()  # type: ignore[no-untyped-call]
         self._wakeup.close()
-
-    def _open(self) -> zenoh.Session:
-        check_bus(self._url)
-        config = self._config()
-        is_client = json.loads(config.get_json("mode")) == "client"
-        try:
-            session = zenoh.open(config)
-        except zenoh.ZError as error:
-            if not is_client:
-                raise BusError(f"Zenoh cannot open {self._url}: {_reason(error)}") from error
-            address = _host_of(config)
-            if address is None:
-                what = "no router of Zenoh is found"
-                raise BusError(what, f"'connect' in {self._place.file} may name one") from error
-            check_place(self._place._replace(file="", hosts=(address,)))
-            raise refusal(address, *_login_of(config)) from error
-        if is_client:
-            session.info.declare_transport_events_listener(_direct(self._note_outage))
-        else:
-            _await_others(session)
-        return session
-
-    def _config(self) -> zenoh.Config:
-        path = self._place.file
-        try:
-            config = zenoh.Config.from_file(path) if path else zenoh.Config()
-            for name, value in settings_of(self._place, self.id).items():
-                config.insert_json5(name, json.dumps(value))
-        except zenoh.ZError as error:
-            raise BusError(f"cannot use {path or self._url}: {_reason(error)}", _FORM) from error
-        return config
 
     def _note_outage(self, event: zenoh.TransportEvent) -> None:
         self._outages.append(event.kind == zenoh.SampleKind.DELETE)
@@ -301,39 +256,3 @@ class ZenohSession:
 def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
     """Return a handler that is called on Zenoh's own thread, without a queue and a thread more."""
     return zenoh.handlers.Callback(callback, indirect=False)
-
-
-def _await_others(session: zenoh.Session) -> None:
-    """Wait until no more programs appear: the first tells of the others."""
-    start = changed = time.monotonic()
-    known = 0
-    while (now := time.monotonic()) - changed < _STILL and now - start < _SETTLED:
-        if (count := len(session.info.peers_zid())) != known:
-            known, changed = count, now
-        if not known:
-            return  # alone: opening has waited already
-        time.sleep(0.002)
-
-
-def _host_of(config: zenoh.Config) -> Address | None:
-    """Return the first host of a client's configuration."""
-    found = json.loads(config.get_json("connect/endpoints"))
-    endpoints = found.get("client", []) if isinstance(found, dict) else found
-    return locator_address(str(endpoints[0])) if endpoints else None
-
-
-def _login_of(config: zenoh.Config) -> tuple[str, str | None]:
-    """Return the user that a configuration names, and its certificates where it uses TLS."""
-    user = json.loads(config.get_json("transport/auth/usrpwd/user"))
-    if '"tls/' not in config.get_json("connect/endpoints"):
-        return user or "", None
-    trusted = json.loads(config.get_json("transport/link/tls/root_ca_certificate"))
-    return user or "", trusted or ""
-
-
-def _reason(error: Exception) -> str:
-    """Return Zenoh's own words in one line, without the places in its code."""
-    text = _CODE_PLACE.sub("", str(error))
-    if (said := _JSON_FAULT.search(text)) or (said := _SYNTAX_FAULT.search(text)):
-        text = f"line {said['line']}: {said['text']}"
-    return " ".join(text.partition(", expected one of")[0].split())

@@ -1,6 +1,8 @@
 """A bus that is Zenoh: nodes and commands, as on any other."""
 
 import os
+import socket
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -123,6 +125,74 @@ def test_dimos_program_is_heard_and_spoken_to(
     )
     assert cli("pub", "-1", "/goal", "std_msgs/String", "data: kitchen").code == 0
     assert program.wait_for("heard dimos/goal/std_msgs.String kitchen")
+
+
+def test_zenoh_that_is_not_installed_is_told_in_one_line(
+    cli: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "zenoh", None)
+    for name in ("opening", "session", "listener"):
+        monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh_{name}", raising=False)
+    done = cli("list", "--lcm-url", "zenoh://")
+    assert (done.code, done.out) == (3, "")
+    assert done.err == (
+        "lcmtools list: a bus of Zenoh needs the extra 'zenoh'; pip install -e '.[zenoh]'\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("url", "fault"),
+    [
+        ("zenoh://127.0.0.1:1", "nothing of Zenoh at 127.0.0.1:1 (Connection refused)"),
+        ("zenoh://?listen=192.0.2.1", "cannot listen at 192.0.2.1:7447"),
+        ("zenoh:///nowhere.json5", "cannot read Zenoh's configuration '/nowhere.json5'"),
+    ],
+)
+def test_zenoh_that_cannot_be_reached_is_explained(cli: Any, url: str, fault: str) -> None:
+    done = cli("list", "--lcm-url", url)
+    assert (done.code, done.out) == (1, "")
+    assert done.err.startswith(f"lcmtools list: {fault}")
+    assert done.err.count("\n") == 1
+
+
+def test_fault_of_a_zenoh_configuration_is_explained(cli: Any, tmp_path: Path) -> None:
+    path = tmp_path / "a.json5"
+    for text, fault in (
+        ('{mode: "clint"}', "line 1: unknown variant `clint`"),
+        ("{\n  connect:\n", "line 3: expected "),
+        ("{nosuch: 1}", "line 1: unknown field `nosuch`"),
+    ):
+        path.write_text(text)
+        done = cli("list", "--lcm-url", f"zenoh://{path}")
+        assert (done.code, done.out) == (1, "")
+        assert done.err.startswith(f"lcmtools list: cannot use {path}: {fault}"), done
+
+
+def test_lost_connection_is_told_once_and_comes_back(
+    free_port: Callable[[], int], wait_until: WaitUntil
+) -> None:
+    told: list[str] = []
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    hub = parse_url(f"zenoh://224.0.0.224:{free_port()}?listen=127.0.0.1:{port}")
+    url = parse_url(f"zenoh://127.0.0.1:{port}")
+    first = ZenohBus(hub)
+    with closing(ZenohBus(url)) as bus, closing(ZenohBus(url)) as other:
+        bus.on_outage = told.append
+        heard: list[bytes] = []
+        other.subscribe("a", lambda payload, _: heard.append(payload))
+        first.close()
+        wait_until(
+            lambda: told == [f"the connection to {url} is lost; it is tried again until it is back"]
+        )
+        with closing(ZenohBus(hub)):
+            wait_until(lambda: told[1:] == [f"the connection to {url} is back"])
+
+            def is_heard() -> bool:
+                bus.publish("a", b"through the hub")
+                return bool(heard)
+
+            wait_until(is_heard)
 
 
 _DIMOS = """
