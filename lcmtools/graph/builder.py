@@ -32,7 +32,7 @@ class _Count:
 
     def add(self, packet: Packet) -> None:
         self.messages += 1
-        self.bytes += packet.size
+        self.bytes += len(packet.payload) if packet.whole_bytes is None else packet.whole_bytes
         self.last_time = packet.time
         if packet.type_name and len(self.types) < MOST_FINGERPRINTS:
             self.types[packet.type_name] = None

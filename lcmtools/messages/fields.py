@@ -95,9 +95,15 @@ def field_name(cls: type[Message], name: str) -> str:
 def stamp(message: Message) -> int | None:
     """The stamp in a message's ``header`` [ns since 1970]; None where it has no std_msgs/Header."""
     header = getattr(message, "header", None)
-    if header is None or type_name(header) != "std_msgs/Header":
+    kind: type = type(header)
+    if header is None or not _is_header(kind):
         return None
     return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
+
+
+@cache
+def _is_header(cls: type) -> bool:
+    return type_name(cls) == "std_msgs/Header"
 
 
 def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: bool) -> Field:  # noqa: FBT001 - private

@@ -40,7 +40,7 @@ class Decoder:
         keep_stray: bool = False,
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
-        self._classes: dict[tuple[str, int], type[Message]] = {}
+        self._classes: dict[tuple[str, bytes], type[Message]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
         """Return the type of a packet's message.
@@ -50,13 +50,14 @@ class Decoder:
             DecodeError: It is too short for a message, or not of the type that the person names.
             LcmtoolsError: The type's .lcm file is wrong.
         """
-        number = packet.fingerprint
-        if number is None:
-            raise DecodeError("too short for an LCM message")
-        key = packet.channel, number
-        if key not in self._classes:
-            self._classes[key] = self._settle(*key)
-        return self._classes[key]
+        key = packet.channel, packet.payload[:8]
+        known = self._classes.get(key)
+        if known is None:
+            number = packet.fingerprint
+            if number is None:
+                raise DecodeError("too short for an LCM message")
+            known = self._classes[key] = self._settle(packet.channel, number)
+        return known
 
     def decode(self, packet: Packet) -> Message:
         """Return the message in a packet; raises as ``message_class``."""

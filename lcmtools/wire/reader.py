@@ -4,11 +4,13 @@ Sans-I/O: bytes, senders and times come in as arguments, and no datagram makes i
 """
 
 from lcmtools.wire.datagram import (
+    CHANNEL_MAX,
     FRAGMENT_HEADER_BYTES,
     MAGIC_FRAGMENT,
+    MAGIC_SHORT,
+    SHORT_HEADER_BYTES,
     Fragment,
     MalformedDatagram,
-    ShortMessage,
     parse,
 )
 from lcmtools.wire.packet import Packet, Sender
@@ -21,7 +23,9 @@ HEAD_BYTES = 1024
 PROTOCOL_PREFIX = "/_lcmtools/"
 """The prefix of the channels of announcements and probes; they are read whole."""
 
-_MOST_SENDERS = 1000  # that are remembered
+_MOST_SENDERS = _MOST_CHANNELS = 1000  # that are remembered
+_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
+_new = tuple.__new__  # makes a named tuple in half the time
 
 
 class Reader:
@@ -36,6 +40,7 @@ class Reader:
         self._whole = whole
         self._always_whole = always_whole
         self._reassembler = Reassembler()
+        self._channels: dict[bytes, str] = {}
         self._joined: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
         """True if it needs other fragments than the first of their message."""
@@ -57,23 +62,42 @@ class Reader:
             time: Its arrival, nanoseconds since 1970.
             ttl: Its time to live, if known.
         """
-        if data[:4] == MAGIC_FRAGMENT and not self.needs_all and _is_later(data):
-            return None
-        message = parse(data)
-        if isinstance(message, ShortMessage):
-            packet = Packet(message.channel, message.payload, time, sender, message.seqno)
-        elif isinstance(message, MalformedDatagram):
-            if len(self.malformed) < _MOST_SENDERS or sender in self.malformed:
-                self.malformed[sender] = message.reason
-            return None
-        elif (joined := self._join(message, sender, time)) is not None:
-            packet = joined
+        end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
+        if end > 0 and data.startswith(MAGIC_SHORT):  # as parse does it, in half the time
+            name = data[SHORT_HEADER_BYTES:end]
+            channel = self._channels.get(name) or self._learn(name)
+            seqno = int.from_bytes(data[4:8], "big")
+            packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, None, None))
         else:
-            return None
-        self._sequence(sender).add(message.seqno)
+            other = self._read_other(data, sender, time)
+            if other is None:
+                return None
+            packet, seqno = other
+        (self.sequences.get(sender) or self._sequence(sender)).add(seqno)
         if ttl != self.ttls.get(sender) and ttl is not None and sender in self.sequences:
             self.ttls[sender] = ttl
         return packet
+
+    def _read_other(self, data: bytes, sender: Sender, time: int) -> tuple[Packet, int] | None:
+        """Read a fragment, or a malformed datagram; return a message with its number, if any."""
+        if data[:4] == MAGIC_FRAGMENT and not self.needs_all and _is_later(data):
+            return None
+        message = parse(data)
+        if isinstance(message, Fragment):
+            joined = self._join(message, sender, time)
+            return joined and (joined, message.seqno)
+        if isinstance(message, MalformedDatagram) and (
+            len(self.malformed) < _MOST_SENDERS or sender in self.malformed
+        ):
+            self.malformed[sender] = message.reason
+        return None
+
+    def _learn(self, name: bytes) -> str:
+        """Return the channel of a name; some are kept, since a stream has one name."""
+        channel = name.decode("utf-8", "surrogateescape")
+        if len(self._channels) < _MOST_CHANNELS:
+            self._channels[name] = channel
+        return channel
 
     def want_whole(self, channels: tuple[str, ...]) -> None:
         """Put the large messages of these channels together from now, as ``always_whole``."""
