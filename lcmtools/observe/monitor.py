@@ -11,6 +11,7 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
 from lcmtools.bus.records import NodeRecords
@@ -28,13 +29,14 @@ from lcmtools.graph.protocol import (
     encode_probe,
     encode_shutdown,
 )
-from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Losses, losses
 from lcmtools.observe.presence import Presence, own_node
 from lcmtools.observe.senders import is_here
 from lcmtools.observe.sources import LogObserver, Observer, open_observer
-from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.packet import Packet
+
+if TYPE_CHECKING:  # a bus does without logs
+    from lcmtools.observe.log_file import LogFile
 
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
@@ -229,7 +231,7 @@ class BusMonitor:
         return self._observer if isinstance(self._observer, Tap) else None
 
     @property
-    def log(self) -> LogFile | None:
+    def log(self) -> "LogFile | None":
         """The log that is read at once; None where the source is a bus."""
         return self._observer.file if isinstance(self._observer, LogObserver) else None
 
@@ -248,8 +250,10 @@ class BusMonitor:
         self._builder.forget(node.id)
         self._records.remove(node.id)
 
-    def _learn_from(self, log: LogFile) -> None:
+    def _learn_from(self, log: "LogFile") -> None:
         """Learn the nodes and the types that a log knows."""
+        from lcmtools.packages import provide_recorded_types
+
         for packet in log.announcements():
             self._builder.add(packet)
         provide_recorded_types(log.index.types.values())

@@ -6,14 +6,16 @@ Belongs here: which observer a URL takes. Nothing above needs to know which one 
 from collections.abc import Callable, Mapping
 from itertools import islice
 from types import MappingProxyType
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
-from lcmtools.observe.log_file import LogFile
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
+
+if TYPE_CHECKING:  # a bus does without logs
+    pass
 
 _BATCH = 100  # messages of a log at a time, so that reading can be stopped
 
@@ -83,7 +85,9 @@ class LogObserver:
     numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:
-        self.file = LogFile(path)
+        from lcmtools.observe.log_file import LogFile
+
+        self.file: LogFile = LogFile(path)
         self._packets = self.file.packets()
         if between:
             first, last = between
