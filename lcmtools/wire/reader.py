@@ -26,6 +26,7 @@ PROTOCOL_PREFIX = "/_lcmtools/"
 _MOST_SENDERS = _MOST_CHANNELS = 1000  # that are remembered
 _LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
 _new = tuple.__new__  # makes a named tuple in half the time
+_OTHERS = Packet("", b"", 0)[5:]  # the values of the fields behind the number, where none is given
 
 
 class Reader:
@@ -67,7 +68,7 @@ class Reader:
             name = data[SHORT_HEADER_BYTES:end]
             channel = self._channels.get(name) or self._learn(name)
             seqno = int.from_bytes(data[4:8], "big")
-            packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, None, None))
+            packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, *_OTHERS))
         else:
             other = self._read_other(data, sender, time)
             if other is None:
