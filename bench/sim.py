@@ -1,7 +1,7 @@
 """The speed of the simulator beside the bare engine with the same bodies, for each engine there.
 
-Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
-processor time
+Every row is a scene. Columns, whose sides take turns in slices, the slowest of at least so many
+processor seconds: simulated seconds in a second of processor time
   bare        of the engine's step alone, with all bodies in it
   drive       of the simulation without its sensors
   sensors     of the simulation with all its sensors, including the encoding of messages
@@ -13,7 +13,7 @@ and the share of a whole node's time that is not the simulation's:
 Robots have room around them, and need no engine; those "side by side" do.
 Then the time from the start to the first odometry, and memory.
 
-    python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
+    python bench/sim.py [--slice SECONDS] [--hours SIMULATED]
 """
 
 import os
@@ -51,8 +51,8 @@ from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
 
 URL = bus(7791)
-SLICES = 30
-SHORTEST_SLICE = 48  # steps, so that all of them publish the same
+SLICES = 15
+SAMPLED = 48  # steps: a slice has a multiple, so that all of them publish the same
 WARMING = 12  # steps before each slice: the side before has left the processor's caches to itself
 SPEEDS = ("bare", "drive", "sensors", "alone", "subscribed")
 LASER = SensorMount(
@@ -167,50 +167,52 @@ def listen(connection: Connection) -> None:
         listener.handle_timeout(1000)
 
 
-def race(steps: int, *sides: AbstractContextManager[Advance]) -> list[float]:
-    """Seconds that each side takes for so many steps.
+def race(shortest: float, *sides: AbstractContextManager[Advance]) -> list[float]:
+    """Seconds that each side takes for a step.
 
     They take turns, a slice each, so that what disturbs one disturbs all; and the slice in the
-    middle counts, so that what disturbs for a moment does not.
+    middle counts, so that what disturbs for a moment does not. The slowest side's slices last
+    ``shortest`` [s] at least: in some milliseconds the scheduler and a few messages decide.
     """
-    share = max(SHORTEST_SLICE, steps // SLICES)
     with ExitStack() as stack:
         advances = [stack.enter_context(side) for side in sides]
+        steps = SAMPLED
+        while max(processor_seconds(advance, steps) for advance in advances) < shortest:
+            steps *= 2
         slices = [
-            [processor_seconds(advance, share) for advance in advances] for _ in range(SLICES)
+            [processor_seconds(advance, steps) for advance in advances] for _ in range(SLICES)
         ]
-    return [median(spent) * steps / share for spent in zip(*slices, strict=True)]
+    return [median(spent) / steps for spent in zip(*slices, strict=True)]
 
 
-def measure(scene: Scene, wanted: Callable[[str], bool], steps: int) -> dict[str, float]:
-    """Seconds of each column of speeds."""
+def measure(scene: Scene, wanted: Callable[[str], bool], shortest: float) -> dict[str, float]:
+    """Seconds a step of each column of speeds."""
 
     def nothing(_: str) -> bool:
         return False
 
     sides = (bare(scene), simulation(scene, nothing), simulation(scene, wanted))
-    spent = dict(zip(SPEEDS, [*race(steps, *sides, whole(scene)), nan], strict=True))
+    spent = dict(zip(SPEEDS, [*race(shortest, *sides, whole(scene)), nan], strict=True))
     if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
         with child(listen) as listener:
             listener.wait()
-            sensed, subscribed = race(steps, simulation(scene, wanted), whole(scene))
+            sensed, subscribed = race(shortest, simulation(scene, wanted), whole(scene))
             spent["subscribed"] = (
                 subscribed * spent["sensors"] / sensed
             )  # as if all had run at one time
     return spent
 
 
-def compare(seconds: float) -> None:
+def compare(shortest: float) -> None:
     """The table of speeds."""
     rows = []
     for name, (scene, wanted) in scenes().items():
-        simulated = seconds / max(1, len(scene.robots) / 2)
-        spent = measure(scene, wanted, round(simulated / scene.dt))
+        spent = measure(scene, wanted, shortest)
         parts = (
             (spent["alone"] - spent["drive"]) / spent["alone"],
             (spent["subscribed"] - spent["sensors"]) / spent["subscribed"],
         )
-        speeds = [simulated / part for part in spent.values()]
+        speeds = [scene.dt / part for part in spent.values()]
         rows.append((name, *speeds, *("-" if isnan(part) else f"{part:.0%}" for part in parts)))
     show("times real time", ("", *SPEEDS, "loop", "sending"), rows)
 
@@ -252,7 +254,7 @@ def _resident() -> float:
 def main() -> None:
     """Measure and print the tables."""
     arguments = parser(__doc__)
-    arguments.add_argument("--seconds", type=float, default=10.0, help="simulated, a measurement")
+    arguments.add_argument("--slice", type=float, default=0.2, help="seconds, the slowest side's")
     arguments.add_argument("--hours", type=float, default=0.25, help="simulated, for memory")
     said = arguments.parse_args()
     isolate()
@@ -260,7 +262,7 @@ def main() -> None:
         os.environ[VARIABLE] = name
         print(f"\n{engine_version(name)}")
         memory(said.hours)
-        compare(said.seconds)
+        compare(said.slice)
         times = sorted(first_odometry() for _ in range(5))
         print(f"start to first odometry: {times[0]:.2f} s at best, {times[2]:.2f} s mostly")
 
