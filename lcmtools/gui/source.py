@@ -46,7 +46,7 @@ class Source(Protocol):
         """Pass a channel's whole messages on, on another thread; return the end of that."""
 
     def listen_to_all(self) -> End:
-        """Let nodes know that every channel has a listener; return the end of that."""
+        """Let nodes know of a listener to every channel but images'; return the end of that."""
 
     def decode(self, packet: Packet) -> Message:
         """Return the message in a packet; raises as ``Decoder.decode``."""
@@ -70,6 +70,7 @@ class BusSource:
         self.steering: Steering | None = Steering(publishers, is_lossy=monitor.url.is_multicast)
         self._feed = Feed(monitor, ChannelSelection())
         self._feed.listens_to_all = False
+        self._feed.listens_to_large = False  # a table is not worth 100 MB/s of a camera
         self._decoder = Decoder(self._announced)
         self._listeners = 0
         self._feed.start()
@@ -84,7 +85,7 @@ class BusSource:
         return self._feed.follow(channel, take)
 
     def listen_to_all(self) -> End:
-        """Announce to listen to every channel; return the end of that."""
+        """Announce to listen to every channel but those of images; return the end of that."""
         self._listeners += 1
         self._feed.listens_to_all = True
         has_ended: list[bool] = []

@@ -6,8 +6,10 @@ from functools import cache
 from itertools import compress
 
 from lcmtools.bus.url import BusUrl
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic
-from lcmtools.messages.registry import candidates
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import candidates, message_class
 from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow
 from lcmtools.observe.describe import listed_node
@@ -78,9 +80,13 @@ class ChannelRows:
         self._names.learn(seen.sender for topic in topics for seen in topic.foreign)
         return tuple(self._row(topic, activity, lost, now) for topic in topics)
 
-    def published(self, graph: Graph) -> list[str]:
-        """Return the channels with a row that nodes publish on: some do only for a subscriber."""
-        return sorted(t.name for t in graph.topics() if t.publishers and self._has(t.name))
+    def published(self, graph: Graph, *, large: bool = True) -> list[str]:
+        """Return the channels with a row that nodes publish on: some do only for a subscriber.
+
+        ``large`` includes those of images, clouds and other messages with any number of bytes.
+        """
+        topics = (t for t in graph.topics() if t.publishers and self._has(t.name))
+        return sorted(t.name for t in topics if large or not any(map(_is_large, t.types)))
 
     def _row(self, topic: Topic, activity: Activity, lost: Losses, now: int) -> ChannelRow:
         flow = activity.flow(topic.name, now) or Flow()
@@ -119,6 +125,16 @@ class ChannelRows:
         """The nodes, without commands, which are hidden."""
         shown = (node for node, _ in ends if self._selection.hidden or not is_hidden(node.name))
         return tuple(dict.fromkeys(map(listed_node, shown)))
+
+
+@cache
+def _is_large(name: str) -> bool:
+    """Return whether messages of a type may be large: they have bytes, as many as they say."""
+    try:
+        parts = fields(message_class(name))
+    except LcmtoolsError:
+        return False
+    return any(part.is_bytes and isinstance(part.dimensions[-1], str) for part in parts)
 
 
 def survey(

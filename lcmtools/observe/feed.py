@@ -61,6 +61,7 @@ class Feed:
         latest: The latest snapshot; another object each time.
         listens_to_all: Announce to listen to all channels with a row: some nodes publish only for
             a subscriber. Else only those that are followed.
+        listens_to_large: Of these, also to those of images and clouds.
     """
 
     def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
@@ -68,7 +69,7 @@ class Feed:
         self._monitor = monitor
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
-        self.listens_to_all = True
+        self.listens_to_all = self.listens_to_large = True
         self._following = Following(monitor.url)
         self._activity = Activity(_WINDOW)
         self._rows = ChannelRows(selection, SenderNames())
@@ -158,7 +159,7 @@ class Feed:
         graph = self._monitor.graph()
         lost = self._monitor.losses(self._before) if self._count >= _FIRST else {}
         rows = self._rows.make(graph, self._activity, lost, graph.time)
-        self._published = self._rows.published(graph)
+        self._published = self._rows.published(graph, large=self.listens_to_large)
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM

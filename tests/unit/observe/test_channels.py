@@ -138,3 +138,12 @@ def test_a_sender_that_others_have_long_replaced_is_not_named() -> None:
     old = packet("A", FAR)
     new = old._replace(sender=Sender("10.9.8.8", 1), time=old.time + 20 * S)
     assert make([old, new])["A"].senders == ("10.9.8.8:1",)
+
+
+def test_channels_of_images_and_clouds_may_be_left_out_of_those_that_nodes_publish() -> None:
+    kinds = ("Image", "PointCloud2", "CompressedImage", "LaserScan", "NoSuchType")
+    ends = [Endpoint(f"/{kind}", Role.PUBLISHER, (f"sensor_msgs/{kind}",)) for kind in kinds]
+    graph = Graph((node("/n", *ends, Endpoint("/untyped", Role.PUBLISHER)),))
+    rows = ChannelRows(ChannelSelection(), names())
+    assert len(rows.published(graph)) == 6
+    assert rows.published(graph, large=False) == ["/LaserScan", "/NoSuchType", "/untyped"]
