@@ -7,6 +7,7 @@ lengths of its own, that is as slow as decoding each.
 """
 
 import struct
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import prod
@@ -115,10 +116,9 @@ class _Plan:
         """Return for each row whether its lengths are those of the plan."""
         import numpy as np
 
-        first = np.frombuffer(self._cursor.data, np.uint8)
         fits = np.ones(len(rows), bool)
         for place in self._lengths:
-            fits &= (rows[:, place] == first[place]).all(axis=1)
+            fits &= _are(rows, place.start, self._cursor.data[place])
         return fits
 
     def _add(self, cls: type[Message], path: str, columns: dict[str, _Column]) -> None:
@@ -184,16 +184,14 @@ class _Plan:
 
 def table(cls: type[Message], payloads: Sequence[bytes]) -> Table:
     """Return messages of a type as columns; payloads of another type are malformed too."""
-    import numpy as np
-
     tables: list[tuple[Array, dict[str, Array]]] = []
     malformed: list[int] = []
-    start = np.frombuffer(fingerprint(cls).to_bytes(_FINGERPRINT_BYTES, "big"), np.uint8)
+    start = fingerprint(cls).to_bytes(_FINGERPRINT_BYTES, "big")
     for places, rows in _by_size(payloads):
         if rows.shape[1] < _FINGERPRINT_BYTES:
             malformed += places.tolist()
             continue
-        is_of_class = (rows[:, :_FINGERPRINT_BYTES] == start).all(axis=1)
+        is_of_class = _are(rows, 0, start)
         malformed += places[~is_of_class].tolist()
         malformed += _read(cls, *_some(is_of_class, places, rows), tables)
     return Table(_joined(cls, tables), tuple(sorted(malformed)))
@@ -277,6 +275,12 @@ def _paths(cls: type[Message], path: str) -> Iterator[str]:
             yield f"{path}{part.name}"
         else:
             yield from _paths(part.message_class, f"{path}{part.name}.")
+
+
+def _are(rows: "Array", start: int, data: bytes) -> "Array":
+    """Return for each row whether these bytes, of a number, are at a place."""
+    found: Array = _at(rows, start, f"u{len(data)}") == int.from_bytes(data, sys.byteorder)
+    return found
 
 
 def _at(rows: "Array", start: int, code: str, sizes: tuple[int, ...] = ()) -> "Array":
