@@ -1,11 +1,15 @@
 """The server of the package foxglove: channels, clients' wishes, and its errors as ours."""
 
-from collections.abc import Iterable, Mapping
+import logging
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from typing import Any, Protocol, cast
 
 from lcmtools.bag.ros_types import Schema
 from lcmtools.errors import BusError, MissingExtra
+
+_MOST_WAITING = 256
+"""Messages that wait for a slow client; of more the oldest are left out."""
 
 
 class Clients(Protocol):
@@ -68,6 +72,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         except ImportError as error:
             hint = "pip install -e '.[foxglove]'"
             raise MissingExtra("foxglove needs the extra 'foxglove'", hint) from error
+        logging.getLogger("foxglove").addHandler(logging.NullHandler())  # of clients that are gone
         self._package: Any = foxglove
         self._level = StatusLevel.Error
         self._context = foxglove.Context()
@@ -83,6 +88,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
                 server_listener=cast("Any", _Listener(clients)),
                 supported_encodings=list(encodings) or None,
                 context=self._context,
+                message_backlog_size=_MOST_WAITING,
             )
         except RuntimeError as error:
             reason = str(error).rpartition(": ")[2].partition(" (os error")[0]
@@ -130,6 +136,12 @@ class _Listener:
 
     def __init__(self, clients: Clients) -> None:
         self._clients = clients
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        """Do nothing at its other calls."""
+        if not name.startswith("on_"):
+            raise AttributeError(name)
+        return lambda *_: None
 
     def on_subscribe(self, _: object, channel: ClientChannel) -> None:
         """Pass it on."""

@@ -124,7 +124,7 @@ def test_the_graph_is_drawn_and_excluded_topics_are_not_offered(
     node = start_node(lambda: Node("driver")).node
     for topic in ("/cmd", "/secret/cmd"):
         node.create_publisher(Twist, topic)
-    _, url = serve("--exclude", "/secret/**")
+    program, url = serve("--exclude", "/secret/**")
     with _client(url) as client:
         client.send("subscribeConnectionGraph")
         found = client.wait(lambda one: one.get("publishedTopics"))
@@ -132,6 +132,9 @@ def test_the_graph_is_drawn_and_excluded_topics_are_not_offered(
         client.subscribe("/cmd")
         offered = [c["topic"] for one in client.heard for c in one.get("channels", [])]
         assert "/secret/cmd" not in offered
+        client.send("unsubscribeConnectionGraph")
+        client.subscribe("/rosout")
+    assert len(program.lines) == 1, program.output  # it has said its address
 
 
 def test_a_client_publishes_only_where_it_may(
