@@ -40,6 +40,7 @@ def world_markers(
     """The markers of all bodies, which replace earlier ones; ``scene`` has those that stand."""
     clear = Marker()
     clear.header.frame_id, clear.action = WORLD, Marker.DELETEALL
+    clear.pose.orientation.w = 1.0  # else wtf says that it is no rotation
     message = MarkerArray()
     fixed = _fixed(scene) if scene else ()
     message.markers = [clear, *fixed, *_movable(objects), *_of_robots(robots)]
