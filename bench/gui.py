@@ -1,177 +1,149 @@
-"""The window's server: processor time and memory while pages look at a robot.
+"""The processor share of the window's server, and the time to a page's first picture.
 
-A child publishes, at 30 Hz, the odometry (Odometry), the laser (LaserScan of 360 beams) and the
-camera of a robot. Pages plot four numbers of the first two and show the camera: as files of 20 kB,
-as raw depth of 614 kB, or as colour of 8 MB, of which a page of this size is given every third
-pixel. A page is a WebSocket client that reads all; a slow one reads nothing for the whole while.
-Shown is the share of a core that the server takes, images per second at a page, and how much its
-memory grows from one half of the while to the other.
+A robot sends its odometry, frames, a laser scan of 640 beams and a raw camera image of 320x240 at
+30 Hz. One page after the other is added until there are ten; each has what a view has open: the
+topics, three curves, the image, the scan and the frames. Shown are the share of a core that the
+server takes beside its share without a page, the frames that a page gets a second, and how long it
+takes from the connection to the first rows of the topics. The goal is 15 % with one page.
 """
 
-import asyncio
 import json
 import os
-import re
-import tempfile
+import subprocess
+import sys
+import threading
 import time
+from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing.connection import Connection
-from pathlib import Path
 
-from commands import TOOL, child_environment, end, start
-from common import bus, child, every, isolate, processor_time, rounds_asked, show
-from websockets.asyncio.client import connect
-from websockets.typing import Origin, Subprotocol
+import lcm
+from common import bus, child, every, isolate, parser, processor_time, show
+from websockets.sync.client import ClientConnection, connect
 
-from lcmtools.bus.open import open_bus
-from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
+from lcmtools.messages.message_template import draft
+from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools.types.sensor_msgs import CompressedImage, Image, LaserScan
+from lcmtools.types.sensor_msgs import Image, LaserScan
+from lcmtools.types.tf2_msgs import TFMessage
 
-_PORT = 7794
-_RATE = 30.0  # [Hz]
-_GOAL = 15.0  # [% of a core] with one page and the camera's files
-_SECONDS = 4.0  # that a load is measured
-_SETTLING = 2.0  # [s]
-_WINDOW_PIXELS = 300_000  # that a page shows
-_FIELDS = (
-    "/odometry/twist.twist.linear.x",
-    "/odometry/pose.pose.position",
+_URL = bus(7803)
+_RATE, _WIDTH, _HEIGHT, _BEAMS = 30.0, 320, 240, 640
+_SECONDS = 5.0
+_STREAMS = (
+    ("topics", {}),
+    ("plot", {"fields": [f"/odom/pose.pose.position.{axis}" for axis in "xyz"]}),
+    ("image", {"topic": "/camera"}),
+    ("newest", {"topic": "/scan"}),
+    ("frames", {"topic": "/tf"}),
 )
-_CAMERAS = {"file, 20 kB": 20_000, "depth, 614 kB": 614_400, "colour, 8 MB": 8_294_400}
 
 
-def robot(connection: Connection, camera: str) -> None:
-    """Child: publishes a robot's messages until it is ended."""
-    bus_ = open_bus(parse_url(bus(_PORT)))
-    scan = LaserScan()
-    scan.ranges, scan.ranges_length = [1.0] * 360, 360
-    fixed = {"/scan": encode(scan), "/camera": encode(_image(camera))}
-    odometry = Odometry()
+def robot(connection: Connection) -> None:
+    """Child: the robot."""
+    image = draft(Image, {"height": _HEIGHT, "width": _WIDTH, "encoding": "rgb8"}).message
+    image.step, image.data = 3 * _WIDTH, os.urandom(3 * _WIDTH * _HEIGHT)
+    scan = draft(LaserScan, {"ranges": [2.0] * _BEAMS, "range_max": 9.0}).message
+    frame = draft(TransformStamped, {"header": {"frame_id": "odom"}, "child_frame_id": "base"})
+    frames = TFMessage()
+    frames.transforms = [frame.message]
+    payloads = {
+        "/camera": encode(image),
+        "/scan": encode(scan),
+        "/tf": encode(frames),
+        "/odom": encode(Odometry()),
+    }
+    instance = lcm.LCM(_URL)
     connection.send(None)
-    for count in every(1 / _RATE, 3600):
-        odometry.twist.twist.linear.x = count / 100
-        for topic, payload in {**fixed, "/odometry": encode(odometry)}.items():
-            bus_.publish(topic, payload)
+    for _ in every(1 / _RATE, 1e6):
+        for channel, payload in payloads.items():
+            instance.publish(channel, payload)
 
 
-def _image(camera: str) -> Image | CompressedImage:
-    size = _CAMERAS[camera]
-    if camera.startswith("file"):
-        file = CompressedImage()
-        file.format, file.data, file.data_length = "jpeg", b"\xff\xd8\xff" + bytes(size), size + 3
-        return file
-    image = Image()
-    image.encoding, pixel = ("16UC1", 2) if camera.startswith("depth") else ("rgb8", 3)
-    image.height = {614_400: 480, 8_294_400: 1440}[size]
-    image.width = size // pixel // image.height
-    image.step = image.width * pixel
-    image.data, image.data_length = bytes(size), size
-    return image
+class Viewer:
+    """A page that reads what comes, on a thread of its own."""
 
+    def __init__(self, socket: ClientConnection) -> None:
+        self.frames: Counter[int] = Counter()
+        self.first_picture = 0.0
+        self._socket = socket
+        self._start = time.monotonic()
+        for number, (stream, parameters) in enumerate(_STREAMS):
+            request = {"op": "open", "id": number, "stream": stream, **parameters}
+            socket.send(json.dumps(request))
+        threading.Thread(target=self._read, daemon=True).start()
 
-def page(connection: Connection, port: int, *, is_slow: bool) -> None:
-    """Child: a page, which reads all, or nothing; tells how many images have come, when asked."""
-    asyncio.run(_page(connection, port, is_slow=is_slow))
-
-
-async def _page(connection: Connection, port: int, *, is_slow: bool) -> None:
-    address = f"127.0.0.1:{port}"
-    async with connect(
-        f"ws://{address}/socket",
-        origin=Origin(f"http://{address}"),
-        subprotocols=[Subprotocol("lcmtools.1")],
-        compression=None,
-        max_size=None,
-    ) as socket:
-        plot = {"stream": "plot", "fields": _FIELDS}
-        laser = {"stream": "plot", "fields": ["/scan/ranges[0:5]"]}
-        image = {"stream": "image", "topic": "/camera", "pixels": _WINDOW_PIXELS}
-        for number, stream in enumerate((plot, laser, image)):
-            await socket.send(json.dumps({"op": "open", "id": number, **stream}))
-        connection.send(None)
-        count = 0
-        while not connection.poll():
-            if is_slow:
-                await asyncio.sleep(0.1)
-                continue
-            frame = await socket.recv()
-            count += isinstance(frame, bytes) and b'"encoding"' in frame[:400]
-        connection.send(count)
+    def _read(self) -> None:
+        for data in self._socket:
+            if isinstance(data, bytes):
+                length = int.from_bytes(data[:4], "little")
+                self.frames[json.loads(data[4 : 4 + length])["id"]] += 1
+            elif "id" in (frame := json.loads(data)) and "data" in frame:
+                self.frames[frame["id"]] += 1
+                if not self.first_picture and frame["data"].get("rows"):
+                    self.first_picture = time.monotonic() - self._start
 
 
 @contextmanager
-def server() -> Iterator[tuple[int, int]]:
-    """The window's server, while the block runs: its process and its TCP port."""
-    with tempfile.TemporaryDirectory() as folder:
-        output = f"{folder}/output"
-        words = [TOOL, "gui", "all", "--port", "0", "--no-open", "--json"]
-        pid = start(words, child_environment(folder, _PORT), output)
-        try:
-            while not (found := re.search(r":(\d+)/", Path(output).read_text())):
-                time.sleep(0.01)
-            yield pid, int(found[1])
-        finally:
-            end(pid)
+def server() -> Iterator[tuple[int, str]]:
+    """The window's process, and its address."""
+    command = (sys.executable, "-m", "lcmtools", "gui", "--port", "0", "--no-open", "--json")
+    process = subprocess.Popen([*command, "--lcm-url", _URL], stdout=subprocess.PIPE, text=True)
+    try:
+        text = ""
+        while "}" not in text:
+            assert process.stdout is not None
+            text += process.stdout.readline()
+        yield process.pid, json.loads(text)["command"]
+    finally:
+        process.terminate()
+        process.wait(10)
 
 
-def measure(camera: str, *, pages: int, is_slow: bool = False) -> tuple[float, float, float]:
-    """Return the share of a core [%], images per second at a page, and growth of memory [MB]."""
-    with child(robot, camera) as sender, server() as (pid, port):
-        sender.wait()
-        time.sleep(_SETTLING)
-        with _pages(port, pages, is_slow=is_slow) as opened:
-            time.sleep(_SETTLING)
-            begin, before = time.monotonic(), processor_time(pid)
-            time.sleep(_SECONDS / 2)
-            half = _memory(pid)
-            time.sleep(_SECONDS / 2)
-            growth = _memory(pid) - half
-            share = (processor_time(pid) - before) / (time.monotonic() - begin)
-            opened.send(None)
-            received = opened.recv()
-    return 100 * share, received / (_SECONDS + _SETTLING), growth
-
-
-@contextmanager
-def _pages(port: int, count: int, *, is_slow: bool) -> Iterator[Connection]:
-    """Open pages; yield the connection to the last one."""
-    with child(page_of, port, is_slow) as one:
-        one.wait()
-        if count == 1:
-            yield one.connection
-        else:
-            with _pages(port, count - 1, is_slow=is_slow) as last:
-                yield last
-
-
-def page_of(connection: Connection, port: int, is_slow: bool) -> None:  # noqa: FBT001 - child's
-    """Child: as ``page``."""
-    page(connection, port, is_slow=is_slow)
-
-
-def _memory(pid: int) -> float:
-    """The memory that a process holds [MB]."""
-    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE") / 1e6
+def share(pid: int) -> float:
+    """The share of a core that a process takes for some seconds [%]."""
+    start, used = time.monotonic(), processor_time(pid)
+    time.sleep(_SECONDS)
+    return 100 * (processor_time(pid) - used) / (time.monotonic() - start)
 
 
 def main() -> None:
-    """Print the table."""
-    rounds = rounds_asked(__doc__, 3)
+    """Measure and print."""
+    parser(__doc__).parse_args()
     isolate()
-    loads = [(camera, 1, False) for camera in _CAMERAS]
-    loads += [("file, 20 kB", 10, False), ("depth, 614 kB", 1, True)]
-    rows = []
-    for camera, pages, is_slow in loads:
-        found = [measure(camera, pages=pages, is_slow=is_slow) for _ in range(rounds)]
-        share, rate, growth = min(found)
-        goal = f"{_GOAL:.0f}" if (camera, pages) == ("file, 20 kB", 1) else ""
-        what = f"{camera}; {pages} {'slow ' * is_slow}page{'s' * (pages > 1)}"
-        rows.append((what, share, goal, rate, growth))
-    columns = ("camera", "server [% of a core]", "goal", "images [Hz]", "memory grows [MB]")
-    show("odometry, laser and camera at 30 Hz; the best of the rounds", columns, rows)
+    rows: list[list[object]] = []
+    with child(robot) as sender, server() as (pid, address), ExitStack() as stack:
+        sender.wait()
+        rows.append(["without a page", share(pid), "", ""])
+        viewers: list[Viewer] = []
+        for count in (1, 2, 5, 10):
+            while len(viewers) < count:
+                target = address.replace("http", "ws", 1) + "socket"
+                socket = stack.enter_context(
+                    connect(
+                        target,
+                        origin=address.rstrip("/"),  # type: ignore[arg-type] # a str by another name
+                        subprotocols=["lcmtools.1"],  # type: ignore[list-item]
+                        compression=None,
+                        max_size=None,
+                        close_timeout=0.1,
+                    )
+                )
+                viewers.append(Viewer(socket))
+            time.sleep(1.0)
+            viewers[0].frames.clear()
+            taken = share(pid)
+            frames = "/".join(
+                f"{viewers[0].frames[n] / _SECONDS:.0f}" for n in range(len(_STREAMS))
+            )
+            slowest = max(viewer.first_picture for viewer in viewers)
+            rows.append([f"{count} pages" if count > 1 else "1 page", taken, frames, slowest])
+    streams = "/".join(name for name, _ in _STREAMS)
+    show(
+        f"lcmtools gui at {_RATE:g} Hz", ["", "% of a core", f"Hz of {streams}", "first [s]"], rows
+    )
 
 
 if __name__ == "__main__":

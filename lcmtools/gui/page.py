@@ -8,7 +8,6 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
-from contextlib import suppress
 from functools import partial
 from typing import Protocol
 
@@ -179,9 +178,13 @@ class BrowserPage:
             while frame := self._next_frame():
                 await self._socket.send(frame)
                 self._has_gone.set()
-            pause = self._next_time() - time.monotonic()
-            with suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._wakes.wait(), max(0.001, pause))
+            pause = max(0.001, self._next_time() - time.monotonic())
+            # not wait_for(), which before Python 3.12 may lose the end of this task
+            timer = asyncio.get_running_loop().call_later(pause, self._wakes.set)
+            try:
+                await self._wakes.wait()
+            finally:
+                timer.cancel()
             self._wakes.clear()
 
     def _next_time(self) -> float:

@@ -188,6 +188,16 @@ def test_rubbish_closes_its_page_and_no_other_and_is_told_once(
     assert window.told[0].startswith("a page was closed: ")
 
 
+def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> None:
+    window = open_window()
+    for _ in range(10):  # in the turn in which the first stream wakes what writes
+        with window.page() as page:
+            page.open(1, "topics")
+            page.open(2, "none")
+            with pytest.raises(ConnectionClosed):
+                page.until(lambda _: False)
+
+
 def test_a_message_that_is_too_long_closes_its_page(open_window: Open) -> None:
     window = open_window()
     with window.page() as page:
