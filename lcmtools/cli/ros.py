@@ -13,7 +13,7 @@ from lcmtools.names import did_you_mean
 
 _NO_BUILD = "lcmtools run NODE starts a node as it is; lcmtools pkg build checks its messages"
 _LOG = "lcmtools bag info FILE shows what is in a log, bag plot draws it, bag play publishes it"
-_LOOK = "lcmtools run sim --gui shows the world, run image_view a camera's images, spy all topics"
+_LOOK = "lcmtools gui world shows the robots, gui image a camera's images, gui topics all topics"
 _PANELS = (
     "lcmtools spy shows and plots topics, graph draws nodes, run steering TOPIC drives, run"
     " image_view shows a camera"

@@ -11,7 +11,7 @@ from lcmtools_sim.worlds import world_names
 _WORLD = ("--world", "--print-world")
 _FILE = ("--check",)
 _VALUE = ("--rate", "--seed", "--robots", "--robot", "--only", "--duration")
-_FLAGS = ("--gui", "--paused", "--follow", "--list-worlds", "--help")
+_FLAGS = ("--view", "--paused", "--follow", "--list-worlds", "--help")
 
 
 def complete(before: Sequence[str], word: str) -> Iterable[str]:

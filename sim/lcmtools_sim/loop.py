@@ -7,7 +7,7 @@ from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 
 _PAUSED_WAIT = 0.1
-"""[s] The longest delay of a request to end, or of closing the window, while paused."""
+"""[s] The longest delay of a request to end, while paused."""
 
 
 class Loop:
@@ -42,7 +42,7 @@ class Loop:
         self._fell_behind = False
 
     def run(self) -> None:
-        """Run until it should end, or the window is closed."""
+        """Run until it should end."""
         while True:
             self._bridge.receive(_PAUSED_WAIT if self.paused else 0.0)
             if not self._may_go_on():
@@ -79,7 +79,7 @@ class Loop:
 
     def _may_go_on(self) -> bool:
         left = self._last_step is None or self._simulation.steps < self._last_step
-        return left and self._go_on() and self._simulation.is_open()
+        return left and self._go_on()
 
     def _step(self) -> None:
         self._bridge.publish(self._simulation.step())

@@ -45,7 +45,7 @@ class Options:
     only: tuple[str, ...]
     follow: bool
     engine: str
-    gui: bool
+    view: bool
     version: bool
     paused: bool
     duration: float | None
@@ -110,7 +110,9 @@ def _parser() -> argparse.ArgumentParser:
         default="",
         help="of physics (default: $LCMTOOLS_ENGINE, else bullet where pybullet is installed)",
     )
-    add("--gui", action="store_true", help="show it in a window")
+    add(
+        "--view", "--gui", action="store_true", help="show it in the browser, by lcmtools gui world"
+    )
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
     add("--version", action="store_true", help="print the versions of lcmtools and the engine")
     add("--list-worlds", action="store_true", help="list the worlds and exit")

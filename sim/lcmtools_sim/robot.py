@@ -66,9 +66,7 @@ class Robot:
         self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
         self.index = 0
         self._known, self._tyres = known, self.vehicles.tyres
-        self.body = world.add_robot(
-            self.namespace, self.model.body, placement.pose, lambda: self.wheel_angles
-        )
+        self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
         self._motions = motion, motion
         """In the engine: the present one, and that of one step ago."""

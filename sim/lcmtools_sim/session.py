@@ -1,7 +1,7 @@
 """One run of the simulator, from joining the bus to leaving it."""
 
-import os
 from collections.abc import Sequence
+from contextlib import ExitStack
 from functools import partial
 
 import lcmtools
@@ -9,7 +9,6 @@ from lcmtools.types.nav_msgs import Path
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
 from lcmtools_sim.engines import chosen_engine, engine_version
-from lcmtools_sim.engines.native import check_display
 from lcmtools_sim.follow import Followers, LeaderClock
 from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.loop import Loop
@@ -19,6 +18,7 @@ from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.view import View
+from lcmtools_sim.window import opened_window
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
@@ -28,15 +28,16 @@ def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
 
     Raises:
         MissingExtra: A package of the extra is not installed.
-        LcmtoolsError: There is no bus, or no display for the window.
+        LcmtoolsError: There is no bus.
     """
     engine = chosen_engine(options.engine)
-    if options.gui:
-        check_display(os.environ)
     lcmtools.init(arguments)  # before the engine: from here on Ctrl-C ends it quietly
     try:
         leads = not options.follow
-        with Simulation(scene, engine=engine, window=options.gui, leads=leads) as simulation:
+        with ExitStack() as stack:
+            simulation = stack.enter_context(Simulation(scene, engine=engine, leads=leads))
+            if options.view:
+                stack.enter_context(opened_window(arguments))
             _run(simulation, options, engine_version(engine))
     finally:
         lcmtools.shutdown()

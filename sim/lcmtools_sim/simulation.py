@@ -46,12 +46,10 @@ class Simulation(AbstractContextManager["Simulation"]):
         InvalidFile: A robot starts inside another body.
     """
 
-    def __init__(
-        self, scene: Scene, *, engine: str = "", window: bool = False, leads: bool = True
-    ) -> None:
+    def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
         self.scene = scene
         self._leads = self.publishes_clock = leads
-        self._world = World(scene, engine=engine, window=window)
+        self._world = World(scene, engine=engine)
         try:
             self._begin()
         except InvalidFile:
@@ -89,10 +87,6 @@ class Simulation(AbstractContextManager["Simulation"]):
     def tick(self) -> Sample:
         """The present clock message."""
         return Sample(CLOCK_TOPIC, Clock, _CLOCK.fill(split_stamp(self.time)))
-
-    def is_open(self) -> bool:
-        """Return False once the window is closed."""
-        return self._world.is_open()
 
     def warnings(self) -> list[str]:
         """The engine's warnings since the last call; of each kind the first one only."""

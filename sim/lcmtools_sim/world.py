@@ -10,7 +10,7 @@ from itertools import chain
 
 from lcmtools.errors import UsageError
 from lcmtools_sim.engines import chosen_engine, start_engine
-from lcmtools_sim.engines.engine import Appearance, Motion, RigidBody, WheelAngles
+from lcmtools_sim.engines.engine import Motion, RigidBody
 from lcmtools_sim.geometry import Pose, Quaternion, Vector
 from lcmtools_sim.robots.model import BLACK, Body
 from lcmtools_sim.scene import Scene, SceneObject
@@ -20,8 +20,6 @@ from lcmtools_sim.vision.solids import PlacedSolids, Solids, solids_of
 
 START_OVERLAP = 0.02
 """[m] The largest penetration of another body at the start."""
-_SHOWN = 8
-"""Steps between two pictures of released bodies in a window."""
 _AT_REST = 1e-6
 """[m/s, rad/s] A thing that is slower, twice after each other, is left at rest."""
 
@@ -36,9 +34,8 @@ class World(AbstractContextManager["World"]):
         MissingExtra: There is no engine.
     """
 
-    def __init__(self, scene: Scene, *, engine: str = "", window: bool = False) -> None:
-        self._engine = start_engine(chosen_engine(engine), window=window)
-        self._steps = 0
+    def __init__(self, scene: Scene, *, engine: str = "") -> None:
+        self._engine = start_engine(chosen_engine(engine))
         self._rests = self._rested = False
         """All in the engine was at rest at the last looks, and at the last one."""
         self.reset(scene)
@@ -48,12 +45,8 @@ class World(AbstractContextManager["World"]):
         self.close()
 
     def close(self) -> None:
-        """Give the engine up; the window closes."""
+        """Give the engine up."""
         self._engine.close()
-
-    def is_open(self) -> bool:
-        """Return False once the user has closed the window."""
-        return self._engine.is_open()
 
     def warnings(self) -> list[str]:
         """The engine's warnings since the last call; of each kind the first one only."""
@@ -63,11 +56,7 @@ class World(AbstractContextManager["World"]):
         """Simulate one dt of all bodies in the engine; those at rest stay so."""
         if not self._rests:
             self._engine.step()
-        self._steps += 1
         self._bodies.clear()
-        if self._engine.has_window and self._steps % _SHOWN == 0:
-            for body, motion in self._released.items():
-                self._engine.place(body, *motion()[:2])
 
     def find_rest(self) -> None:
         """See if all movable bodies in the engine are at rest, for the steps to come."""
@@ -153,13 +142,8 @@ class World(AbstractContextManager["World"]):
             self._fixed += tuple(part.placed(*thing.pose.frame) for part in thing.parts)
         return body
 
-    def add_robot(
-        self, name: str, body: Body, pose: Pose, angles: WheelAngles = lambda: (0.0, 0.0)
-    ) -> int:
-        """Add a robot's body, ``pose`` being that of its base_footprint; return its number.
-
-        A window turns its wheels by ``angles``.
-        """
+    def add_robot(self, name: str, body: Body, pose: Pose) -> int:
+        """Add a robot's body, ``pose`` being that of its base_footprint; return its number."""
         height, radius = body.centre_of_mass, body.foot_radius
         parts = tuple(part.placed((0.0, 0.0, -height)) for part in body.parts)
         feet = [Part(Sphere(radius), (x, y, radius - height), color=BLACK) for x, y in body.feet]
@@ -170,7 +154,7 @@ class World(AbstractContextManager["World"]):
                 pose.rotation,
                 body.mass,
                 body.inertia,
-                appearance=Appearance(body.meshes, height, angles),
+                is_robot=True,
             )
         )
         self._names[number], self._moving[number] = name, parts

@@ -197,15 +197,6 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
         assert error.startswith(f"lcmtools run sim: {reason}")
 
 
-def test_without_a_display_the_window_is_refused_with_1(start: Start) -> None:
-    process = start("--gui", environment={"DISPLAY": ""})
-
-    out, error = process.communicate(timeout=40)
-
-    assert (process.returncode, out, error.count("\n")) == (1, "", 1)
-    assert "--gui needs a display" in error
-
-
 def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(
     start: Start, tmp_path: Path
 ) -> None:

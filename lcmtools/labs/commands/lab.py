@@ -51,12 +51,12 @@ def _plain(lab: Lab) -> dict[str, object]:
 def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     """Run a lab's simulator until Ctrl-C, and show what to type next.
 
-    ARGUMENTS are passed to the simulator: --rate 4, --gui; see lcmtools run sim --help.
+    ARGUMENTS are passed to the simulator: --rate 4, --view; see lcmtools run sim --help.
 
     \b
     Examples:
       lcmtools lab start husky
-      lcmtools lab start pioneer --gui
+      lcmtools lab start pioneer --view
     """
     from lcmtools.cli import run
 

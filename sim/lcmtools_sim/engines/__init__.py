@@ -65,21 +65,18 @@ def engine_version(name: str) -> str:
         return f"{package} {version(f'{package}-core')}"  # MuJoCo's engine alone
 
 
-def start_engine(name: str, *, window: bool = False) -> Engine:
+def start_engine(name: str) -> Engine:
     """An empty world of an engine.
 
     Raises:
         MissingExtra: It is not installed.
-        UsageError: It has no window.
     """
     try:
         if name == "bullet":
             with suppressed_output():  # the import prints a line
                 from lcmtools_sim.engines.bullet import Bullet
-            return Bullet(window=window)
+            return Bullet()
         from lcmtools_sim.engines.mujoco import Mujoco
     except ImportError as error:
         raise MissingExtra(f"the engine {name} cannot be imported: {error}", _HINT) from None
-    if window:
-        raise UsageError("--gui needs pybullet's window", "leave out --gui, or --engine mujoco")
     return Mujoco()

@@ -1,8 +1,6 @@
-"""Bullet, by pybullet: its plain rigid bodies, and its window."""
+"""Bullet, by pybullet: its plain rigid bodies."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from importlib import import_module
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +8,6 @@ import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
 from lcmtools_sim.engines.engine import ContactPoint, Motion, RigidBody
-from lcmtools_sim.engines.mesh_display import MeshDisplay
 from lcmtools_sim.engines.native import suppressed_output
 from lcmtools_sim.geometry import (
     IDENTITY,
@@ -22,13 +19,11 @@ from lcmtools_sim.geometry import (
     scaled,
     subtract,
 )
-from lcmtools_sim.robots.model import Mesh
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
 
 _RECOVERY = 12.0
 """[1/s] The rate at which bodies that overlap separate; a higher one shakes a pushed body aside."""
-_NO_COLLISION = -1
 _RIM = 0.002
 """[m] Length of the discs at a cylinder's ends."""
 _RECESS = 0.0002
@@ -36,16 +31,12 @@ _RECESS = 0.0002
 
 
 class Bullet:
-    """One world of Bullet (see engine.Engine).
+    """One world of Bullet (see engine.Engine)."""
 
-    A ``window`` needs a display (see native.py: without one, Bullet ends the process).
-    """
-
-    def __init__(self, *, window: bool = False) -> None:
+    def __init__(self) -> None:
         with suppressed_output():
-            self._bullet: Any = BulletClient(pybullet.GUI if window else pybullet.DIRECT)
+            self._bullet: Any = BulletClient(pybullet.DIRECT)
         self._client: int = self._bullet._client  # noqa: SLF001 - for what each step calls, unbound
-        self.has_window = window
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -62,35 +53,33 @@ class Bullet:
             solverResidualThreshold=1e-12,
             warmStartingFactor=1.0,
         )
-        if self.has_window:
-            bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0)
-        self._meshes = MeshDisplay(bullet, self._mesh) if self.has_window else None
         plane = bullet.createCollisionShape(bullet.GEOM_PLANE)
         self.ground = self._make(0.0, plane, ZERO, IDENTITY)
         bullet.changeDynamics(self.ground, -1, lateralFriction=scene.ground.friction)
-        bullet.changeVisualShape(self.ground, -1, rgbaColor=(*scene.ground.color, 1.0))
 
     def add(self, body: RigidBody) -> int:
-        """Add a body and return its number.
-
-        In a window a robot with meshes is invisible but for them.
-        """
-        with self._without_rendering():
-            number = self._add(body)
-            if self._meshes and body.appearance:
-                self._meshes.add(number, body.appearance)
-                self._look_at(body.position)
+        """Add a body and return its number."""
+        parts = body.parts if body.is_robot or not body.mass else _with_rims(body.parts)
+        number = self._make(body.mass, self._compound(parts), body.position, body.rotation)
+        self._bullet.changeDynamics(number, -1, lateralFriction=body.friction)
+        if body.mass:
+            self._bullet.changeDynamics(
+                number,
+                -1,
+                mass=body.mass,  # without it the engine takes the mass away
+                localInertiaDiagonal=body.inertia,
+                linearDamping=0.0,
+                angularDamping=0.0,
+            )
+        if body.mass and not body.is_robot:
+            # A body that moves farther than its own size in a step would pass through a wall.
+            radius = min(part.shape.least_radius for part in body.parts) / 2
+            self._bullet.changeDynamics(number, -1, ccdSweptSphereRadius=radius)
         return number
 
     def remove(self, body: int) -> None:
         """Remove a robot."""
-        with self._without_rendering():
-            if self._meshes:
-                self._meshes.hide_all()
-            self._bullet.removeBody(body)
-            if self._meshes:
-                self._meshes.forget(body)
-                self._meshes.show_all()
+        self._bullet.removeBody(body)
 
     def disable(self, body: int) -> None:
         """Leave a movable body out of what is simulated."""
@@ -107,8 +96,6 @@ class Bullet:
     def step(self) -> None:
         """Simulate one dt."""
         pybullet.stepSimulation(self._client)
-        if self._meshes:
-            self._meshes.step()
 
     def motion(self, body: int) -> Motion:
         """The present motion of a body."""
@@ -124,8 +111,6 @@ class Bullet:
         """Put a body's centre of mass at a pose, at rest."""
         self._bullet.resetBasePositionAndOrientation(body, position, rotation)
         self.set_velocity(body, ZERO, ZERO)
-        if self._meshes:
-            self._meshes.show(body)
 
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
@@ -154,58 +139,21 @@ class Bullet:
         """Return none: it has no warnings."""
         return []
 
-    def is_open(self) -> bool:
-        """Return False once the user has closed the window, which takes the engine away."""
-        return not self.has_window or bool(self._bullet.isConnected())
-
     def close(self) -> None:
-        """Disconnect from the engine; the window closes."""
+        """Disconnect from the engine."""
         with suppressed_output():
             if self._bullet.isConnected():
                 self._bullet.disconnect()
 
-    def _add(self, body: RigidBody) -> int:
-        parts = _with_rims(body.parts) if body.mass and not body.appearance else body.parts
-        number = self._make(body.mass, self._compound(parts), body.position, body.rotation)
-        self._bullet.changeDynamics(number, -1, lateralFriction=body.friction)
-        if body.mass:
-            self._bullet.changeDynamics(
-                number,
-                -1,
-                mass=body.mass,  # without it the engine takes the mass away
-                localInertiaDiagonal=body.inertia,
-                linearDamping=0.0,
-                angularDamping=0.0,
-            )
-        if body.mass and not body.appearance:
-            # A body that moves farther than its own size in a step would pass through a wall.
-            radius = min(part.shape.least_radius for part in body.parts) / 2
-            self._bullet.changeDynamics(number, -1, ccdSweptSphereRadius=radius)
-        opacity = 0.0 if body.appearance and body.appearance.meshes else 1.0
-        color = (*body.parts[0].color, opacity)  # the engine has one for each body
-        self._bullet.changeVisualShape(number, -1, rgbaColor=color)
-        return number
-
-    def _make(
-        self, mass: float, shape: int, position: Vector, rotation: Quaternion, visual: int = -1
-    ) -> int:
+    def _make(self, mass: float, shape: int, position: Vector, rotation: Quaternion) -> int:
         number = self._bullet.createMultiBody(
             mass,
             shape,
-            visual,
             basePosition=position,
             baseOrientation=rotation,
             useMaximalCoordinates=True,
         )
         return int(number)
-
-    def _mesh(self, mesh: Mesh) -> int:
-        """A mesh in the window, as a body without mass and collision."""
-        folder = import_module("pybullet_data").getDataPath()
-        visual = self._bullet.createVisualShape(
-            self._bullet.GEOM_MESH, fileName=f"{folder}/{mesh.file}", rgbaColor=(*mesh.color, 1.0)
-        )
-        return self._make(0.0, _NO_COLLISION, ZERO, IDENTITY, visual)
 
     def _compound(self, parts: Sequence[Part]) -> int:
         """The collision shape of several parts, in one frame."""
@@ -224,22 +172,6 @@ class Bullet:
             collisionFrameOrientations=[part.rotation for part in parts],
         )
         return int(number)
-
-    @contextmanager
-    def _without_rendering(self) -> Iterator[None]:
-        """Pause the window: it would draw everything for each body that is added or removed."""
-        configure, flag = self._bullet.configureDebugVisualizer, self._bullet.COV_ENABLE_RENDERING
-        configure(flag, 0)
-        try:
-            yield
-        finally:
-            configure(flag, 1)
-
-    def _look_at(self, position: Vector) -> None:
-        """Point the window's camera at a place, from behind and above."""
-        self._bullet.resetDebugVisualizerCamera(
-            cameraDistance=4.0, cameraYaw=-60.0, cameraPitch=-30.0, cameraTargetPosition=position
-        )
 
 
 def _with_rims(parts: Sequence[Part]) -> list[Part]:

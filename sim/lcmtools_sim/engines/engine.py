@@ -4,17 +4,13 @@ Engines know shapes, masses and friction. Names of bodies, robots and sensors ar
 (world.py).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from lcmtools_sim.geometry import ZERO, Quaternion, Vector
-from lcmtools_sim.robots.model import Mesh
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Part
-
-WheelAngles = Callable[[], tuple[float, float]]
-"""The angles of the left and the right wheels [rad]."""
 
 
 class Motion(NamedTuple):
@@ -52,21 +48,6 @@ class ContactPoint(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Appearance:
-    """A robot's appearance in a window.
-
-    Attributes:
-        meshes: Shown instead of the parts.
-        height: Of the centre of mass above the robot's base_footprint [m].
-        angles: Of the wheels among the meshes.
-    """
-
-    meshes: Sequence[Mesh]
-    height: float
-    angles: WheelAngles
-
-
-@dataclass(frozen=True, slots=True)
 class RigidBody:
     """A body to add. The origin of its frame is its centre of mass.
 
@@ -77,7 +58,7 @@ class RigidBody:
         mass: [kg]; 0 for an immovable body.
         inertia: About the axes of its frame [kg m^2].
         friction: Coulomb coefficient; the product of two bodies' is effective.
-        appearance: A robot's; None for an object.
+        is_robot: False for an object.
     """
 
     parts: Sequence[Part]
@@ -86,7 +67,7 @@ class RigidBody:
     mass: float = 0.0
     inertia: Vector = ZERO
     friction: float = 0.0
-    appearance: Appearance | None = None
+    is_robot: bool = False
 
 
 class Engine(Protocol):
@@ -94,7 +75,6 @@ class Engine(Protocol):
 
     ground: int
     """The number of the plane z = 0."""
-    has_window: bool
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -140,8 +120,5 @@ class Engine(Protocol):
     def warnings(self) -> list[str]:
         """The engine's warnings since the last call; of each kind the first one only."""
 
-    def is_open(self) -> bool:
-        """Return False once the user has closed the window."""
-
     def close(self) -> None:
-        """Give the world up, more than once too; the window closes."""
+        """Give the world up; more than once too."""

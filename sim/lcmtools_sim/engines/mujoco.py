@@ -47,7 +47,6 @@ class Mujoco:
     """
 
     ground = 0
-    has_window = False
 
     def __init__(self) -> None:
         self._warnings: list[str] = []
@@ -92,7 +91,7 @@ class Mujoco:
             handle.explicitinertial = True
             handle.mass, handle.inertia = body.mass, body.inertia
             handle.ipos, handle.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
-        is_object = body.mass and not body.appearance
+        is_object = body.mass and not body.is_robot
         for part in body.parts:
             kind, size = _geom(part.shape)
             points = _CONTACTS[type(part.shape)] if is_object else _FEET
@@ -229,10 +228,6 @@ class Mujoco:
         self._warned |= new.keys()
         return [f"MuJoCo: {text.strip()}" for text in new.values() if "arena" not in text]
 
-    def is_open(self) -> bool:
-        """Return True: there is no window."""
-        return True
-
     def close(self) -> None:
         """Do nothing: memory is all that it has."""
 
@@ -269,7 +264,7 @@ class Mujoco:
         self._objects = [
             (number, min(part.shape.least_radius for part in body.parts))
             for number, body in self._bodies.items()
-            if body.mass and not body.appearance
+            if body.mass and not body.is_robot
         ]
         self._is_compiled = True
         for number in self._disabled:

@@ -1,13 +1,11 @@
-"""The two dangers of pybullet's C code: it prints, and it ends the process without a display."""
+"""The danger of pybullet's C code: it prints."""
 
 import ctypes
 import fcntl
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-
-from lcmtools.errors import LcmtoolsError
 
 
 @contextmanager
@@ -48,34 +46,3 @@ def _flush() -> None:
         if stream and not stream.closed:
             stream.flush()
     ctypes.CDLL(None).fflush(None)
-
-
-def check_display(environment: Mapping[str, str]) -> None:
-    """Return if a window can be opened.
-
-    Raises:
-        LcmtoolsError: There is no display, or it refuses us.
-    """
-    name = environment.get("DISPLAY", "")
-    if not name:
-        raise LcmtoolsError(
-            "--gui needs a display and DISPLAY is not set",
-            "leave out --gui, or run it in a desktop session or below xvfb-run",
-        )
-    if not _can_open(name):
-        raise LcmtoolsError(f"--gui cannot open the display '{name}'", "leave out --gui")
-
-
-def _can_open(name: str) -> bool:
-    """Try Xlib, which pybullet uses too."""
-    try:
-        xlib = ctypes.CDLL("libX11.so.6")
-    except OSError:
-        return False
-    xlib.XOpenDisplay.restype = ctypes.c_void_p
-    xlib.XCloseDisplay.argtypes = [ctypes.c_void_p]
-    display = xlib.XOpenDisplay(name.encode())
-    if not display:
-        return False
-    xlib.XCloseDisplay(display)
-    return True

@@ -12,7 +12,6 @@ from lcmtools_sim.robots.model import (
     Body,
     Drive,
     Look,
-    Mesh,
     RobotModel,
     detailed_wheel,
 )
@@ -117,19 +116,6 @@ HUSKY = RobotModel(
         ),
         feet=_CORNERS,
         foot_radius=0.05,
-        meshes=(
-            Mesh("husky/meshes/base_link.stl", (0.0, 0.0, _BASE_HEIGHT)),
-            Mesh("husky/meshes/top_plate.stl", (0.0, 0.0, _BASE_HEIGHT), color=_YELLOW),
-            Mesh("husky/meshes/user_rail.stl", (0.272, 0.0, _BASE_HEIGHT + 0.245)),
-            Mesh("husky/meshes/bumper.stl", (0.48, 0.0, _BASE_HEIGHT + 0.091)),
-            Mesh(
-                "husky/meshes/bumper.stl", (-0.48, 0.0, _BASE_HEIGHT + 0.091), (0.0, 0.0, 1.0, 0.0)
-            ),
-            *(
-                Mesh("husky/meshes/wheel.stl", (x, y, WHEEL_RADIUS), is_wheel=True)
-                for x, y in _CORNERS
-            ),
-        ),
         look=_look(),
     ),
     drive=Drive(

@@ -7,7 +7,7 @@ forward, y left, z up.
 import math
 from dataclasses import dataclass
 
-from lcmtools_sim.geometry import IDENTITY, Quaternion, Vector, from_euler
+from lcmtools_sim.geometry import Quaternion, Vector, from_euler
 from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 
@@ -41,17 +41,6 @@ def detailed_wheel(radius: float, width: float, centre: Vector, hub: Color) -> "
 
 
 @dataclass(frozen=True, slots=True)
-class Mesh:
-    """A part of the body in the window: a file of pybullet_data; a wheel turns about its y axis."""
-
-    file: str
-    position: Vector
-    rotation: Quaternion = IDENTITY
-    color: Vector = (0.2, 0.2, 0.2)
-    is_wheel: bool = False
-
-
-@dataclass(frozen=True, slots=True)
 class Wheel:
     """A wheel as viewers show it: its centre in base_footprint, and its parts about the centre.
 
@@ -82,7 +71,6 @@ class Body:
         parts: The shapes that collide and that sensors see.
         feet: (x, y) of the points that it stands on [m].
         foot_radius: [m]
-        meshes: Shown in the window instead of the parts.
         look: Shown by viewers instead of the parts, unless it has none.
     """
 
@@ -93,7 +81,6 @@ class Body:
     parts: tuple[Part, ...]
     feet: tuple[tuple[float, float], ...]
     foot_radius: float
-    meshes: tuple[Mesh, ...] = ()
     look: Look = Look()
 
 

@@ -145,10 +145,6 @@ class FakeSimulation:
         """The test's value."""
         return self.complaints
 
-    def is_open(self) -> bool:
-        """It has no window."""
-        return True
-
 
 @pytest.fixture(autouse=True)
 def _nothing_comes(monkeypatch: pytest.MonkeyPatch) -> None:

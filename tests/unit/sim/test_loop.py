@@ -14,12 +14,7 @@ class Steps:
     def __init__(self, log: list[str]) -> None:
         self.steps = 0
         self.log = log
-        self.open = True
         self.scene = Scene("counted")
-
-    def is_open(self) -> bool:
-        """The test's value."""
-        return self.open
 
     def step(self) -> list[Sample]:
         """Count."""
@@ -75,16 +70,6 @@ def test_it_ends_when_it_is_asked_to() -> None:
     Loop(simulation, log, no_wait(), go_on=lambda: simulation.steps < 7).run()
 
     assert simulation.steps == 7
-
-
-def test_it_ends_without_a_step_when_the_window_is_closed() -> None:
-    log = Log()
-    simulation = Steps(log.lines)
-    simulation.open = False
-
-    Loop(simulation, log, no_wait(), go_on=lambda: True).run()
-
-    assert log.lines == ["receive"]
 
 
 def test_a_slow_computer_is_warned_of_once() -> None:

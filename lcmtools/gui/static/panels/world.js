@@ -22,7 +22,7 @@ const TOOLS = /** @type {[Tool, string, string][]} */ ([
 ]);
 const SERIES = 8;
 const SMOOTH = 200; // [ms] that the view is drawn on after a message
-const TOLD = 250; // [ms] between two looks at the poses for the list
+const TOLD = 200; // [ms] between two looks at the poses for the list
 
 /** The panel. */
 export default class World {
@@ -45,7 +45,6 @@ export default class World {
     this.hasLooked = Boolean(this.kept.camera);
     /** @type {Pose | null} */
     this.followed = null;
-    this.told = 0;
     this.listed = "";
     this.message = element("p", { class: "world-message", role: "status", hidden: true });
     this.stage = element("div", {
@@ -66,6 +65,7 @@ export default class World {
     this.element = element("div", { class: "world" }, this.tools(), element("div", { class: "world-room" }, this.stage, this.sidebar.element));
     this.stage.append(this.message);
     this.begin();
+    this.timer = setInterval(() => this.listPoses(performance.now()), TOLD);
     context.open("drawable", {}, (data) => this.setTopics(data));
     context.onChange(() => this.showTools());
   }
@@ -78,7 +78,6 @@ export default class World {
       this.stage.append(
         element("p", { class: "empty" }, "This browser has no WebGL, which the view needs: the list has the poses."),
       );
-      this.timer = setInterval(() => this.listPoses(performance.now()), TOLD);
       return;
     }
     const { view } = this;
@@ -330,7 +329,6 @@ export default class World {
     }
     view.ground.visible = !view.content.children.some((/** @type {any} */ one) => one.userData.isGround);
     this.follow(now);
-    this.listPoses(now);
   }
 
   /** @param {number} now */
@@ -345,8 +343,6 @@ export default class World {
 
   /** @param {number} now */
   listPoses(now) {
-    if (now - this.told < TOLD) return;
-    this.told = now;
     const bodies = this.bodies().flatMap(({ name, frame }) => {
       const pose = this.frames.pose(frame, this.fixed, now);
       return pose ? [{ name, pose }] : [];

@@ -16,6 +16,8 @@ export class Simulator {
     /** The full names of simulators, the one that is controlled first. */
     this.nodes = /** @type {string[]} */ ([]);
     this.isPaused = false;
+    /** Messages since the last one whose time was that of the one before. */
+    this.advances = 0;
     this.time = NaN;
     this.pause = iconButton("pause", "Pause", () => this.toggle());
     this.step = element("button", { type: "button", title: "Do 24 steps while paused", onclick: () => this.call("step", { steps: 24 }) }, "Step");
@@ -52,7 +54,8 @@ export class Simulator {
    */
   take(topic, stamp) {
     if (!this.nodes.some((node) => topic.startsWith(`${node}/`))) return;
-    const isPaused = stamp === this.time;
+    this.advances = stamp === this.time ? 0 : this.advances + 1;
+    const isPaused = this.advances === 0 || (this.isPaused && this.advances < 2);
     this.time = stamp;
     write(this.clock, `${stamp.toFixed(1)} s`);
     if (isPaused !== this.isPaused) {
@@ -89,6 +92,7 @@ export class Simulator {
   async call(verb, fields = {}, node = this.nodes[0]) {
     try {
       const { message } = await this.context.do("simulate", { node, verb, ...fields });
+      this.advances = 0;
       this.tell(verb === "set_pose" ? "" : message);
       return true;
     } catch (error) {

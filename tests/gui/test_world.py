@@ -1,0 +1,152 @@
+"""The simulator's world in a page: robots move as they say, and the page moves them. Metres."""
+
+import json
+import math
+import re
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.command import Result
+from fixtures.programs import Program
+
+from lcmtools.observe.received import messages
+from lcmtools.types.geometry_msgs import PoseStamped
+
+_LONG = 40.0  # [s] for what comes
+WORLD = """\
+node: yard
+objects:
+  - {type: box, name: crate, size: [0.5, 0.5, 0.5], pose: [1.5, -1, 0], mass: 5}
+  - {type: walls, points: [[-5, -5], [5, -5], [5, 5]], height: 1}
+robots:
+  - {model: husky, namespace: /husky0, pose: [0, 0, 0]}
+"""
+
+
+@pytest.fixture(params=["bullet", "mujoco"])
+def world(
+    request: pytest.FixtureRequest,
+    start: Callable[..., Program],
+    lcmtools_path: str,
+    bus_url: str,
+    tmp_path: Path,
+) -> str:
+    """The address of the window of a simulator with a Husky and a crate."""
+    pytest.importorskip({"bullet": "pybullet", "mujoco": "mujoco"}[request.param])
+    file = tmp_path / "yard.yaml"
+    file.write_text(WORLD)
+    words = ("--engine", request.param, "--lcm-url", bus_url)
+    start(lcmtools_path, "run", "sim", str(file), *words).wait_for("simulating")
+    server = start(lcmtools_path, "gui", "world", "--port", "0", "--no-open", "--lcm-url", bus_url)
+    return server.wait_for("http://").split()[-1]
+
+
+def wait_for(page: Any, script: str, value: object = None) -> None:
+    """Wait until a function of the page is true."""
+    page.wait_for_function(script, arg=value, timeout=1000 * _LONG)
+
+
+def pose(page: Any, name: str) -> tuple[float, float, float]:
+    """The place and heading of a body as the page's list has them."""
+    page.locator(f"[data-pose^='{name} ']").wait_for(state="attached", timeout=1000 * _LONG)
+    text = page.locator(f"[data-pose^='{name} ']").get_attribute("data-pose")
+    x, y, yaw = map(float, text.split()[1:])
+    return x, y, yaw
+
+
+IS_AT = """([name, x, y, near]) => {
+  const found = document.querySelector(`[data-pose^='${name} ']`)?.dataset.pose.split(" ") ?? [];
+  return Math.hypot(found[1] - x, found[2] - y) < near;
+}"""
+
+
+def is_at(page: Any, name: str, x: float, y: float, near: float = 0.1) -> None:
+    wait_for(page, IS_AT, [name, x, y, near])
+
+
+def drag(page: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+    page.mouse.move(*end)
+    page.mouse.up()
+
+
+def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
+    world: str,
+    page: Any,
+    bus_url: str,
+    start: Callable[..., Program],
+    lcmtools_path: str,
+    cli: Callable[..., Result],
+) -> None:
+    page.goto(world)
+    is_at(page, "/husky0", 0, 0)
+    is_at(page, "crate", 1.5, -1)
+
+    twist = "{linear: {x: 0.5}}"
+    words = ("pub", "-r", "10", "/husky0/cmd_vel", "geometry_msgs/Twist", twist)
+    driver = start(lcmtools_path, *words, "--lcm-url", bus_url)
+    wait_for(
+        page,
+        "() => document.querySelector(`[data-pose^='/husky0 ']`).dataset.pose.split(' ')[1] > 0.8",
+    )
+    driver.end()
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Resume").wait_for()
+    page.get_by_role("button", name="Step").click()
+    page.get_by_text("did 24 steps").wait_for()
+    state = json.loads(cli("sim", "state", "husky0", "--json", "--lcm-url", bus_url).out)
+    place = state["pose"]["position"]
+    is_at(page, "/husky0", place["x"], place["y"], 0.02)
+
+    page.get_by_role("button", name="Reset", exact=True).click()
+    is_at(page, "/husky0", 0, 0, 0.05)
+    page.get_by_role("button", name="Resume").click()
+    page.get_by_role("button", name="Pause").wait_for()
+
+    page.get_by_role("button", name="Move").click()
+    page.get_by_role("button", name="Top").click()
+    page.get_by_role("button", name="/husky0", exact=True).click()
+    box = page.locator(".world-stage canvas").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = pose(page, "/husky0")
+    drag(page, middle, (middle[0], middle[1] - 0.2 * box["height"]))
+    wait_for(
+        page,
+        """([x, y]) => {
+          const found = document.querySelector("[data-pose^='/husky0 ']").dataset.pose.split(" ");
+          return Math.hypot(found[1] - x, found[2] - y) > 0.5;
+        }""",
+        [before[0], before[1]],
+    )
+    x, y, _ = pose(page, "/husky0")
+    assert math.hypot(x, y) < 10
+
+
+def test_a_click_sends_a_pose(world: str, page: Any, bus_url: str) -> None:
+    page.goto(world)
+    is_at(page, "/husky0", 0, 0)
+    page.get_by_role("button", name="Send pose").click()
+    box = page.locator(".world-stage canvas").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + 0.6 * box["height"]
+    with closing(messages("/goal", url=bus_url, wall_time=True, timeout=_LONG)) as arrivals:
+        drag(page, middle, (middle[0] + 60, middle[1]))
+        page.get_by_text(re.compile("^sent x ")).wait_for()
+        drag(page, middle, (middle[0] + 60, middle[1]))  # it listens by now
+        message = next(arrivals).message
+    assert isinstance(message, PoseStamped)
+    assert message.header.frame_id == "world"
+    place, turn = message.pose.position, message.pose.orientation
+    assert math.hypot(place.x, place.y) < 5
+    assert math.hypot(turn.z, turn.w) == pytest.approx(1)
+
+
+def test_without_webgl_the_list_still_has_the_poses(world: str, page: Any) -> None:
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(world)
+    page.get_by_text("This browser has no WebGL").wait_for()
+    is_at(page, "/husky0", 0, 0)
