@@ -2,7 +2,8 @@
 
 import pytest
 
-from lcmtools.errors import DecodeError
+from lcmtools.bag.ros_types import RosTypes
+from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.foxglove.schemas import JSON, ROS1, Schemas
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import message_class, type_names
@@ -40,3 +41,15 @@ def test_a_client_s_message_is_read(encoding: str) -> None:
 def test_rubbish_of_a_client_is_refused(encoding: str, data: bytes, said: str) -> None:
     with pytest.raises(DecodeError, match=said):
         Schemas().read(LaserScan, encoding, data)
+
+
+def test_a_type_that_ros_cannot_say_is_json(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise LcmtoolsError("it holds itself, which ROS cannot say")
+
+    monkeypatch.setattr(RosTypes, "schema", refuse)
+    schemas, twist = Schemas(), Twist()
+    twist.linear.x = 0.5
+    encoding, schema = schemas.of(Twist)
+    assert (encoding, schema.name, schema.form) == (JSON, "geometry_msgs/Twist", "jsonschema")
+    assert encode(schemas.read(Twist, encoding, schemas.write(twist))) == encode(twist)
