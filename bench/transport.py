@@ -2,10 +2,11 @@
 
 Each stream goes from one process to another, timed from before a message is encoded until after it
 is decoded: at a fixed rate (share that arrived, one-way latency), then as fast as it can be
-published. Both sides keep up to 1000 messages waiting, and open the bus as they do by themselves
-(lcmtools asks for a larger receive buffer). The two sides take turns; figures are medians of the
-rounds, ratios are lcmtools' figure by the plain package's. Flat out, a node shares the processors
-with its own ear: it listens to its bus, while a plain publisher does not.
+published. All sides keep up to 1000 messages waiting, and open the bus as they do by themselves
+(lcmtools asks for a larger receive buffer). The sides take turns; figures are medians of the
+rounds, ratios are lcmtools' figure by the plain package's, and that on Zenoh by that on udpm. Flat
+out, a node shares the processors with its own ear: it listens to its bus, while a plain publisher
+does not.
 """
 
 import time
@@ -25,6 +26,7 @@ from lcmtools.types.sensor_msgs import LaserScan
 Sample = Twist | Odometry | LaserScan
 
 _URL = bus(7796)
+_ZENOH = "zenoh://224.0.0.224:7796"
 _TOPIC = "/measured"
 _WAITING = 1000  # messages
 _SECONDS = 1.0  # that a stream lasts
@@ -93,9 +95,9 @@ def time_in(message: Sample) -> float:
     return message.header.stamp.sec + message.header.stamp.nsec / 1e9
 
 
-def receive_as_node(connection: Connection, kind: type[Sample]) -> None:
+def receive_as_node(connection: Connection, kind: type[Sample], url: str = _URL) -> None:
     """Child: an lcmtools node receives a stream."""
-    lcmtools.init([], url=_URL)
+    lcmtools.init([], url=url)
     ear = Ear()
     node = lcmtools.Node("receiver")
     node.create_subscription(kind, _TOPIC, ear.hear, _WAITING)  # type: ignore[arg-type] # its kind
@@ -118,12 +120,22 @@ def receive_plainly(connection: Connection, kind: type[Sample]) -> None:
     connection.send(ear.latencies)
 
 
-def send_as_node(connection: Connection, stream: Stream) -> None:
+def receive_on_zenoh(connection: Connection, kind: type[Sample]) -> None:
+    """Child: the same on Zenoh."""
+    receive_as_node(connection, kind, _ZENOH)
+
+
+def send_as_node(connection: Connection, stream: Stream, url: str = _URL) -> None:
     """Child: an lcmtools node publishes a stream."""
-    lcmtools.init([], url=_URL)
+    lcmtools.init([], url=url)
     publisher = lcmtools.Node("sender").create_publisher(stream.kind, _TOPIC)
     connection.send(publish(stream, publisher.publish))
     lcmtools.shutdown()
+
+
+def send_on_zenoh(connection: Connection, stream: Stream) -> None:
+    """Child: the same on Zenoh."""
+    send_as_node(connection, stream, _ZENOH)
 
 
 def send_plainly(connection: Connection, stream: Stream) -> None:
@@ -152,6 +164,7 @@ def publish(stream: Stream, send: Callable[[Sample], None]) -> float:
 _SIDES = {
     "lcmtools": (send_as_node, receive_as_node),
     "plain lcm": (send_plainly, receive_plainly),
+    "zenoh": (send_on_zenoh, receive_on_zenoh),
 }
 
 
@@ -174,9 +187,17 @@ def rows(stream: Stream, rounds: int) -> list[list[object]]:
         for side, found in results.items():
             found.append(run(side, stream))
     figures = {side: summary(stream, found) for side, found in results.items()}
-    ratios = [a / b for a, b in zip(figures["lcmtools"], figures["plain lcm"], strict=True)]
-    lines = {**figures, "ratio": ratios}
+    lines = {
+        **figures,
+        "ratio": ratios(figures["lcmtools"], figures["plain lcm"]),
+        "zenoh by udpm": ratios(figures["zenoh"], figures["lcmtools"]),
+    }
     return [[f"{stream}, {side}", *values] for side, values in lines.items()]
+
+
+def ratios(one: list[float], other: list[float]) -> list[float]:
+    """One side's figures by those of another."""
+    return [a / b for a, b in zip(one, other, strict=True)]
 
 
 def summary(stream: Stream, results: list[Result]) -> list[float]:

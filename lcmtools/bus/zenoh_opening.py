@@ -4,6 +4,7 @@ A session knows the first of several others when it opens: it waits until no mor
 """
 
 import json
+import os
 import re
 import time
 
@@ -20,6 +21,7 @@ except ImportError as error:
     hint = "pip install -e '.[zenoh]'"
     raise MissingExtra("a bus of Zenoh needs the extra 'zenoh'", hint) from error
 
+_IMPORTED_BY = os.getpid()
 _STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at most
 _CODE_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
 _JSON_FAULT = re.compile(r'msg: "(?P<text>.*?)", location.*line: (?P<line>\d+)', re.DOTALL)
@@ -32,6 +34,11 @@ def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
     Raises:
         BusError: The bus cannot be reached, with what to do.
     """
+    if os.getpid() != _IMPORTED_BY:
+        raise BusError(
+            "Zenoh does not work in a process that was forked from one that uses it",
+            "start it by subprocess, or by multiprocessing with the method 'spawn'",
+        )
     check_bus(url)
     config = _config(url, identifier)
     is_client = json.loads(config.get_json("mode")) == "client"

@@ -2,18 +2,22 @@
 
 - A message to a program that does not read waits; after a second, Zenoh lets go of that program,
   which connects again when it reads again.
-- A process that ends without closing its session can hang: it is closed at exit.
+- A process that ends without closing its session can hang: it is closed at exit. A forked process
+  can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
 - A message is sent at once, or waits for room: see ``bus.outbox`` for those that come meanwhile.
+- What is under way when a session closes is lost: it waits until the others have it.
 - Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
 - Replies with the same key are merged unless that is switched off.
 """
 
 import atexit
 import contextlib
+import ctypes
 import itertools
 import os
 import threading
 import time
+import weakref
 from collections import deque
 from collections.abc import Callable
 from typing import TypeVar
@@ -28,6 +32,7 @@ from lcmtools.errors import BusError
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Retained, decode_probe
 from lcmtools.messages.registry import candidates
 from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.reader import PROTOCOL_PREFIX
 from lcmtools.wire.stamp import Origin, decode_stamp, encode_stamp
 
 ItemT = TypeVar("ItemT")
@@ -35,6 +40,8 @@ ItemT = TypeVar("ItemT")
 _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
+_FLUSH_TIMEOUT = 1.0  # [s]
+_RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a question that needs no answer but its end
 _SLOW = 0.01  # [s]: a message that took so long to send had to wait for the network
 
 
@@ -76,10 +83,16 @@ class ZenohSession:
         self._session, is_client = open_session(url, self.id)
         self._wakeup = WakeupEvent()
         atexit.register(self.close)
+        own = weakref.ref(self)
+        os.register_at_fork(after_in_child=lambda: _leave_to_parent(own()))
         if is_client:
             self._session.info.declare_transport_events_listener(_direct(self._note_outage))
         self._queryable = self._session.declare_queryable(
             self._keys.key(NODE_CHANNEL), _direct(self._answer)
+        )
+
+        self._barrier = self._session.declare_queryable(
+            self._keys.key(_RECEIVED), _direct(_end_at_once)
         )
 
     def fileno(self) -> int:
@@ -157,9 +170,27 @@ class ZenohSession:
         atexit.unregister(self.close)
         self._small.close()
         self._large.close()
+        self._await_receivers()
         with contextlib.suppress(zenoh.ZError):
             self._session.close()  # type: ignore[no-untyped-call]
         self._wakeup.close()
+
+    def _await_receivers(self) -> None:
+        """Wait until other sessions have received what was sent: closing would take it back.
+
+        The question follows the messages, of which large ones leave last.
+        """
+        answered = threading.Event()
+        handler = zenoh.handlers.Callback(_ignore, answered.set, indirect=False)
+        with contextlib.suppress(zenoh.ZError):
+            self._session.get(
+                *(self._keys.key(_RECEIVED), handler),
+                target=zenoh.QueryTarget.ALL,
+                priority=zenoh.Priority.DATA_LOW,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                timeout=_FLUSH_TIMEOUT,
+            )
+            answered.wait(_FLUSH_TIMEOUT)
 
     def _note_outage(self, event: zenoh.TransportEvent) -> None:
         self._outages.append(event.kind == zenoh.SampleKind.DELETE)
@@ -251,6 +282,23 @@ class ZenohSession:
             origin=stamp.origin,
             type_name=named.type_name,
         )
+
+
+def _leave_to_parent(session: ZenohSession | None) -> None:
+    """Never close, nor free, a parent's session in a forked process: that would wait for ever."""
+    if session is not None:
+        atexit.unregister(session.close)
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(session))
+
+
+def _end_at_once(query: zenoh.Query) -> None:
+    """Answer nothing: a question ends when it has been asked."""
+    del query
+
+
+def _ignore(reply: zenoh.Reply) -> None:
+    """Take no answer."""
+    del reply
 
 
 def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":

@@ -195,6 +195,33 @@ def test_lost_connection_is_told_once_and_comes_back(
             wait_until(is_heard)
 
 
+def test_a_forked_process_leaves_zenoh_to_its_parent(bus_url: str, start_python: Any) -> None:
+    program = start_python(_FORKING, LCM_DEFAULT_URL=bus_url)
+    assert program.wait() == 0
+    assert "Zenoh does not work in a process that was forked" in program.output
+    assert program.output.splitlines()[-1] == "parent goes on"
+
+
+_FORKING = """
+import os, sys
+import lcmtools
+from lcmtools.types.std_msgs import String
+
+lcmtools.init([])
+publisher = lcmtools.Node("parent").create_publisher(String, "/a")
+for has_node in (False, True):
+    child = os.fork()
+    if not child:
+        if has_node:
+            try:
+                lcmtools.init([])
+            except lcmtools.LcmtoolsError as error:
+                print(error, flush=True)
+        sys.exit(3)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
+publisher.publish(String())
+print("parent goes on", flush=True)
+"""
 _DIMOS = """
 import json, sys, time
 import zenoh
