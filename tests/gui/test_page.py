@@ -184,6 +184,15 @@ def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
     other.close()
 
 
+@pytest.mark.parametrize("cut_off", ["%7B%22panel", "%E0%A4%A", "%7B%22panel%22%3A%22none%22%7D"])
+def test_an_address_that_was_cut_off_shows_panels_all_the_same(
+    page: Any, address: str, cut_off: str
+) -> None:
+    page.goto(f"{address}#{cut_off}")
+    page.locator(".layout > *").first.wait_for()
+    page.get_by_text("connected", exact=True).wait_for()
+
+
 def test_dividers_and_panels_are_moved_by_pointer(topics: Any) -> None:
     log = topics.locator("[data-panel=log]")
     before = log.bounding_box()

@@ -83,7 +83,11 @@ function viewName() {
 }
 
 function fromHash() {
-  return parsed(decodeURIComponent(location.hash.slice(1)));
+  try {
+    return parsed(decodeURIComponent(location.hash.slice(1)));
+  } catch {
+    return null; // it was cut off
+  }
 }
 
 function fromStorage() {
