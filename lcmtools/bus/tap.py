@@ -181,7 +181,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         receivers = self._receivers
         if len(receivers.sockets) == 1:
             return self._packets(self._datagrams(receivers.sockets[0]))
-        until, arrived = time.time_ns(), self._held
+        now, arrived = time.time_ns(), self._held
+        until = now
         for one in receivers.ready(0.0):
             found = list(self._datagrams(one))
             if len(found) >= _BATCH:
@@ -191,6 +192,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         first = bisect_left(arrived, receivers.since, key=_TIME)
         last = bisect_right(arrived, until, key=_TIME)
         self._held = arrived[last:]
+        if until == now:  # nothing of before is left; the clock may be set back later
+            receivers.since = 0
         return self._packets(arrived[first:last])
 
     def _packets(self, datagrams: Iterable[_Datagram]) -> list[Packet]:

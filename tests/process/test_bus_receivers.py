@@ -69,3 +69,21 @@ def test_malformed_datagrams_are_seen_once_beside_several_sockets(
         wait_until(has_end)
         assert len(tap.malformed) == 1
     assert sorted(seen.values()) == [1] * 6
+
+
+@pytest.mark.usefixtures("private_network", "usual_buffers")
+def test_times_count_only_until_the_first_messages_were_read(
+    wait_until: Callable[..., None],
+) -> None:
+    """A clock that is set back later must leave nothing out."""
+    packets: list[Packet] = []
+    with Tap(parse_url(_URL), whole=True, spread=True) as tap:
+        plain = lcm.LCM(_URL)
+
+        def comes(channel: str) -> bool:
+            packets.extend(tap.receive(0.1))
+            return channel in {packet.channel for packet in packets}
+
+        plain.publish("FIRST", b"")
+        wait_until(lambda: comes("FIRST"))
+        assert tap._receivers.since == 0
