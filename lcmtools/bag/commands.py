@@ -5,36 +5,20 @@ effort, a trajectory), by its topic's name (cmd_vel, WHEEL_COMMAND, goal), or by
 simulator obeys what it subscribes to. Programs that are no nodes do not show what they listen to.
 """
 
-import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
 from lcmtools.bag.playlist import Track
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Graph, Node
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, message_class
+from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic, is_simulator
 from lcmtools.observe.describe import node_text, program_text
 
-_VELOCITY_TYPES = frozenset(
-    f"geometry_msgs/{name}{suffix}"
-    for name in ("Twist", "Accel", "Wrench")
-    for suffix in ("", "Stamped")
-)
-_COMMAND_TYPES = _VELOCITY_TYPES | {
-    "trajectory_msgs/JointTrajectory",
-    "trajectory_msgs/MultiDOFJointTrajectory",
-}
 _JOINTS = "sensor_msgs/JointState"
-_WORDS = re.compile(
-    r"cmd|commands?|control|setpoints?|goal|target|efforts?|torque|throttle|steering|actuators?"
-    r"|motors?",
-    re.IGNORECASE,
-)
-_SPLIT = re.compile(r"[^A-Za-z]+|(?<=[a-z])(?=[A-Z])")
-_SIMULATORS = "sim_msgs/"  # services that only simulators offer
 _SHARED = "/rosout"  # each node's lines have its name
 _MOST_VALUES = 3  # of a command that are shown
 
@@ -49,8 +33,7 @@ class Conflict(NamedTuple):
 
 def is_command(track: Track) -> bool:
     """Return whether a topic's type or name says that its messages are commands."""
-    words = _SPLIT.split(track.topic.rpartition("/")[2])
-    return track.type in _COMMAND_TYPES or any(map(_WORDS.fullmatch, words))
+    return is_command_topic(track.topic, track.type)
 
 
 def obeying(graph: Graph, track: Track) -> list[Node]:
@@ -60,7 +43,7 @@ def obeying(graph: Graph, track: Track) -> list[Node]:
     return [
         node
         for node in nodes.values()
-        if not (node.stale or node.tool) and (commands or _is_simulator(node))
+        if not (node.stale or node.tool) and (commands or is_simulator(node))
     ]
 
 
@@ -80,11 +63,6 @@ def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conf
         remedy = f"-x {track.channel} leaves it out, {track.channel}:=/other moves it"
         found += [Conflict(track.topic, reason, remedy) for reason in dict.fromkeys(reasons)]
     return found
-
-
-def _is_simulator(node: Node) -> bool:
-    services = node.having(Role.SERVICE)
-    return any(name.startswith(_SIMULATORS) for end in services for name in end.types)
 
 
 class StandingCommand(NamedTuple):
@@ -138,7 +116,7 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
     more = ", ..." if len(moving) > _MOST_VALUES else ""
     values = ", ".join(moving[:_MOST_VALUES]) + more
     is_joints = track.type == _JOINTS and not any(name.startswith("position") for name in flat)
-    if not (is_joints or track.type in _VELOCITY_TYPES):
+    if not (is_joints or track.type in VELOCITY_TYPES):
         return StandingCommand(track.topic, values)
     _set_to_zero(message)
     stop = {k: v for k, v in to_plain(message).items() if v and k != "header"} if is_joints else {}

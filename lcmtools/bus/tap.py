@@ -134,6 +134,10 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         """Let the large messages of other channels come whole, as ``always_whole``."""
         self._reader.want_whole((PROTOCOL_PREFIX, *channels))
 
+    def bind(self) -> None:
+        """Take the port that ``send`` sends from now, before the first message."""
+        self._sender.bind(("", 0))
+
     def drops(self) -> int | None:
         """Return the number of datagrams lost here because they were not read fast enough.
 

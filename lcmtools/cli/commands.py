@@ -195,7 +195,7 @@ COMMANDS = {
 spy         cli.spy.command:command         Watch all channels of the bus, live.
 plot        cli.plot:command                Draw fields of messages over time, live.
 bag         cli.commands:bag                Record, play and look into logs.
-relay       cli.relay.command:command       Serve tcpq, and join buses.
+relay       cli.relay.command:command       Carry messages between buses; serve tcpq.
 foxglove    cli.foxglove:command            Serve the bus to Foxglove and Lichtblick.
 node        cli.commands:node               Query nodes: list, info, ping and more.
 msg         cli.commands:msg                Show message types: list, show, proto and more.

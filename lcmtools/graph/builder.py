@@ -135,15 +135,26 @@ class GraphBuilder:
         elif announcement.leaving:
             self.forget(node.id)
             self._left.add(node.id)
+            self._forget_behind(node.id)
         if node.id in self._left:
             return  # an announcement that the goodbye has overtaken revives no node
         lag = packet.time - node.sent if node.sent else None
         known = self._nodes.get(node.id)
+        if node.path and known is not None and not (known.path or _aged(known, packet.time).stale):
+            return  # it is on this bus itself
         if lag is not None and known is not None and known.lag is not None:
             lag = min(lag, known.lag)  # the quickest one shows the clocks' difference best
         self._nodes[node.id] = replace(
-            node, sender=packet.sender, last_announced=packet.time, lag=lag
+            node, sender=_own_sender(node, packet), last_announced=packet.time, lag=lag
         )
+
+    def _forget_behind(self, relay: str) -> None:
+        """Drop the nodes behind a relay that has left; another relay may show them again."""
+        behind = [
+            node.id for node in self._nodes.values() if any(step.id == relay for step in node.path)
+        ]
+        for identifier in behind:
+            self.forget(identifier)
 
     def _traffic_seen(self) -> Iterable[Traffic]:
         for (channel, sender), count in sorted(
@@ -159,6 +170,11 @@ class GraphBuilder:
                 count.last_time,
                 tuple(count.types),
             )
+
+
+def _own_sender(node: Node, packet: Packet) -> Sender | None:
+    """The sender of a node's own messages: not that of what a relay has passed on."""
+    return None if node.path else packet.sender
 
 
 def _aged(node: Node, now: int) -> Node:

@@ -4,6 +4,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import cached_property
+from typing import NamedTuple
 
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
@@ -89,6 +90,14 @@ class CallbackError:
     last_time: int  # nanoseconds since 1970
 
 
+class RelayStep(NamedTuple):
+    """A relay that a node's announcement has passed."""
+
+    id: str  # of the relay
+    relay: str  # its name as a node
+    bus: str  # that it took the announcement from
+
+
 @dataclass(frozen=True, slots=True)
 class Node:
     """A named participant of the bus; times are nanoseconds since 1970."""
@@ -112,6 +121,9 @@ class Node:
     # clocks [ns]: negative if its clock is ahead; None if unknown.
     lag: int | None = None
     is_recorded: bool = False  # of a log: its process number means nothing on this computer
+    # The relays between its bus and this one, the nearest first; empty for a node of this bus. The
+    # computer, process and ports of one behind a relay are there, whatever their names.
+    path: tuple[RelayStep, ...] = ()
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """Return the endpoints of one role, sorted by topic."""
@@ -133,6 +145,11 @@ class Node:
         Both [ns since 1970], and equal if the lag is unknown.
         """
         return now - (self.lag or 0)
+
+    @property
+    def bus(self) -> str:
+        """The bus that it is on, as its relay calls it; "" for a node of this bus."""
+        return self.path[-1].bus if self.path else ""
 
     @property
     def is_hidden(self) -> bool:

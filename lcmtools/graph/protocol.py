@@ -2,7 +2,9 @@
 
 Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
 change, at once on a lcmtools_msgs/Probe on PROBE_CHANNEL, and one with the state LEAVING when it
-ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end.
+ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end. Relays pass
+announcements on to other buses as lcmtools_msgs/RemoteAnnouncement, on NODE_CHANNEL too, and
+report on RELAY_CHANNEL.
 """
 
 from collections.abc import Iterable, Iterator
@@ -10,7 +12,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
-from lcmtools.graph.model import STALE_AFTER, CallbackError, Endpoint, Node, Role
+from lcmtools.graph.model import STALE_AFTER, CallbackError, Endpoint, Node, RelayStep, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.names import check_length, check_node
@@ -19,7 +21,8 @@ from lcmtools.types import lcmtools_msgs as msgs
 NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
 SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
-TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL})
+RELAY_CHANNEL = "/_lcmtools/relay"
+TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
 """The hidden channels of the protocol, which are not topics."""
 PERIOD = 1.0
 """Seconds between two announcements of a node at rest."""
@@ -41,6 +44,8 @@ _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
 _NAME_OFFSET = 20  # after the fingerprint and three length fields
 _BEFORE_ID_BYTES = 12  # pid and start time
 _STATE_BYTES = 1
+_REMOTE = fingerprint(msgs.RemoteAnnouncement).to_bytes(8, "big")
+_WRAPPED_OFFSET = 16  # after the fingerprint and two length fields
 _REVISION_BYTES = 8
 
 
@@ -114,11 +119,13 @@ def encode_announcement(announcement: Announcement) -> bytes:
     message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
     newest = node.errors[-_MOST_ERRORS:]
     message.errors = [_filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest]
-    return encode(message)
+    return _wrapped(encode(message), node.path) if node.path else encode(message)
 
 
 def decode_announcement(payload: bytes) -> Announcement | None:
     """Return the announcement in a payload; None if it is of another version or type."""
+    if payload.startswith(_REMOTE):
+        return _decode_remote(payload)
     message = _decoded(msgs.Announcement, payload)
     if message is None:
         return None
@@ -139,6 +146,10 @@ def decode_announcement(payload: bytes) -> Announcement | None:
 
 def head_of(payload: bytes) -> Head:
     """Return the head of an announcement, read without decoding it."""
+    if payload.startswith(_REMOTE):
+        end = _WRAPPED_OFFSET + int.from_bytes(payload[8:12], "big")
+        inner = head_of(payload[_WRAPPED_OFFSET:end])
+        return Head(_REMOTE + inner.identity, inner.revision + payload[end:])
     if not payload.startswith(_FINGERPRINT):
         return Head(b"", b"")
     end = _NAME_OFFSET
@@ -170,6 +181,25 @@ class Retained:
         for payload, kept in tuple(self._latest.values()):
             if (now - kept) * 1e9 < STALE_AFTER and (known := decode_announcement(payload)):
                 yield encode_announcement(Announcement(known.node).sent_at(0))
+
+
+def _wrapped(announcement: bytes, path: Iterable[RelayStep]) -> bytes:
+    message = msgs.RemoteAnnouncement()
+    message.announcement = announcement
+    message.steps = [_filled(msgs.RelayStep(), step, RelayStep._fields) for step in path]
+    return encode(message)
+
+
+def _decode_remote(payload: bytes) -> Announcement | None:
+    message = _decoded(msgs.RemoteAnnouncement, payload)
+    inner = message.announcement if message else b""
+    if message is None or not message.steps or inner.startswith(_REMOTE):
+        return None
+    announcement = decode_announcement(inner)
+    if announcement is None:
+        return None
+    path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in message.steps)
+    return announcement._replace(node=replace(announcement.node, path=path, ports=()))
 
 
 def _revision(node: Node) -> int:

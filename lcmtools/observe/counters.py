@@ -7,6 +7,7 @@ however short the time between them is.
 from collections.abc import Mapping
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
+from lcmtools.observe.describe import behind_record
 from lcmtools.observe.losses import Loss, Losses, total
 
 _SHORTEST = 200_000_000  # [ns] between two looks that tell how busy a node is
@@ -117,6 +118,7 @@ class Counters:
             "address": node.sender.address if node.sender else None,
             "pid": node.pid,
             "stale": bool(node.stale),
+            **behind_record(node),
             "types": list(endpoint.types),
             "depth": endpoint.depth,
             "messages": endpoint.messages,

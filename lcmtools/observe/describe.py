@@ -58,7 +58,13 @@ def node_record(node: Node) -> dict[str, object]:
         "command": node.command,
         "start_time": node.start_time,
         "stale": node.stale.value or None,
+        **behind_record(node),
     }
+
+
+def behind_record(node: Node) -> dict[str, object]:
+    """Return the bus of a node behind relays, and these, the nearest first, for JSON."""
+    return {"bus": node.bus, "relays": [step.relay for step in node.path]} if node.path else {}
 
 
 def node_text(node: Node) -> str:
@@ -70,12 +76,20 @@ def node_text(node: Node) -> str:
 def host_text(node: Node) -> str:
     """Return a node's computer, of another one with the address: "ada at 10.0.0.1"."""
     address = address_of(node)
-    return f"{node.host} at {address}" if address else node.host
+    place = f"{node.host} at {address}" if address else node.host
+    return f"{place}, on {behind_text(node)}" if node.path else place
+
+
+def behind_text(node: Node) -> str:
+    """Return the bus of a node behind relays: "udpm://... by /relay_ada_7700"."""
+    return f"{node.bus} by {', '.join(step.relay for step in node.path)}"
 
 
 def listed_node(node: Node) -> str:
     """Return a node's name, and the reason why it is stale."""
-    return f"{node.name} (stale: {node.stale})" if node.stale else node.name
+    state = [f"stale: {node.stale}"] if node.stale else []
+    state += [f"on {node.bus}"] if node.path else []
+    return f"{node.name} ({', '.join(state)})" if state else node.name
 
 
 def callback_errors(node: Node) -> list[str]:
@@ -135,6 +149,8 @@ class Computers:
 
     def of(self, node: Node) -> str:
         """Return the name of the computer that a node is on."""
+        if node.path:
+            return f"{node.host} ({node.bus})"
         address = address_of(node)
         return f"{node.host} ({address})" if address and node.host in self._twice else node.host
 

@@ -224,5 +224,7 @@ def _near_node(graph: Graph, name: str) -> str:
 
 def _numbers(node: Node) -> list[str]:
     """The spellings of a node's process: its pid, alone or behind its computer: "ada:1234"."""
+    if node.path:  # a number of another bus
+        return []
     computers = [node.host, *([node.sender.address] if node.sender else [])]
     return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]

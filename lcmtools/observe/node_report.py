@@ -36,7 +36,8 @@ def listed(node: Node, now: int) -> str:
     units = (("days", 86400), ("h", 3600), ("min", 60))
     spans = (f"{seconds / length:.1f} {unit}" for unit, length in units if seconds >= 2 * length)
     state = f"stale: {node.stale}" if node.stale else f"up {next(spans, f'{seconds:.0f} s')}"
-    return f"{node.host}:{node.pid} \t{node.name}\t{state}"
+    behind = f", on {node.bus}" if node.path else ""
+    return f"{node.host}:{node.pid} \t{node.name}\t{state}{behind}"
 
 
 def roles(node: Node, *, show_hidden: bool) -> list[str]:

@@ -10,7 +10,7 @@ from lcmtools.bus.processes import process_of
 from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
-from lcmtools.observe.describe import host_text
+from lcmtools.observe.describe import behind_text, host_text
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import Program, is_here, programs
@@ -112,11 +112,11 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
 
 
 def nodes_to_end(graph: Graph) -> list[Node]:
-    """Return all nodes that run and are no commands."""
+    """Return all nodes of this bus that run and are no commands."""
     return [
         node
         for node in graph.nodes
-        if not (node.is_hidden or node.tool or node.stale is Staleness.ENDED)
+        if not (node.is_hidden or node.tool or node.path or node.stale is Staleness.ENDED)
     ]
 
 
@@ -135,6 +135,9 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
         if others := find_programs(monitor, word):
             raise _not_a_node(others[0], word) from None
         raise
+    if found[0].path:
+        what = f"{found[0].name} is on another bus and cannot be shut down from here"
+        raise LcmtoolsError(what, f"end it there: it is on {behind_text(found[0])}")
     if len(set(map(_process_key, found))) > 1:
         what = "pid" if word.isdecimal() else "name"
         raise LcmtoolsError(f"{len(found)} nodes have the {what} {word}", _distinction(found))
@@ -178,7 +181,7 @@ def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement
 
 def _process_key(node: Node) -> tuple[str, str, int]:
     """A key of a node's process; computers may have the same name, and often the same pids."""
-    return node.host, node.sender.address if node.sender else "", node.pid
+    return node.host, node.sender.address if node.sender else node.bus, node.pid
 
 
 def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:

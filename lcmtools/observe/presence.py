@@ -34,6 +34,7 @@ class Presence:
 
     Attributes:
         node: The node as it is announced.
+        send: Publishes a payload on a channel.
         trouble: The reason why the last announcement was not sent; "" for none.
     """
 
@@ -45,7 +46,7 @@ class Presence:
     ) -> None:
         self.node = node
         self.trouble = ""
-        self._send, self._on_shutdown = send, on_shutdown
+        self.send, self._on_shutdown = send, on_shutdown
         self._next = 0.0
 
     def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
@@ -75,7 +76,7 @@ class Presence:
         announcement = Announcement(self.node, leaving, answers)
         # a network that is gone may come back: the next announcement is a period later
         try:
-            self._send(NODE_CHANNEL, encode_announcement(announcement))
+            self.send(NODE_CHANNEL, encode_announcement(announcement))
             self.trouble = ""
         except BusError as error:
             self.trouble = str(error)

@@ -178,8 +178,8 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
 
 
 def is_here(node: Node) -> bool:
-    """Return whether a node runs on this computer; one of a log runs nowhere now."""
-    if node.is_recorded:
+    """Return whether a node runs on this computer; not one of a log, nor behind a relay."""
+    if node.is_recorded or node.path:
         return False
     if node.sender is not None and not is_local(node.sender.address):
         return False

@@ -2,7 +2,9 @@
 
 import signal
 import time
+from collections.abc import Sequence
 from ipaddress import ip_address
+from typing import NoReturn
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.cli.status_line import StatusLine
@@ -13,7 +15,7 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 _SHOWN_EVERY = 0.5  # [s]
 
 
-def attend_hub(url: BusUrl, line: StatusLine) -> None:
+def attend_hub(url: BusUrl, line: StatusLine) -> NoReturn:
     """Serve tcpq until Ctrl-C; show what it does on a terminal, and say it in the end."""
     with Hub(url, line.talk) as hub:
         line.talk(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
@@ -63,7 +65,10 @@ def _audience(host: str) -> str:
     return f"all who reach this computer at {what}, without a password"
 
 
-def check_server(url: BusUrl) -> None:
-    """Refuse to serve what cannot be served."""
+def check_server(url: BusUrl, buses: Sequence[str]) -> None:
+    """Refuse to serve what cannot be served, or more than a server."""
+    if buses:
+        hint = f"start another relay that joins {url} and {buses[0]}"
+        raise UsageError("--serve is a server and joins no bus", hint)
     if url.provider != "tcpq":
         raise UsageError(f"cannot serve {url}", "write --serve tcpq://:7700")

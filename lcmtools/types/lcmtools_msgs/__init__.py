@@ -11,6 +11,11 @@ from .Parameter import Parameter as Parameter
 from .Parameters_Request import Parameters_Request as Parameters_Request
 from .Parameters_Response import Parameters_Response as Parameters_Response
 from .Probe import Probe as Probe
+from .RelayEnd import RelayEnd as RelayEnd
+from .RelayLink import RelayLink as RelayLink
+from .RelayReport import RelayReport as RelayReport
+from .RelayStep import RelayStep as RelayStep
+from .RemoteAnnouncement import RemoteAnnouncement as RemoteAnnouncement
 from .ServiceReply import ServiceReply as ServiceReply
 from .ServiceRequest import ServiceRequest as ServiceRequest
 from .Shutdown import Shutdown as Shutdown

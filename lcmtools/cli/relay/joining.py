@@ -1,0 +1,118 @@
+"""Joining two buses as a person attends it."""
+
+import signal
+import time
+from collections.abc import Sequence
+
+import click
+
+from lcmtools.bag.summary_report import bytes_text
+from lcmtools.bus.preflight import wait_for_bus
+from lcmtools.bus.url import BusUrl, domain_url, parse_url
+from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.declare import rate
+from lcmtools.cli.status_line import StatusLine
+from lcmtools.errors import UsageError
+from lcmtools.relay.ends import check_end
+from lcmtools.relay.relay import Relay, attend
+from lcmtools.relay.rules import Rules
+from lcmtools.relay.topology import Link, State
+
+_SHOWN_EVERY = 0.5  # [s]
+_TWO = 2
+
+
+def chosen_buses(words: Sequence[str]) -> tuple[BusUrl, BusUrl]:
+    """Return the buses that the command line names: two, or one beside the usual one.
+
+    Raises:
+        UsageError: There are more or fewer, both are one, or one cannot be joined.
+    """
+    if not words or len(words) > _TWO:
+        raise UsageError("a relay joins two buses", "for example lcmtools relay 0 1")
+    found = [domain_url(one, "BUS") if one.isdigit() else parse_url(one, "BUS") for one in words]
+    here, there = found if len(found) == _TWO else (chosen_url(), found[0])
+    for url in (here, there):
+        check_end(url)
+    if (here.provider, here.host, here.port) == (there.provider, there.host, there.port):
+        raise UsageError(f"both buses are {here}", "a relay joins two buses")
+    return here, there
+
+
+def read_rates(words: Sequence[str]) -> dict[str, float]:
+    """Return the rates of ``--rate``, by pattern."""
+    found = {}
+    for word in words:
+        topic, equals, text = word.rpartition("=")
+        if not equals or not topic:
+            what = f"'{word}' is no topic and rate; write '/camera/**=5'"
+            raise click.BadParameter(what, param_hint="'--rate'")
+        try:
+            found[topic] = rate(text)
+        except click.BadParameter as error:
+            raise click.BadParameter(error.message, param_hint="'--rate'") from None
+    return found
+
+
+def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
+    """Relay until Ctrl-C; show what is carried on a terminal, and say it in the end."""
+    with StatusLine("lcmtools relay") as line:
+        for url in urls:
+            wait_for_bus(url, line.talk)
+        shown = _Shown(line)
+        try:
+            with Relay(
+                urls,
+                rules,
+                line.talk,
+                name=name,
+                on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
+            ) as relay:
+                attend(relay, shown.show)
+        finally:
+            if shown.link is not None:
+                line.talk(last_word(shown.link))
+
+
+class _Shown:
+    """The line of a terminal that shows a relay."""
+
+    def __init__(self, line: StatusLine) -> None:
+        self._line = line
+        self._time = time.monotonic()
+        self._before = [(0, 0), (0, 0)]
+        self.link: Link | None = None
+
+    def show(self, link: Link) -> None:
+        """Write the line, if it is time."""
+        self.link = link
+        seconds = time.monotonic() - self._time
+        if not self._line.shows or seconds < _SHOWN_EVERY:
+            return
+        self._time = time.monotonic()
+        flows = []
+        for end, (messages, size) in zip(link.ends, self._before, strict=True):
+            rate, flow = (end.messages - messages) / seconds, (end.bytes - size) / seconds
+            flows.append(f"{rate:.0f}/s, {bytes_text(flow)}/s")
+        self._before = [(end.messages, end.bytes) for end in link.ends]
+        if link.state is State.STANDBY:
+            self._line.write("stands by")
+        else:
+            self._line.write(f"there {flows[1]}; back {flows[0]}; {lost_text(link)}")
+
+
+def last_word(link: Link) -> str:
+    """Return what a relay has carried, in one sentence."""
+    here, there = link.ends
+    carried = [
+        f"{end.messages} messages ({bytes_text(end.bytes)}) to {end.bus}" for end in (there, here)
+    ]
+    return f"{', '.join(carried)}; {lost_text(link)}"
+
+
+def lost_text(link: Link) -> str:
+    """Return what did not get through: lost on the way to the relay, or dropped for a slow line."""
+    lost, dropped = (sum(getattr(end, what) for end in link.ends) for what in ("lost", "dropped"))
+    parts = [f"{lost} lost on the way to the relay"] if lost else []
+    parts += [f"{dropped} dropped"] if dropped else []
+    return ", ".join(parts) or "none lost"

@@ -1,0 +1,38 @@
+"""The relays on a bus, as a person asks for them."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from lcmtools.bag.summary_report import bytes_text
+from lcmtools.cli.bus import open_monitor
+from lcmtools.cli.output import columns, show
+from lcmtools.cli.relay.joining import lost_text
+from lcmtools.relay.status import known_relays
+from lcmtools.relay.topology import Link, State
+
+_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
+
+
+def show_status(*, as_json: bool) -> None:
+    """Print the relays that are known on the bus."""
+    with open_monitor("relay") as monitor:
+        links = known_relays(monitor)
+        none = f"no relay is on {monitor.url}"
+    records = [_record(link) for link in links]
+    show(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
+
+
+def _record(link: Link) -> dict[str, object]:
+    return {**asdict(link), "state": link.state.name.lower()}
+
+
+def _rows(links: Sequence[Link]) -> list[Sequence[str]]:
+    rows: list[Sequence[str]] = [_HEADING]
+    for link in links:
+        state = "carries" if link.state is State.ACTIVE else "stands by"
+        names = (link.name, link.host, f"{state}, {lost_text(link)}")
+        for end in link.ends:
+            sent = f"{end.messages} ({bytes_text(end.bytes)})"
+            rows.append((*names, end.bus, sent, str(end.left_out), end.trouble))
+            names = ("", "", "")
+    return rows

@@ -1,0 +1,172 @@
+"""The ends of a relay: connections to a bus that receive all messages but their own."""
+
+import socket
+import time
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from lcmtools.bus.lcm_listener import LcmListener
+from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
+from lcmtools.bus.processes import is_local
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError, UsageError
+from lcmtools.observe.losses import Loss, losses
+from lcmtools.relay.echo import EchoFilter
+from lcmtools.wire.packet import Packet, Sender
+
+_NAP = 0.001  # [s] that messages of a stream wait to be read together
+_LOOPBACK = "127."
+
+
+class BusEnd(Protocol):
+    """A connection to a bus: one thread receives, another one sends.
+
+    Attributes:
+        ports: UDP ports that it sends from; empty where the bus names no senders.
+        trouble: The reason why the bus cannot be reached; "" for none.
+    """
+
+    ports: tuple[int, ...]
+    trouble: str
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
+        ...
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Send a message, also if that takes time.
+
+        Raises:
+            BusError: It cannot be sent.
+        """
+        ...
+
+    def losses(self) -> Mapping[Sender, Loss]:
+        """Return the messages that did not arrive here."""
+        ...
+
+    def close(self) -> None:
+        """Leave the bus."""
+        ...
+
+
+class UdpmEnd:
+    """An end at a multicast group: short messages leave at once, large ones paced."""
+
+    def __init__(self, url: BusUrl) -> None:
+        self._tap = Tap(url, whole=True, spread=True)
+        self._tap.longest_nap = _NAP
+        self._paced = PacedSender(url)
+        self._tap.bind()
+        self.ports: tuple[int, ...] = (self._tap.port, self._paced.port)
+        self._own: set[Sender] = set()
+        self.trouble = ""
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """See ``BusEnd``."""
+        return [
+            packet
+            for packet in self._tap.receive(timeout)
+            if not (
+                packet.sender and packet.sender.port in self.ports and self._is_own(packet.sender)
+            )
+        ]
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """See ``BusEnd``."""
+        try:
+            if len(payload) > PACED_ABOVE_BYTES or self._paced.has_waiting(channel):
+                self._paced.send(channel, payload)
+            else:
+                self._tap.send(channel, payload)
+        except BusError as error:
+            self.trouble = str(error)
+            raise
+        self.trouble = ""
+
+    def losses(self) -> Mapping[Sender, Loss]:
+        """See ``BusEnd``."""
+        numbered = {k: v for k, v in self._tap.numbered.items() if not self._is_own(k)}
+        return losses(numbered)
+
+    def close(self) -> None:
+        """See ``BusEnd``."""
+        self._paced.close()
+        self._tap.close()
+
+    def _is_own(self, sender: Sender) -> bool:
+        if sender in self._own:
+            return True
+        if sender.port in self.ports and is_local(sender.address):
+            self._own.add(sender)
+            return True
+        return False
+
+
+class TcpqEnd:
+    """An end at a server, which sends everything back."""
+
+    ports: tuple[int, ...] = ()
+
+    def __init__(self, url: BusUrl) -> None:
+        self.trouble = ""
+        self._echo = EchoFilter()
+        self._listener = LcmListener(url, self._note)
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """See ``BusEnd``."""
+        try:
+            packets = self._listener.receive(timeout)
+        except EOFError:  # it closes
+            time.sleep(timeout)
+            return []
+        is_echo = self._echo.is_echo
+        return [packet for packet in packets if not is_echo(packet.channel, packet.payload)]
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """See ``BusEnd``."""
+        self._echo.sends(channel, payload)
+        self._listener.send(channel, payload)
+
+    def losses(self) -> Mapping[Sender, Loss]:
+        """See ``BusEnd``."""
+        return {}
+
+    def close(self) -> None:
+        """See ``BusEnd``."""
+        self._listener.close()
+
+    def _note(self, _text: str, trouble: str) -> None:
+        self.trouble = trouble
+        self._echo.clear()
+
+
+_KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {"udpm": UdpmEnd, "tcpq": TcpqEnd}
+
+
+def check_end(url: BusUrl) -> None:
+    """Refuse what no relay can join.
+
+    Raises:
+        UsageError: It is a log, or a bus of another kind.
+    """
+    if url.provider not in _KINDS:
+        kinds = " and ".join(f"{kind}://" for kind in _KINDS)
+        raise UsageError(f"{url} cannot be joined by a relay", f"it joins buses of {kinds}")
+
+
+def open_end(url: BusUrl) -> BusEnd:
+    """Return an end at a bus.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+    return _KINDS[url.provider](url)
+
+
+def bus_name(url: BusUrl) -> str:
+    """Return a bus as people on other computers are to call it."""
+    name = f"{url.provider}://{url.host}:{url.port}" if url.host else str(url)
+    is_here = url.host.startswith(_LOOPBACK) or (url.is_multicast and not url.ttl)
+    return f"{name} on {socket.gethostname()}" if is_here else name

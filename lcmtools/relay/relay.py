@@ -1,0 +1,332 @@
+"""A relay: it carries messages between two buses, and shows the nodes of each on the other.
+
+No message comes back, goes in a circle or comes twice. A relay never takes its own messages: they
+come from its own ports, or are the echo of a server. Of several relays those carry messages that
+``topology`` chooses; the others stand by, and pass nothing on. Nobody takes anything from the ports
+of a relay that is to stand by, so that two of them which do not know of each other yet make no
+circle. A relay waits for a moment before it carries, to hear of others first. UDP multicast carries
+nothing beside a message: the sender's port tells the relay, whose report tells what it brings.
+
+When the one that carries says goodbye, another one takes over at once; when it is killed, after
+the time in which silent nodes become stale.
+"""
+
+import contextlib
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable, Collection, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from typing import NoReturn
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.graph.model import RelayStep
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PERIOD,
+    PROBE_CHANNEL,
+    RELAY_CHANNEL,
+    Probe,
+    decode_probe,
+    encode_announcement,
+    encode_probe,
+)
+from lcmtools.names import check_node
+from lcmtools.observe.presence import Presence, own_node
+from lcmtools.relay.announcing import Announced
+from lcmtools.relay.ends import bus_name, open_end
+from lcmtools.relay.rules import Direction, Rules
+from lcmtools.relay.side import Side
+from lcmtools.relay.topology import (
+    End,
+    KnownRelays,
+    Link,
+    Report,
+    State,
+    decode_report,
+    encode_report,
+)
+from lcmtools.wire.packet import Packet
+
+_HOLD = 0.7  # [s] before it carries messages, also when a bus can be reached again
+_EARLY = 0.1  # [s] between its reports meanwhile: any message on LCM may be lost
+_TURN = 0.05  # [s]
+_WAIT = 0.1  # [s]
+_FLUSH = 0.5  # [s] at most in the end, for messages that wait
+
+
+class Relay(AbstractContextManager["Relay"]):
+    """A relay between two buses, which runs on threads of its own within its context.
+
+    Args:
+        urls: The buses: here, and there.
+        rules: What passes.
+        notify: Called with a sentence when something begins or ends to go wrong.
+        name: Its name as a node; "" for one with its computer's name and its process.
+        on_shutdown: Called when another program requests this one to end.
+
+    Raises:
+        BusError: A bus cannot be reached, with what to type.
+    """
+
+    def __init__(
+        self,
+        urls: tuple[BusUrl, BusUrl],
+        rules: Rules,
+        notify: Callable[[str], None],
+        *,
+        name: str = "",
+        on_shutdown: Callable[[], None] = lambda: None,
+    ) -> None:
+        node = own_node(name or usual_name(), tool=False)
+        check_node(node.name)
+        identifier = f"{time.time_ns():016x}-{os.urandom(4).hex()}"
+        node = replace(node, id=identifier)
+        self._notify, self._rules = notify, rules
+        self._sides = self._open(identifier, urls, rules)
+        here, there = self._sides
+        ends = here.state(), there.state()
+        self._known = KnownRelays(Link(identifier, node.name, node.host, ends))
+        self._presences = tuple(
+            Presence(replace(node, ports=side.end.ports[1:]), side.talk, on_shutdown)
+            for side in self._sides
+        )
+        self._announced = tuple(
+            Announced(
+                RelayStep(identifier, node.name, one.bus),
+                one.direction,
+                other.direction,
+                one_way=rules.one_way,
+            )
+            for one, other in ((here, there), (there, here))
+        )
+        self._lock = threading.RLock()
+        self._carries = False
+        self._hold_until = time.monotonic() + _HOLD
+        self._next_report = 0.0
+        self._error: BaseException | None = None
+        self._troubles = ["", ""]
+        self._has_said: bool | None = None
+        self._ends = threading.Event()
+        self._stopped = threading.Event()
+        self._threads = [
+            threading.Thread(target=target, args=(index,), name=f"relay {index}", daemon=True)
+            for index in (0, 1)
+            for target in (self._receive, self._send)
+        ]
+
+    def __enter__(self) -> "Relay":
+        """Begin."""
+        for thread in self._threads:
+            thread.start()
+        for side in self._sides:
+            side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Send what waits, for a moment, say goodbye and leave the buses."""
+        self._ends.set()
+        deadline = time.monotonic() + _FLUSH
+        while any(side.outbox.is_waiting for side in self._sides) and time.monotonic() < deadline:
+            time.sleep(0.005)
+        self._stopped.set()
+        for side in self._sides:
+            side.outbox.close()
+        for thread in self._threads:
+            thread.join(1.0)
+        self._known.update(State.LEFT, self._states())
+        for side, presence in zip(self._sides, self._presences, strict=True):
+            side.outbox.clear()
+            with contextlib.suppress(BusError):
+                report = Report(side.identifier, (self._known.own,))
+                side.end.send(RELAY_CHANNEL, encode_report(report))
+            presence.send = side.talk_now
+            presence.announce(leaving=True)
+            side.end.close()
+
+    def turn(self) -> Link:
+        """Do what is due, waiting for a moment; return the relay's state."""
+        self._ends.wait(_TURN)
+        if self._error is not None:
+            raise self._error
+        now = time.monotonic()
+        with self._lock:
+            changed = self._known.expire(time.monotonic_ns()) | self._tell_troubles(now)
+            early = now < self._hold_until and now + PERIOD - _EARLY >= self._next_report
+            if changed or early or now >= self._next_report:
+                self._report(now)
+            self._decide(now)
+            for presence in self._presences:
+                presence.attend()
+            return replace(self._known.own, ends=self._states())
+
+    @staticmethod
+    def _open(identifier: str, urls: tuple[BusUrl, BusUrl], rules: Rules) -> tuple[Side, Side]:
+        with contextlib.ExitStack() as closing:
+            sides = []
+            for number, url in enumerate(urls):
+                end = open_end(url)
+                closing.callback(end.close)
+                direction = Direction(rules, back=bool(number))
+                sides.append(Side(f"{identifier}/{number}", bus_name(url), end, direction))
+            closing.pop_all()
+        return sides[0], sides[1]
+
+    def _states(self) -> tuple[End, End]:
+        here, there = self._sides
+        return here.state(), there.state()
+
+    def _receive(self, index: int) -> None:
+        """Receive from one bus, until the end."""
+        with self._kept_errors():
+            self._pump(index)
+
+    def _pump(self, index: int) -> None:
+        side, other = self._sides[index], self._sides[1 - index]
+        while not self._ends.is_set():
+            packets = side.end.receive(_WAIT)
+            if not packets:
+                continue
+            talk, passed = side.sort(packets, other, passes=self._carries)
+            if passed:
+                other.outbox.add(passed)
+            if talk:
+                with self._lock:
+                    for packet in talk:
+                        self._hear(index, packet)
+
+    def _send(self, index: int) -> None:
+        """Send to one bus, until the end."""
+        with self._kept_errors():
+            while not self._stopped.is_set():
+                self._sides[index].send()
+
+    @contextlib.contextmanager
+    def _kept_errors(self) -> Iterator[None]:
+        """Keep an error of a thread, which ``turn`` raises."""
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - raised on the owner's thread
+            self._error = error
+            self._ends.set()
+
+    def _hear(self, index: int, packet: Packet) -> None:
+        """Take a message of the protocol."""
+        if packet.channel == NODE_CHANNEL:
+            self._pass_announcement(index, packet)
+        elif packet.channel == RELAY_CHANNEL:
+            report = decode_report(packet.payload)
+            side = self._sides[index]
+            now = time.monotonic_ns()
+            address = packet.sender.address if packet.sender else ""
+            if report and self._known.learn(report, side.identifier, now, address):
+                self._report(time.monotonic())
+                self._decide(time.monotonic())
+        else:
+            self._presences[index].answer(packet.channel, packet.payload)
+            if packet.channel == PROBE_CHANNEL:
+                side = self._sides[index]
+                side.talk(RELAY_CHANNEL, self._payload(side))
+                self._answer(index, packet.payload)
+
+    def _pass_announcement(self, index: int, packet: Packet) -> None:
+        side, other = self._sides[index], self._sides[1 - index]
+        said = side.learn(packet)
+        if said is None or said.node.id == self._known.own.id:
+            return
+        if side.is_news(packet):
+            other.forget_routes()
+            side.forget_routes()
+        if not self._carries or other.has(said.node.id):
+            return
+        passed = self._announced[index].take(said, time.monotonic_ns())
+        if passed is not None:
+            other.talk(NODE_CHANNEL, encode_announcement(passed))
+
+    def _answer(self, index: int, payload: bytes) -> None:
+        """Answer a probe on one bus for the nodes of the other one, or pass it on to one of them.
+
+        What was announced there within the last second is known here, so that a line that is slow
+        delays no answer.
+        """
+        probe = decode_probe(payload)
+        if probe is None or not self._carries:
+            return
+        side, announced = self._sides[index], self._announced[1 - index]
+        if probe.target:
+            target = announced.target(probe.target)
+            if target is not None:
+                again = encode_probe(Probe(target, probe.nonce))
+                self._sides[1 - index].talk(PROBE_CHANNEL, again)
+            return
+        for said in announced.recent(time.monotonic_ns()):
+            side.talk(NODE_CHANNEL, encode_announcement(said))
+
+    def _payload(self, side: Side) -> bytes:
+        return encode_report(Report(side.identifier, self._known.links()))
+
+    def _report(self, now: float) -> None:
+        """Report on both buses what is known of all relays."""
+        self._next_report = now + PERIOD
+        state = State.ACTIVE if self._carries else State.STANDBY
+        self._known.update(state, self._states())
+        for side in self._sides:
+            side.talk(RELAY_CHANNEL, self._payload(side))
+
+    def _decide(self, now: float) -> None:
+        """Begin or cease to carry messages."""
+        active = self._known.carrying()
+        own = self._known.own.id
+        for side in self._sides:
+            side.idle = self._known.idle(side.identifier, active)
+        carries = own in active and now >= self._hold_until
+        if now >= self._hold_until and carries != self._has_said:
+            self._has_said = carries
+            self._say_state(active)
+        if carries == self._carries:
+            return
+        self._carries = carries
+        if carries:
+            for side in self._sides:
+                side.forget_routes()
+                side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+        else:
+            for announced in self._announced:
+                announced.forget()
+        self._report(now)
+
+    def _say_state(self, active: Collection[str]) -> None:
+        here, there = (side.bus for side in self._sides)
+        if self._has_said:
+            ways = f"from {here} to" if self._rules.one_way else f"between {here} and"
+            self._notify(f"carries messages {ways} {there}")
+        elif not any(self._troubles):
+            names = sorted(one.name for one in self._known.links() if one.id in active)
+            self._notify(f"stands by: {', '.join(names)} joins {here} and {there}")
+
+    def _tell_troubles(self, now: float) -> bool:
+        """Say when a bus cannot be reached, or can again; return whether either is so."""
+        changed = False
+        for index, side in enumerate(self._sides):
+            trouble = side.end.trouble
+            if bool(trouble) != bool(self._troubles[index]):
+                changed = True
+                self._hold_until = now + _HOLD
+                self._notify(trouble or f"{side.bus} is back")
+            self._troubles[index] = trouble
+        return changed
+
+
+def usual_name() -> str:
+    """Return the name of a relay that was given none: its computer's and its process's."""
+    host = "".join(one if one.isalnum() and one.isascii() else "_" for one in socket.gethostname())
+    return f"/relay_{host}_{os.getpid()}"
+
+
+def attend(relay: Relay, on_turn: Callable[[Link], None]) -> NoReturn:
+    """Let a relay work until an exception ends it; ``on_turn`` gets its state again and again."""
+    while True:
+        on_turn(relay.turn())

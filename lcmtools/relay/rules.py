@@ -1,0 +1,159 @@
+"""What a relay passes on, under which name, and how often. Pure.
+
+Patterns and names are those of the first bus ("here"), also for messages that come from the second
+one ("there"). Commands to actuators, /clock and LCM's own channels pass only where ``allow`` has
+their very name: a pattern that happens to match drives no robot.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+from lcmtools.errors import InvalidName, UsageError
+from lcmtools.names import Pattern, check_length, has_wildcard, is_hidden, spellings
+from lcmtools.observe.actuators import is_command_topic
+
+_OF_SERVICE = ("/_request", "/_reply")
+_NAMED_ONLY = ("/clock",)
+_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
+
+
+class Reason(Enum):
+    """The reason why a topic does not pass."""
+
+    DENIED = "denied"
+    NOT_ALLOWED = "not allowed"
+    COMMAND = "a command, which passes only where --allow names it"
+    NAMED_ONLY = "passes only where --allow names it"
+    TOO_LONG = "its name there would be too long for LCM"
+    ELSEWHERE = "not below the prefix"
+    ONE_WAY = "against the direction"
+
+
+class Words:
+    """Names and patterns of topics."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        named = [word for word in words if not has_wildcard(word)]
+        self._names = {spelling for word in named for spelling in spellings(word)}
+        self._patterns = [Pattern(word, hidden=True) for word in words if has_wildcard(word)]
+
+    def name(self, topic: str) -> bool:
+        """Return whether one is the topic's very name."""
+        return topic in self._names
+
+    def match(self, topic: str) -> bool:
+        """Return whether one matches the topic."""
+        return topic in self._names or any(one.matches(topic) for one in self._patterns)
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """The rules of a relay.
+
+    Attributes:
+        allow: What passes; all, where it is empty.
+        deny: What does not, nevertheless.
+        rates: The most messages of a topic in a second, by pattern.
+        newest: Topics of which only the newest message waits for the line.
+        prefix: The namespace that topics of here have there; "" for none.
+        one_way: Messages go from here to there only.
+    """
+
+    allow: Sequence[str] = ()
+    deny: Sequence[str] = ()
+    rates: Mapping[str, float] = field(default_factory=dict)
+    newest: Sequence[str] = ()
+    prefix: str = ""
+    one_way: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """The way of a topic: its name on the other bus, or the reason why it does not pass."""
+
+    name: str = ""
+    reason: Reason | None = None
+    period: float = 0.0  # the least time between two messages [s]
+    newest: bool = False  # only the newest message waits
+
+
+class Direction:
+    """The rules for one direction: from here to there, or back."""
+
+    def __init__(self, rules: Rules, *, back: bool) -> None:
+        self._rules, self._back = rules, back
+        self._allow, self._deny = Words(rules.allow), Words(rules.deny)
+        self._newest = Words(rules.newest)
+        self._rates = [(Words([word]), 1.0 / rate) for word, rate in rules.rates.items()]
+
+    def route(self, channel: str, types: Collection[str], *, obeyed: bool = False) -> Route:
+        """Return the way of a channel's messages.
+
+        Args:
+            channel: The channel on the bus that they come from.
+            types: The types that they may be of.
+            obeyed: A simulator on the other bus obeys them.
+        """
+        name = self.name(channel)
+        if isinstance(name, Reason):
+            return Route(reason=name)
+        topic = _topic(name if self._back else channel)
+        if self._rules.one_way and self._back:
+            return Route(reason=Reason.ONE_WAY)
+        if reason := self._reason(topic, channel, types, obeyed=obeyed):
+            return Route(reason=reason)
+        period = max((period for words, period in self._rates if words.match(topic)), default=0.0)
+        return Route(name, None, period, self._newest.match(topic))
+
+    def name(self, channel: str) -> str | Reason:
+        """Return a channel's name on the other bus; else the reason why it has none there."""
+        prefix = self._rules.prefix
+        if not prefix:
+            return channel
+        if not self._back:
+            name = f"/{prefix}{channel}" if channel.startswith("/") else f"{prefix}/{channel}"
+            try:
+                return check_length(name)
+            except InvalidName:
+                return Reason.TOO_LONG
+        for start, root in ((f"/{prefix}/", "/"), (f"{prefix}/", "")):
+            if channel.startswith(start) and len(channel) > len(start):
+                return root + channel[len(start) :]
+        return Reason.ELSEWHERE
+
+    def _reason(
+        self, topic: str, channel: str, types: Collection[str], *, obeyed: bool
+    ) -> Reason | None:
+        if self._deny.match(topic):
+            return Reason.DENIED
+        if self._allow.name(topic):
+            return None
+        if self._rules.allow and not self._allow.match(topic):
+            return Reason.NOT_ALLOWED
+        if topic in _NAMED_ONLY or topic.startswith(_INTERNAL):
+            return Reason.NAMED_ONLY
+        is_command = obeyed or any(is_command_topic(channel, one) for one in types or [""])
+        return Reason.COMMAND if is_command else None
+
+
+def check_rules(rules: Rules) -> None:
+    """Refuse a prefix that is no namespace.
+
+    Raises:
+        UsageError: It is not.
+    """
+    prefix = rules.prefix
+    parts = prefix.split("/")
+    if prefix and (not all(part.isidentifier() and part.isascii() for part in parts)):
+        hint = "a namespace is letters, digits and '_', for example robot7"
+        raise UsageError(f"'{prefix}' is no namespace", hint)
+    if is_hidden(prefix):
+        raise UsageError(f"'{prefix}' is a hidden name", "a part of it begins with '_'")
+
+
+def _topic(channel: str) -> str:
+    """The name that rules are for: of a service's two channels, the service's."""
+    for ending in _OF_SERVICE:
+        channel = channel.removesuffix(ending)
+    return channel

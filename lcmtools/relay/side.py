@@ -1,0 +1,177 @@
+"""One bus of a relay: what is known of it, what waits for it, and what comes from it."""
+
+import threading
+import time
+from collections import Counter
+from collections.abc import Collection
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import STALE_AFTER, Graph
+from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
+from lcmtools.messages.registry import candidates
+from lcmtools.observe.actuators import is_simulator
+from lcmtools.relay.ends import BusEnd
+from lcmtools.relay.outbox import Outbox, Outgoing
+from lcmtools.relay.rules import Direction, Reason, Route
+from lcmtools.relay.topology import End
+from lcmtools.wire.packet import Packet, Sender
+
+_MOST_ROUTES = 10_000
+_WAIT = 0.1  # [s]
+
+
+class Side:
+    """One bus of a relay.
+
+    Args:
+        identifier: The id of the end.
+        bus: The bus, as people call it.
+        end: The connection.
+        direction: The rules for messages from this bus.
+
+    Attributes:
+        outbox: What waits to be sent to the bus.
+        idle: Senders on this bus that are relays which are not to carry messages.
+        left: Topics that do not pass, with the reasons.
+    """
+
+    def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
+        self.identifier, self.bus, self.end = identifier, bus, end
+        self.direction = direction
+        self.outbox = Outbox()
+        self.idle: frozenset[Sender] = frozenset()
+        self.left: dict[str, Reason] = {}
+        self._builder = GraphBuilder()
+        self._graph: Graph | None = None
+        self._own_nodes: dict[str, int] = {}  # with their last announcements
+        self._revisions: dict[bytes, bytes] = {}
+        self._lock = threading.Lock()  # of the graph
+        self._routes: dict[tuple[str, bytes], Route] = {}
+        self._next: dict[str, float] = {}
+        self._counts: Counter[str] = Counter()
+
+    def sort(
+        self, packets: list[Packet], other: "Side", *, passes: bool
+    ) -> tuple[list[Packet], list[Outgoing]]:
+        """Return the messages of the protocol among these, and those for the other bus."""
+        talk, passed = [], []
+        idle, routes, left_out = self.idle, self._routes, 0
+        for packet in packets:
+            channel, payload = packet.channel, packet.payload
+            if channel in TALK_CHANNELS:
+                talk.append(packet)
+            elif passes and not (idle and packet.sender in idle):
+                route = routes.get((channel, payload[:8])) or self._route(packet, other)
+                if route.reason or (route.period and self._is_too_soon(packet, route.period)):
+                    left_out += 1
+                else:
+                    passed.append(Outgoing(route.name, payload, route.newest))
+        self._counts["left_out"] += left_out
+        return talk, passed
+
+    def learn(self, packet: Packet) -> Announcement | None:
+        """Learn from an announcement; return it."""
+        with self._lock:
+            said = self._builder.add(packet)
+        if said is not None and not said.node.path:
+            self._own_nodes[said.node.id] = 0 if said.leaving else packet.time
+        return said
+
+    def is_news(self, packet: Packet) -> bool:
+        """Return whether an announcement says more than new counts."""
+        head = head_of(packet.payload)
+        is_same = self._revisions.get(head.identity) == head.revision
+        if len(self._revisions) >= _MOST_ROUTES:
+            self._revisions.clear()
+        self._revisions[head.identity] = head.revision
+        return not is_same
+
+    def has(self, identifier: str) -> bool:
+        """Return whether a node is on this bus itself, and lives."""
+        return time.time_ns() - self._own_nodes.get(identifier, 0) <= STALE_AFTER
+
+    def graph(self) -> Graph:
+        """Return the nodes on this bus."""
+        with self._lock:
+            if self._graph is None:
+                self._graph = self._builder.snapshot(time.time_ns())
+            return self._graph
+
+    def forget_routes(self) -> None:
+        """Decide anew what passes, for nodes have come or gone."""
+        self._routes = {}
+        with self._lock:
+            self._graph = None
+
+    def obeyed(self, topic: str) -> bool:
+        """Return whether a simulator on this bus obeys what is published on a topic."""
+        subscribers = self.graph().topic(topic).subscribers
+        return any(is_simulator(node) for node, _ in subscribers if not node.stale)
+
+    def send(self) -> None:
+        """Send what waits; errors are counted."""
+        for message in self.outbox.take(_WAIT):
+            try:
+                self.end.send(message.channel, message.payload)
+            except LcmtoolsError:
+                if message.channel not in TALK_CHANNELS:
+                    self._counts["failed"] += 1
+                continue
+            if message.channel not in TALK_CHANNELS:
+                self._counts["messages"] += 1
+                self._counts["bytes"] += len(message.payload)
+
+    def talk(self, channel: str, payload: bytes) -> None:
+        """Let a message of the protocol be sent."""
+        self.outbox.add_first(Outgoing(channel, payload))
+
+    def talk_now(self, channel: str, payload: bytes) -> None:
+        """Send a message of the protocol, when no other thread sends any more."""
+        try:
+            self.end.send(channel, payload)
+        except LcmtoolsError:
+            self._counts["failed"] += 1
+
+    def state(self) -> End:
+        """Return the state of the end, with its counts."""
+        trouble = self.end.trouble
+        return End(
+            self.identifier,
+            self.bus,
+            ports=self.end.ports,
+            is_up=not trouble,
+            trouble=trouble,
+            messages=self._counts["messages"],
+            bytes=self._counts["bytes"],
+            left_out=self._counts["left_out"],
+            dropped=self._counts["failed"] + self.outbox.dropped,
+            lost=sum(loss.lost for loss in self.end.losses().values()),
+        )
+
+    def _route(self, packet: Packet, other: "Side") -> Route:
+        name = self.direction.name(packet.channel)
+        obeyed = not isinstance(name, Reason) and other.obeyed(name)
+        route = self.direction.route(packet.channel, self._types(packet), obeyed=obeyed)
+        if len(self._routes) >= _MOST_ROUTES:
+            self._routes.clear()
+        self._routes[packet.channel, packet.payload[:8]] = route
+        if route.reason and len(self.left) < _MOST_ROUTES:
+            self.left.setdefault(packet.channel, route.reason)
+        return route
+
+    def _types(self, packet: Packet) -> Collection[str]:
+        """The types that a message may be of: announced, or by its fingerprint."""
+        with self._lock:
+            announced = self._builder.types_of(packet.channel)
+        fingerprint = packet.fingerprint
+        return {*announced, *(candidates(fingerprint) if fingerprint is not None else ())}
+
+    def _is_too_soon(self, packet: Packet, period: float) -> bool:
+        """Return whether less than the period has passed since the last message that went on."""
+        now = packet.time / 1e9
+        due = self._next.get(packet.channel, 0.0)
+        if now < due <= now + period:
+            return True
+        self._next[packet.channel] = (due if due > now - period else now) + period
+        return False

@@ -1,0 +1,245 @@
+"""Which relays carry messages, so that no message goes in a circle or comes twice.
+
+Pure: states in, decisions out. Each relay joins two buses. It reports on both of them what it knows
+of all relays, so that each relay learns all joined pairs, also those that are several buses away; a
+report itself is never passed on, which tells that its sender is on the same bus.
+
+Buses have no identity of their own: two networks may have the same group, and one bus two URLs. So
+two ends are on one bus if one of them hears the reports of the other. Taken in the order of their
+ids, relays whose buses no earlier ones join already carry messages, and all others stand by: a
+spanning forest, which is the same wherever it is computed. An id begins with the time of the start,
+so that the oldest relay goes on when another one comes.
+"""
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import NamedTuple
+
+from lcmtools.errors import DecodeError
+from lcmtools.graph.model import STALE_AFTER
+from lcmtools.messages.codec import decode, encode
+from lcmtools.types.lcmtools_msgs import RelayEnd, RelayLink, RelayReport
+from lcmtools.wire.packet import Sender
+
+_MOST_RELAYS = 1000
+_ENDS = 2
+
+
+class State(IntEnum):
+    """A relay's state (the constants of lcmtools_msgs/RelayLink)."""
+
+    ACTIVE = 0
+    STANDBY = 1
+    LEFT = 2
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One end of a relay; the counts are since its start."""
+
+    id: str
+    bus: str = ""  # as a person calls it
+    heard: tuple[str, ...] = ()  # ends whose reports come in here
+    ports: tuple[int, ...] = ()  # that it sends from
+    is_up: bool = True
+    trouble: str = ""
+    messages: int = 0  # sent to this bus
+    bytes: int = 0
+    left_out: int = 0  # messages of this bus
+    dropped: int = 0  # messages for this bus
+    lost: int = 0  # messages of this bus that did not arrive
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A relay as it reports itself."""
+
+    id: str
+    name: str
+    host: str
+    ends: tuple[End, End]
+    state: State = State.STANDBY
+    number: int = 0  # of its reports
+
+
+class Report(NamedTuple):
+    """What a relay knows of all relays, itself first."""
+
+    end: str  # the id of the end that sends this
+    links: tuple[Link, ...]
+
+
+def carrying(links: Iterable[Link]) -> frozenset[str]:
+    """Return the ids of the relays that are to carry messages."""
+    links = sorted((link for link in links if link.state is not State.LEFT), key=lambda one: one.id)
+    ends = [end for link in links for end in link.ends]
+    buses = _Sets(end.id for end in ends)
+    for end in ends:
+        for heard in end.heard:
+            buses.join(end.id, heard)
+    found = set()
+    joined = _Sets(buses.of(end.id) for end in ends)
+    for link in links:
+        one, other = (buses.of(end.id) for end in link.ends)
+        if all(end.is_up for end in link.ends) and joined.join(one, other):
+            found.add(link.id)
+    return frozenset(found)
+
+
+class _Sets:
+    """Disjoint sets."""
+
+    def __init__(self, members: Iterable[str]) -> None:
+        self._above = {member: member for member in members}
+
+    def of(self, member: str) -> str:
+        """Return the name of a member's set."""
+        while (above := self._above[member]) != member:
+            self._above[member] = self._above[above]
+            member = above
+        return member
+
+    def join(self, one: str, other: str) -> bool:
+        """Make two sets one; return whether they were two. Who is no member joins nothing."""
+        if one not in self._above or other not in self._above:
+            return False
+        first, second = self.of(one), self.of(other)
+        self._above[max(first, second)] = min(first, second)
+        return first != second
+
+
+class KnownRelays:
+    """The relays that one relay knows of, itself among them.
+
+    Times are nanoseconds of any clock that only goes forward.
+
+    Args:
+        own: The relay itself.
+    """
+
+    def __init__(self, own: Link) -> None:
+        self.own = own
+        self._others: dict[str, tuple[Link, int]] = {}  # with the time of the newest number
+        self._addresses: dict[str, str] = {}
+        self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
+
+    def learn(self, report: Report, at_end: str, now: int, address: str = "") -> bool:
+        """Take a report that came in at an own end; return whether anything but counts changed.
+
+        ``address`` is that of its sender, where the bus tells.
+        """
+        before = self._essence()
+        if report.end not in self._heard or report.end != at_end:  # not its own echo
+            self._heard[at_end][report.end] = now
+            self._addresses[report.end] = address
+        for link in report.links:
+            known = self._others.get(link.id)
+            is_newer = known is None or link.number > known[0].number
+            if link.id != self.own.id and is_newer and len(self._others) < _MOST_RELAYS:
+                self._others[link.id] = link, now
+        self._refresh(now)
+        return self._essence() != before
+
+    def expire(self, now: int) -> bool:
+        """Forget those that are silent; return whether anything changed."""
+        before = self._essence()
+        self._others = {
+            identifier: (link, time)
+            for identifier, (link, time) in self._others.items()
+            if now - time <= (STALE_AFTER if link.state is not State.LEFT else 3 * STALE_AFTER)
+        }
+        self._refresh(now)
+        return self._essence() != before
+
+    def update(self, state: State, ends: tuple[End, End]) -> None:
+        """Take the present state of the relay itself, and count its next report."""
+        own = self.own
+        heard = [replace(new, heard=end.heard) for new, end in zip(ends, own.ends, strict=True)]
+        self.own = replace(own, state=state, number=own.number + 1, ends=(heard[0], heard[1]))
+
+    def links(self) -> tuple[Link, ...]:
+        """Return all relays, the own one first."""
+        return (self.own, *(link for link, _ in self._others.values()))
+
+    def carrying(self) -> frozenset[str]:
+        """Return the ids of the relays that are to carry messages; see ``carrying``."""
+        return carrying(self.links())
+
+    def idle(self, at_end: str, active: Collection[str]) -> frozenset[Sender]:
+        """Return the senders at an own end that are relays which are not to carry messages."""
+        heard = self._heard[at_end]
+        others = (link for link in self.links()[1:] if link.id not in active)
+        return frozenset(
+            Sender(self._addresses[end.id], port)
+            for link in others
+            for end in link.ends
+            if end.id in heard
+            for port in end.ports
+        )
+
+    def _refresh(self, now: int) -> None:
+        """Note which ends are heard now."""
+        ends = []
+        for end in self.own.ends:
+            heard = self._heard[end.id]
+            for silent in [one for one, time in heard.items() if now - time > STALE_AFTER]:
+                del heard[silent], self._addresses[silent]
+            ends.append(replace(end, heard=tuple(sorted(heard))))
+        self.own = replace(self.own, ends=(ends[0], ends[1]))
+
+    def _essence(self) -> Mapping[str, object]:
+        """All that decides who carries messages."""
+        return {
+            link.id: (link.state, [(end.heard, end.is_up, end.ports) for end in link.ends])
+            for link in self.links()
+        }
+
+
+def encode_report(report: Report) -> bytes:
+    """Return the payload of a report."""
+    message = RelayReport()
+    message.end = report.end
+    message.links = [_link_message(link) for link in report.links]
+    return encode(message)
+
+
+def decode_report(payload: bytes) -> Report | None:
+    """Return the report in a payload; None if there is none."""
+    try:
+        message = decode(RelayReport, payload)
+        return Report(message.end, tuple(map(_link, message.links)))
+    except (DecodeError, ValueError):
+        return None
+
+
+_OF_END = ("id", "bus", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "lost")
+
+
+def _link_message(link: Link) -> RelayLink:
+    message = RelayLink()
+    message.id, message.name, message.host = link.id, link.name, link.host
+    message.state, message.number = link.state, link.number
+    message.ends = [_end_message(end) for end in link.ends]
+    return message
+
+
+def _end_message(end: End) -> RelayEnd:
+    message = RelayEnd()
+    for name in _OF_END:
+        setattr(message, name, getattr(end, name))
+    message.heard, message.ports = list(end.heard), list(end.ports)
+    return message
+
+
+def _link(message: RelayLink) -> Link:
+    if len(message.ends) != _ENDS:
+        raise ValueError("a relay has two ends")
+    one, other = (_end(end) for end in message.ends)
+    state = State(message.state)
+    return Link(message.id, message.name, message.host, (one, other), state, message.number)
+
+
+def _end(message: RelayEnd) -> End:
+    known = {name: getattr(message, name) for name in _OF_END}
+    return End(**known, heard=tuple(message.heard), ports=tuple(message.ports))

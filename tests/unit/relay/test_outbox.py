@@ -1,0 +1,79 @@
+"""Messages that wait for a slow line, and the echoes of a server."""
+
+from lcmtools.relay.echo import EchoFilter
+from lcmtools.relay.outbox import Outbox, Outgoing
+
+
+def _drain(outbox: Outbox) -> list[tuple[str, bytes]]:
+    taken = []
+    while outbox.is_waiting:
+        taken += [(one.channel, one.payload) for one in outbox.take(0.0)]
+    return taken
+
+
+def test_messages_leave_in_order_and_the_protocols_first() -> None:
+    outbox = Outbox()
+    outbox.add([Outgoing("a", b"1"), Outgoing("b", b"2")])
+    outbox.add([Outgoing("a", b"3")])
+    outbox.add_first(Outgoing("node", b"0"))
+    assert _drain(outbox) == [("node", b"0"), ("a", b"1"), ("b", b"2"), ("a", b"3")]
+    assert outbox.take(0.0) == []
+
+
+def test_only_the_newest_of_a_topic_waits() -> None:
+    outbox = Outbox()
+    for number in range(3):
+        outbox.add([Outgoing("image", b"%d" % number, newest=True), Outgoing("a", b"%d" % number)])
+    assert _drain(outbox) == [("a", b"0"), ("a", b"1"), ("image", b"2"), ("a", b"2")]
+    assert outbox.dropped == 2
+
+
+def test_the_topic_that_takes_the_most_room_makes_way() -> None:
+    outbox = Outbox(most_bytes=10_000)
+    outbox.add([Outgoing("cmd", b"stop")])
+    for number in range(30):
+        outbox.add([Outgoing("image", bytes([number]) * 2000)])
+    left = _drain(outbox)
+    assert left[0] == ("cmd", b"stop")
+    assert [payload[0] for _, payload in left[1:]] == [26, 27, 28, 29]
+    assert outbox.dropped == 26
+
+
+def test_a_message_that_is_larger_than_the_room_waits_alone() -> None:
+    outbox = Outbox(most_bytes=1000)
+    outbox.add([Outgoing("a", bytes(10))])
+    outbox.add([Outgoing("b", bytes(5000))])
+    assert [channel for channel, _ in _drain(outbox)][-1:] == ["b"] or outbox.dropped == 1
+
+
+def test_what_is_dropped_at_the_end_is_counted() -> None:
+    outbox = Outbox()
+    outbox.add([Outgoing("a", b""), Outgoing("b", b"")])
+    outbox.clear()
+    assert (outbox.dropped, outbox.take(0.0)) == (2, [])
+
+
+def test_each_message_has_one_echo() -> None:
+    echo = EchoFilter()
+    echo.sends("a", b"1")
+    echo.sends("a", b"1")
+    echo.sends("b", b"1")
+    assert [echo.is_echo(*one) for one in (("a", b"1"), ("a", b"2"), ("b", b"1"))] == [
+        True,
+        False,
+        True,
+    ]
+    assert echo.is_echo("a", b"1")
+    assert not echo.is_echo("a", b"1")
+
+
+def test_an_echo_that_never_comes_is_forgotten() -> None:
+    echo = EchoFilter()
+    echo.sends("a", b"lost")
+    for number in range(1001):
+        echo.sends("b", b"%d" % number)
+        assert echo.is_echo("b", b"%d" % number)
+    assert not echo.is_echo("a", b"lost")
+    echo.sends("a", b"x")
+    echo.clear()
+    assert not echo.is_echo("a", b"x")

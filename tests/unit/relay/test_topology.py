@@ -1,0 +1,140 @@
+"""Which relays carry messages: every small network of buses and relays."""
+
+from dataclasses import replace
+from itertools import combinations, product
+
+import pytest
+
+from lcmtools.relay.topology import (
+    End,
+    KnownRelays,
+    Link,
+    Report,
+    State,
+    carrying,
+    decode_report,
+    encode_report,
+)
+from lcmtools.wire.packet import Sender
+
+SECOND = 1_000_000_000
+Pair = tuple[int, int]
+
+
+def _links(pairs: tuple[Pair, ...]) -> list[Link]:
+    """Relays that join these buses, each hearing all others on its buses."""
+    at = [(relay, side, bus) for relay, pair in enumerate(pairs) for side, bus in enumerate(pair)]
+
+    def end(relay: int, side: int, bus: int) -> End:
+        heard = [f"{r}/{s}" for r, s, b in at if b == bus and (r, s) != (relay, side)]
+        return End(f"{relay}/{side}", heard=tuple(heard))
+
+    return [
+        Link(str(relay), f"/r{relay}", "host", (end(relay, 0, pair[0]), end(relay, 1, pair[1])))
+        for relay, pair in enumerate(pairs)
+    ]
+
+
+def _parts(pairs: list[Pair]) -> dict[int, int]:
+    """The connected part that each bus is in."""
+    part = {bus: bus for bus in range(4)}
+    for _ in pairs:
+        for one, other in pairs:
+            part[one] = part[other] = min(part[one], part[other])
+    return part
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_carrying_relays_connect_all_that_relays_can_and_make_no_circle(count: int) -> None:
+    buses = list(product(range(4), repeat=2)) if count < 4 else list(combinations(range(4), 2))
+    for pairs in product(buses, repeat=count):
+        active = [pairs[int(relay)] for relay in carrying(_links(pairs))]
+        whole, chosen = _parts(list(pairs)), _parts(active)
+        for relays in (whole, chosen):
+            for _ in range(4):
+                relays.update({bus: relays[part] for bus, part in relays.items()})
+        assert whole == chosen, pairs
+        assert len(active) == 4 - len(set(chosen.values())), pairs  # a forest
+
+
+def test_the_oldest_of_parallel_relays_carries() -> None:
+    assert carrying(_links(((0, 1), (0, 1), (1, 0)))) == {"0"}
+
+
+def test_one_of_a_ring_stands_by() -> None:
+    assert carrying(_links(((0, 1), (1, 2), (2, 0)))) == {"0", "1"}
+
+
+def test_both_ends_on_one_bus_carry_nothing() -> None:
+    assert carrying(_links(((0, 0),))) == set()
+
+
+def test_it_is_enough_that_one_of_two_hears_the_other() -> None:
+    one, other = _links(((0, 1), (0, 1)))
+    deaf = replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))  # type: ignore[arg-type]
+    assert carrying([deaf, other]) == {"0"}
+
+
+def test_a_relay_with_a_bus_that_is_down_or_that_left_makes_way() -> None:
+    one, other = _links(((0, 1), (0, 1)))
+    down = replace(one, ends=(one.ends[0], replace(one.ends[1], is_up=False)))
+    assert carrying([down, other]) == {"1"}
+    assert carrying([replace(one, state=State.LEFT), other]) == {"1"}
+
+
+def test_a_report_comes_back_as_it_was() -> None:
+    end = End("a/0", "udpm://", ("b/1",), (7, 8), is_up=False, trouble="down", lost=5)
+    link = Link("a", "/r", "host", (end, End("a/1")), State.ACTIVE, 9)
+    report = Report("a/0", (link,))
+    assert decode_report(encode_report(report)) == report
+    assert decode_report(b"nothing") is None
+
+
+def _known(pairs: tuple[Pair, ...], own: int) -> KnownRelays:
+    bare = [
+        replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))  # type: ignore[arg-type]
+        for one in _links(pairs)
+    ]
+    return KnownRelays(bare[own])
+
+
+def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
+    pairs = ((0, 1), (1, 2), (2, 3), (3, 0))
+    known = [_known(pairs, own) for own in range(4)]
+    for _ in range(4):  # rounds of reports
+        for relay, side in product(range(4), (0, 1)):
+            known[relay].update(State.STANDBY, known[relay].own.ends)
+            report = Report(f"{relay}/{side}", known[relay].links())
+            for other, there in product(range(4), (0, 1)):
+                if pairs[other][there] == pairs[relay][side]:
+                    known[other].learn(report, f"{other}/{there}", SECOND)
+    assert {one.carrying() for one in known} == {frozenset({"0", "1", "2"})}
+
+
+def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
+    other = _links(((0, 1), (0, 1)))[0]
+    known = _known(((0, 1), (0, 1)), 1)
+    report = Report("0/0", (replace(other, number=1),))
+    assert known.learn(report, "1/0", SECOND)
+    assert known.learn(report._replace(end="0/1"), "1/1", SECOND)
+    assert known.carrying() == {"0"}
+    assert not known.learn(report, "1/0", SECOND)  # nothing new
+    assert not known.expire(4 * SECOND)
+    assert known.expire(4 * SECOND + 1)
+    assert known.carrying() == {"1"}
+    left = replace(other, number=2, state=State.LEFT)
+    known.learn(report._replace(links=(replace(other, number=1),)), "1/0", 9 * SECOND)
+    known.learn(report._replace(links=(left,)), "1/0", 9 * SECOND)
+    known.learn(report._replace(links=(replace(other, number=1),)), "1/1", 9 * SECOND)  # was late
+    assert known.carrying() == {"1"}
+
+
+def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
+    pairs = ((0, 1), (0, 1))
+    younger = _links(pairs)[1]
+    ports = tuple(replace(end, ports=(5, 6)) for end in younger.ends)
+    known = _known(pairs, 0)
+    known.learn(Report("1/0", (replace(younger, ends=ports, number=1),)), "0/0", 0, "10.0.0.2")  # type: ignore[arg-type]
+    assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
+    assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
+    assert known.idle("0/0", {"0", "1"}) == frozenset()
