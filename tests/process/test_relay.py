@@ -1,0 +1,351 @@
+"""Relays between buses: what arrives, once and in order, and who is seen on the other side."""
+
+import json
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.labs.nodes.talker import Talker
+from lcmtools.relay.relay import Relay, attend
+from lcmtools.relay.rules import Rules
+from lcmtools.relay.topology import Link, State
+
+WaitUntil = Callable[..., None]
+Start = Callable[..., Any]
+
+
+class _EndError(Exception):
+    """The relay is to end."""
+
+
+class RunningRelay:
+    """A relay on threads of the test.
+
+    Attributes:
+        said: What it has said.
+        link: Its state.
+    """
+
+    def __init__(self, here: str, there: str, rules: Rules, name: str) -> None:
+        self.said: list[str] = []
+        self.link: Link | None = None
+        self._ends = threading.Event()
+        self._relay = Relay((parse_url(here), parse_url(there)), rules, self.said.append, name=name)
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    @property
+    def carries(self) -> bool:
+        """True while it carries messages."""
+        return self.link is not None and self.link.state is State.ACTIVE
+
+    @property
+    def stands_by(self) -> bool:
+        """True once it has said that it stands by."""
+        return any(text.startswith("stands by") for text in self.said) and not self.carries
+
+    def end(self) -> None:
+        """End it, with its goodbye."""
+        self._ends.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        with pytest.raises(_EndError), self._relay:
+            attend(self._relay, self._note)
+
+    def _note(self, link: Link) -> None:
+        self.link = link
+        if self._ends.is_set():
+            raise _EndError
+
+
+@pytest.fixture
+def relay(wait_until: WaitUntil) -> Iterator[Callable[..., RunningRelay]]:
+    """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by."""
+    running: list[RunningRelay] = []
+
+    def run(here: str, there: str, rules: Rules = Rules()) -> RunningRelay:  # noqa: B008
+        one = RunningRelay(here, there, rules, f"/relay_{len(running)}")
+        running.append(one)
+        wait_until(lambda: one.carries or one.stands_by)
+        return one
+
+    yield run
+    for one in running:
+        one.end()
+
+
+@pytest.fixture
+def urls(free_port: Callable[[], int]) -> Callable[[], str]:
+    """Gives buses."""
+    return lambda: f"udpm://239.255.76.67:{free_port()}?ttl=0"
+
+
+@pytest.fixture
+def join() -> Iterator[Callable[[str], LcmBus]]:
+    """``join(url)``: a connection to a bus."""
+    with ExitStack() as closing:
+
+        def make(url: str) -> LcmBus:
+            bus = LcmBus(parse_url(url))
+            closing.callback(bus.close)
+            return bus
+
+        yield make
+
+
+def _hears(bus: LcmBus, channel: str) -> list[bytes]:
+    heard: list[bytes] = []
+    bus.subscribe(channel, lambda payload, _: heard.append(payload))
+    return heard
+
+
+def _numbers(count: int) -> list[bytes]:
+    return [number.to_bytes(8, "big") for number in range(count)]
+
+
+def test_messages_pass_both_ways_once_and_in_order(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    relay(one, other)
+    here, there = join(one), join(other)
+    at_here, at_there = _hears(here, "/back"), _hears(there, "/there")
+    own = _hears(here, "/there")
+    for payload in _numbers(300):
+        here.publish("/there", payload)
+        there.publish("/back", payload)
+        time.sleep(0)  # the other threads of this process have their turn
+    large = bytes(8_000_000)
+    here.publish("/there", large)
+    wait_until(lambda: at_there[-1:] == [large] and len(at_here) == 300)
+    assert at_there == [*_numbers(300), large]
+    assert at_here == _numbers(300)
+    wait_until(lambda: len(own) == 301)
+    assert own == [*_numbers(300), large]  # no echo
+
+
+def test_of_two_relays_one_carries_and_the_other_takes_over(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    first, second = relay(one, other), relay(other, one)
+    assert (first.carries, second.stands_by) == (True, True)
+    assert second.said[0].startswith("stands by: /relay_0 joins udpm://")
+    here, there = join(one), join(other)
+    heard, own = _hears(there, "/a"), _hears(here, "/a")
+    for payload in _numbers(100):
+        here.publish("/a", payload)
+    wait_until(lambda: len(heard) >= 100 and len(own) >= 100)
+    first.end()
+    wait_until(lambda: second.carries)
+    for payload in _numbers(100):
+        here.publish("/a", payload)
+    here.publish("/a", b"end")
+    wait_until(lambda: heard[-1] == own[-1] == b"end")
+    assert heard == own == [*_numbers(100), *_numbers(100), b"end"]
+
+
+def test_a_ring_of_three_makes_no_circle(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    rings = [urls(), urls(), urls()]
+    relays = [relay(rings[number], rings[(number + 1) % 3]) for number in range(3)]
+    assert [one.carries for one in relays] == [True, True, False]
+    buses = [join(url) for url in rings]
+    heard = [_hears(bus, "/a") for bus in buses]
+    for payload in _numbers(50):
+        buses[0].publish("/a", payload)
+    buses[0].publish("/a", b"end")
+    wait_until(lambda: all(one[-1:] == [b"end"] for one in heard))
+    assert heard == 3 * [[*_numbers(50), b"end"]]
+    relays[0].end()  # the third joins what it has joined
+    wait_until(lambda: relays[2].carries)
+    for one in heard:
+        one.clear()
+    buses[1].publish("/a", b"again")
+    wait_until(lambda: all(heard))
+    assert heard == 3 * [[b"again"]]
+
+
+def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    start: Start,
+    lcmtools_path: str,
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    killed = start(lcmtools_path, "relay", one, other)
+    killed.wait_for("carries messages between")
+    second = relay(one, other)
+    assert second.stands_by
+    killed.send_signal(signal.SIGKILL)
+    wait_until(lambda: second.carries)
+    again = start(lcmtools_path, "relay", one, other)
+    again.wait_for("stands by: /relay_0 joins")
+    here, there = join(one), join(other)
+    heard = _hears(there, "/a")
+    for payload in _numbers(50):
+        here.publish("/a", payload)
+    here.publish("/a", b"end")
+    wait_until(lambda: heard[-1:] == [b"end"])
+    assert heard == [*_numbers(50), b"end"]
+    again.send_signal(signal.SIGINT)
+    assert again.wait() == 130
+
+
+def test_nodes_are_seen_on_the_other_bus_with_their_own(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    cli: Callable[..., Any],
+    start_node: Callable[..., Any],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    start_node(Talker, url=one)
+    running = relay(one, other, Rules(prefix="robot7"))
+    env = {"LCM_DEFAULT_URL": other}
+    wait_until(lambda: "/robot7/talker" in cli("node", "list", env=env).out)
+    assert "/robot7/talker (on udpm://" in cli("node", "list", env=env).out
+    assert cli("echo", "/robot7/chatter", "-n", "1", env=env).out.startswith("data:")
+    (listed,) = json.loads(cli("node", "info", "/robot7/talker", "--json", env=env).out)
+    assert listed["relays"] == ["/relay_0"]
+    assert listed["bus"].startswith("udpm://239.255.76.67:")
+    assert listed["memory_bytes"] is None  # nothing of a process of this computer
+    (info,) = json.loads(cli("info", "/robot7/chatter", "--json", env=env).out)
+    assert [row["node"] for row in info["publishers"]] == ["/robot7/talker"]
+    assert info["other_publishers"] == []
+    assert "by /relay_0, pid" in cli("info", "/robot7/chatter", env=env).out
+    killed = cli("node", "kill", "/robot7/talker", env=env)
+    assert (killed.code, "is on another bus and cannot be shut down" in killed.err) == (1, True)
+    answered = cli("node", "ping", "/robot7/talker", env=env, until="time=")
+    assert "reply from /robot7/talker" in answered.out
+    running.end()
+    assert "talker" not in cli("node", "list", env=env).out
+
+
+def test_parameters_and_services_work_through_a_relay(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    cli: Callable[..., Any],
+    start_node: Callable[..., Any],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    start_node(Talker, url=one)
+    relay(one, other)
+    env = {"LCM_DEFAULT_URL": other}
+    wait_until(lambda: "/talker" in cli("node", "list", env=env).out)
+    assert cli("param", "get", "talker", "use_sim_time", env=env).out == "false\n"
+    refused = cli("param", "set", "talker", "use_sim_time", "true", env=env)
+    assert "/talker refuses: parameter use_sim_time cannot change" in refused.err
+
+
+def test_commands_pass_only_where_they_are_named(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    running = relay(one, other, Rules(allow=["**", "/named/cmd_vel"], deny=["/no"]))
+    here, there = join(one), join(other)
+    passed = [_hears(there, channel) for channel in ("/cmd_vel", "/no", "/clock", "LCM_SELF_TEST")]
+    named, last = _hears(there, "/named/cmd_vel"), _hears(there, "/last")
+    for channel in ("/cmd_vel", "/no", "/clock", "LCM_SELF_TEST", "/named/cmd_vel", "/last"):
+        here.publish(channel, b"12345678")
+    wait_until(lambda: last)
+    assert named == [b"12345678"]
+    assert not any(passed)
+    wait_until(lambda: running.link and running.link.ends[0].left_out >= 4)
+
+
+def test_a_rate_keeps_some(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    relay(one, other, Rules(rates={"/fast": 0.01}))
+    here, there = join(one), join(other)
+    heard, last = _hears(there, "/fast"), _hears(there, "/last")
+    for payload in _numbers(20):
+        here.publish("/fast", payload)
+    here.publish("/last", b"")
+    wait_until(lambda: last)
+    assert heard == _numbers(1)
+
+
+def test_a_server_and_a_group_are_joined_without_an_echo(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[[], str],
+    tcpq_server: Any,
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one = urls()
+    running = relay(one, tcpq_server.url)
+    here, there = join(one), join(tcpq_server.url)
+    heard, own, back = _hears(there, "/a"), _hears(here, "/a"), _hears(here, "/b")
+    wait_until(lambda: here.publish("/a", b"first") or (heard and own))
+    wait_until(lambda: len(heard) == len(own))
+    heard.clear()
+    own.clear()
+    for payload in _numbers(100):
+        here.publish("/a", payload)
+        there.publish("/b", payload)
+    here.publish("/a", b"end")
+    wait_until(lambda: heard[-1:] == [b"end"] and len(back) == 100)
+    there.publish("/b", b"end")
+    wait_until(lambda: back[-1:] == [b"end"])
+    assert heard == own == [*_numbers(100), b"end"]
+    tcpq_server.close()
+    wait_until(lambda: not running.carries)
+    here.publish("/a", b"lost")
+    tcpq_server.reopen()
+    wait_until(lambda: running.carries)
+    wait_until(lambda: "is back" in running.said[-2])
+    heard.clear()
+    wait_until(lambda: here.publish("/a", b"again") or heard)
+    assert set(heard) == {b"again"}
+    texts = [text for text in running.said if "is lost" in text or "is back" in text]
+    assert len(texts) == 2
+
+
+def test_relays_are_shown_by_status(
+    relay: Callable[..., RunningRelay], urls: Callable[[], str], cli: Callable[..., Any]
+) -> None:
+    one, other = urls(), urls()
+    relay(one, other)
+    relay(one, other)
+    env = {"LCM_DEFAULT_URL": other}
+    shown = json.loads(cli("relay", "--status", "--json", env=env).out)
+    assert [(link["name"], link["state"]) for link in shown] == [
+        ("/relay_0", "active"),
+        ("/relay_1", "standby"),
+    ]
+    rows = cli("relay", "--status", env=env).out.splitlines()
+    assert len(rows) == 5
+    assert "carries, none lost" in rows[1]
+    none = cli("relay", "--status", env={"LCM_DEFAULT_URL": urls()})
+    assert (none.code, none.out) == (0, "")
+    assert none.err.startswith("no relay is on udpm://")
