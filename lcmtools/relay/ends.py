@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from lcmtools.bus.lcm_listener import LcmListener
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.processes import is_local
 from lcmtools.bus.tap import Tap
@@ -14,28 +13,32 @@ from lcmtools.errors import BusError, UsageError
 from lcmtools.observe.losses import Loss, losses
 from lcmtools.relay.echo import EchoFilter
 from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.stamp import Origin
 
 _NAP = 0.001  # [s] that messages of a stream wait to be read together
 _LOOPBACK = "127."
+_MOST_HOPS = 16  # relays that a message may pass
 
 
 class BusEnd(Protocol):
     """A connection to a bus: one thread receives, another one sends.
 
     Attributes:
-        ports: UDP ports that it sends from; empty where the bus names no senders.
+        ports: UDP ports that it sends from, 0 on Zenoh; empty where the bus names no senders.
+        takes_origin: The bus carries the origin of a message beside it.
         trouble: The reason why the bus cannot be reached; "" for none.
     """
 
     ports: tuple[int, ...]
+    takes_origin: bool
     trouble: str
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
         ...
 
-    def send(self, channel: str, payload: bytes) -> None:
-        """Send a message, also if that takes time.
+    def send(self, channel: str, payload: bytes, origin: Origin | None = None, /) -> None:
+        """Send a message, also if that takes time; with its origin, where the bus takes one.
 
         Raises:
             BusError: It cannot be sent.
@@ -53,6 +56,8 @@ class BusEnd(Protocol):
 
 class UdpmEnd:
     """An end at a multicast group: short messages leave at once, large ones paced."""
+
+    takes_origin = False
 
     def __init__(self, url: BusUrl) -> None:
         self._tap = Tap(url, whole=True, spread=True)
@@ -73,7 +78,7 @@ class UdpmEnd:
             )
         ]
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel: str, payload: bytes, _origin: Origin | None = None) -> None:
         """See ``BusEnd``."""
         try:
             if len(payload) > PACED_ABOVE_BYTES or self._paced.has_waiting(channel):
@@ -104,12 +109,56 @@ class UdpmEnd:
         return False
 
 
+class ZenohEnd:
+    """An end at a bus of Zenoh, which carries the origin of each message beside it."""
+
+    ports: tuple[int, ...] = (0,)
+    takes_origin = True
+
+    def __init__(self, url: BusUrl) -> None:
+        from lcmtools.bus.zenoh_listener import ZenohListener
+
+        self.trouble = ""
+        self._listener = ZenohListener(url, self._note)
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """See ``BusEnd``."""
+        try:
+            packets = self._listener.receive(timeout)
+        except EOFError:  # it closes
+            return []
+        own = self._listener.sender
+        return [
+            packet
+            for packet in packets
+            if packet.sender != own and (packet.origin is None or packet.origin.hops < _MOST_HOPS)
+        ]
+
+    def send(self, channel: str, payload: bytes, origin: Origin | None = None) -> None:
+        """See ``BusEnd``."""
+        self._listener.send(channel, payload, origin)
+
+    def losses(self) -> Mapping[Sender, Loss]:
+        """See ``BusEnd``."""
+        return losses(self._listener.numbered)
+
+    def close(self) -> None:
+        """See ``BusEnd``."""
+        self._listener.close()
+
+    def _note(self, _text: str, trouble: str) -> None:
+        self.trouble = trouble
+
+
 class TcpqEnd:
     """An end at a server, which sends everything back."""
 
     ports: tuple[int, ...] = ()
+    takes_origin = False
 
     def __init__(self, url: BusUrl) -> None:
+        from lcmtools.bus.lcm_listener import LcmListener
+
         self.trouble = ""
         self._echo = EchoFilter()
         self._listener = LcmListener(url, self._note)
@@ -124,7 +173,7 @@ class TcpqEnd:
         is_echo = self._echo.is_echo
         return [packet for packet in packets if not is_echo(packet.channel, packet.payload)]
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel: str, payload: bytes, _origin: Origin | None = None) -> None:
         """See ``BusEnd``."""
         self._echo.sends(channel, payload)
         self._listener.send(channel, payload)
@@ -142,7 +191,11 @@ class TcpqEnd:
         self._echo.clear()
 
 
-_KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {"udpm": UdpmEnd, "tcpq": TcpqEnd}
+_KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {
+    "udpm": UdpmEnd,
+    "tcpq": TcpqEnd,
+    "zenoh": ZenohEnd,
+}
 
 
 def check_end(url: BusUrl) -> None:
@@ -152,7 +205,7 @@ def check_end(url: BusUrl) -> None:
         UsageError: It is a log, or a bus of another kind.
     """
     if url.provider not in _KINDS:
-        kinds = " and ".join(f"{kind}://" for kind in _KINDS)
+        kinds = ", ".join(f"{kind}://" for kind in _KINDS)
         raise UsageError(f"{url} cannot be joined by a relay", f"it joins buses of {kinds}")
 
 
@@ -167,6 +220,6 @@ def open_end(url: BusUrl) -> BusEnd:
 
 def bus_name(url: BusUrl) -> str:
     """Return a bus as people on other computers are to call it."""
-    name = f"{url.provider}://{url.host}:{url.port}" if url.host else str(url)
+    name = f"{url.provider}://{url.host}:{url.port}" if url.host else str(url).partition("?")[0]
     is_here = url.host.startswith(_LOOPBACK) or (url.is_multicast and not url.ttl)
     return f"{name} on {socket.gethostname()}" if is_here else name

@@ -9,6 +9,8 @@ import threading
 from collections import deque
 from typing import NamedTuple
 
+from lcmtools.wire.stamp import Origin
+
 MOST_WAITING_BYTES = 64 << 20
 _AT_ONCE = 1 << 16  # bytes that are taken together
 _COST = 200  # bytes that a message takes besides its own
@@ -20,6 +22,7 @@ class Outgoing(NamedTuple):
     channel: str
     payload: bytes
     newest: bool = False  # it takes the place of an earlier one of its channel that waits
+    origin: Origin | None = None  # where the bus carries it beside the message
 
 
 class Outbox:

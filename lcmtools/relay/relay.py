@@ -42,9 +42,9 @@ from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
 from lcmtools.relay.topology import (
     End,
+    Knowledge,
     KnownRelays,
     Link,
-    Report,
     State,
     decode_report,
     encode_report,
@@ -141,7 +141,7 @@ class Relay(AbstractContextManager["Relay"]):
         for side, presence in zip(self._sides, self._presences, strict=True):
             side.outbox.clear()
             with contextlib.suppress(BusError):
-                report = Report(side.identifier, (self._known.own,))
+                report = Knowledge(side.identifier, (self._known.own,))
                 side.end.send(RELAY_CHANNEL, encode_report(report))
             presence.send = side.talk_now
             presence.announce(leaving=True)
@@ -266,10 +266,10 @@ class Relay(AbstractContextManager["Relay"]):
             side.talk(NODE_CHANNEL, encode_announcement(said))
 
     def _payload(self, side: Side) -> bytes:
-        return encode_report(Report(side.identifier, self._known.links()))
+        return encode_report(Knowledge(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
-        """Report on both buses what is known of all relays."""
+        """Knowledge on both buses what is known of all relays."""
         self._next_report = now + PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())

@@ -1,4 +1,4 @@
-"""What a relay passes on, under which name, and how often. Pure.
+"""The rules by which a relay passes topics on, under which name, and how often. Pure.
 
 Patterns and names are those of the first bus ("here"), also for messages that come from the second
 one ("there"). Commands to actuators, /clock and LCM's own channels pass only where ``allow`` has

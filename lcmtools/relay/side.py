@@ -1,5 +1,6 @@
 """One bus of a relay: what is known of it, what waits for it, and what comes from it."""
 
+import socket
 import threading
 import time
 from collections import Counter
@@ -16,6 +17,7 @@ from lcmtools.relay.outbox import Outbox, Outgoing
 from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.relay.topology import End
 from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.stamp import Origin
 
 _MOST_ROUTES = 10_000
 _WAIT = 0.1  # [s]
@@ -56,6 +58,7 @@ class Side:
     ) -> tuple[list[Packet], list[Outgoing]]:
         """Return the messages of the protocol among these, and those for the other bus."""
         talk, passed = [], []
+        takes_origin = other.end.takes_origin
         idle, routes, left_out = self.idle, self._routes, 0
         for packet in packets:
             channel, payload = packet.channel, packet.payload
@@ -66,7 +69,8 @@ class Side:
                 if route.reason or (route.period and self._is_too_soon(packet, route.period)):
                     left_out += 1
                 else:
-                    passed.append(Outgoing(route.name, payload, route.newest))
+                    origin = origin_of(packet) if takes_origin else None
+                    passed.append(Outgoing(route.name, payload, route.newest, origin))
         self._counts["left_out"] += left_out
         return talk, passed
 
@@ -113,7 +117,7 @@ class Side:
         """Send what waits; errors are counted."""
         for message in self.outbox.take(_WAIT):
             try:
-                self.end.send(message.channel, message.payload)
+                self.end.send(message.channel, message.payload, message.origin)
             except LcmtoolsError:
                 if message.channel not in TALK_CHANNELS:
                     self._counts["failed"] += 1
@@ -175,3 +179,13 @@ class Side:
             return True
         self._next[packet.channel] = (due if due > now - period else now) + period
         return False
+
+
+def origin_of(packet: Packet) -> Origin | None:
+    """Return the origin of a message that a relay passes on; None where the bus names no sender."""
+    if packet.origin is not None:
+        return packet.origin._replace(hops=packet.origin.hops + 1)
+    if packet.sender is None or packet.seqno is None:
+        return None
+    address = int.from_bytes(socket.inet_aton(packet.sender.address), "big")
+    return Origin(address << 16 | packet.sender.port, packet.seqno, 1)

@@ -63,8 +63,8 @@ class Link:
     number: int = 0  # of its reports
 
 
-class Report(NamedTuple):
-    """What a relay knows of all relays, itself first."""
+class Knowledge(NamedTuple):
+    """All that a relay knows of relays, itself first."""
 
     end: str  # the id of the end that sends this
     links: tuple[Link, ...]
@@ -124,7 +124,7 @@ class KnownRelays:
         self._addresses: dict[str, str] = {}
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
-    def learn(self, report: Report, at_end: str, now: int, address: str = "") -> bool:
+    def learn(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
         """Take a report that came in at an own end; return whether anything but counts changed.
 
         ``address`` is that of its sender, where the bus tells.
@@ -196,7 +196,7 @@ class KnownRelays:
         }
 
 
-def encode_report(report: Report) -> bytes:
+def encode_report(report: Knowledge) -> bytes:
     """Return the payload of a report."""
     message = RelayReport()
     message.end = report.end
@@ -204,11 +204,11 @@ def encode_report(report: Report) -> bytes:
     return encode(message)
 
 
-def decode_report(payload: bytes) -> Report | None:
+def decode_report(payload: bytes) -> Knowledge | None:
     """Return the report in a payload; None if there is none."""
     try:
         message = decode(RelayReport, payload)
-        return Report(message.end, tuple(map(_link, message.links)))
+        return Knowledge(message.end, tuple(map(_link, message.links)))
     except (DecodeError, ValueError):
         return None
 

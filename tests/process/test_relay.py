@@ -83,9 +83,9 @@ def relay(wait_until: WaitUntil) -> Iterator[Callable[..., RunningRelay]]:
 
 
 @pytest.fixture
-def urls(free_port: Callable[[], int]) -> Callable[[], str]:
-    """Gives buses."""
-    return lambda: f"udpm://239.255.76.67:{free_port()}?ttl=0"
+def urls(free_port: Callable[[], int]) -> Callable[..., str]:
+    """Gives buses: ``urls()``, ``urls("zenoh://224.0.0.224:")``."""
+    return lambda start="udpm://239.255.76.67:": f"{start}{free_port()}"
 
 
 @pytest.fixture
@@ -113,7 +113,7 @@ def _numbers(count: int) -> list[bytes]:
 
 def test_messages_pass_both_ways_once_and_in_order(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
 ) -> None:
@@ -137,7 +137,7 @@ def test_messages_pass_both_ways_once_and_in_order(
 
 def test_of_two_relays_one_carries_and_the_other_takes_over(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
 ) -> None:
@@ -161,7 +161,7 @@ def test_of_two_relays_one_carries_and_the_other_takes_over(
 
 def test_a_ring_of_three_makes_no_circle(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
 ) -> None:
@@ -186,7 +186,7 @@ def test_a_ring_of_three_makes_no_circle(
 
 def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     start: Start,
     lcmtools_path: str,
@@ -214,7 +214,7 @@ def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
 
 def test_nodes_are_seen_on_the_other_bus_with_their_own(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     cli: Callable[..., Any],
     start_node: Callable[..., Any],
     wait_until: WaitUntil,
@@ -244,7 +244,7 @@ def test_nodes_are_seen_on_the_other_bus_with_their_own(
 
 def test_parameters_and_services_work_through_a_relay(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     cli: Callable[..., Any],
     start_node: Callable[..., Any],
     wait_until: WaitUntil,
@@ -261,7 +261,7 @@ def test_parameters_and_services_work_through_a_relay(
 
 def test_commands_pass_only_where_they_are_named(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
 ) -> None:
@@ -280,7 +280,7 @@ def test_commands_pass_only_where_they_are_named(
 
 def test_a_rate_keeps_some(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
 ) -> None:
@@ -297,7 +297,7 @@ def test_a_rate_keeps_some(
 
 def test_a_server_and_a_group_are_joined_without_an_echo(
     relay: Callable[..., RunningRelay],
-    urls: Callable[[], str],
+    urls: Callable[..., str],
     tcpq_server: Any,
     join: Callable[[str], LcmBus],
     wait_until: WaitUntil,
@@ -306,8 +306,9 @@ def test_a_server_and_a_group_are_joined_without_an_echo(
     running = relay(one, tcpq_server.url)
     here, there = join(one), join(tcpq_server.url)
     heard, own, back = _hears(there, "/a"), _hears(here, "/a"), _hears(here, "/b")
-    wait_until(lambda: here.publish("/a", b"first") or (heard and own))
-    wait_until(lambda: len(heard) == len(own))
+    wait_until(lambda: here.publish("/a", b"first") or heard)
+    here.publish("/a", b"begin")
+    wait_until(lambda: heard[-1] == own[-1] == b"begin")
     heard.clear()
     own.clear()
     for payload in _numbers(100):
@@ -332,7 +333,7 @@ def test_a_server_and_a_group_are_joined_without_an_echo(
 
 
 def test_relays_are_shown_by_status(
-    relay: Callable[..., RunningRelay], urls: Callable[[], str], cli: Callable[..., Any]
+    relay: Callable[..., RunningRelay], urls: Callable[..., str], cli: Callable[..., Any]
 ) -> None:
     one, other = urls(), urls()
     relay(one, other)
@@ -349,3 +350,31 @@ def test_relays_are_shown_by_status(
     none = cli("relay", "--status", env={"LCM_DEFAULT_URL": urls()})
     assert (none.code, none.out) == (0, "")
     assert none.err.startswith("no relay is on udpm://")
+
+
+def test_two_groups_are_joined_by_zenoh_and_two_relays(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[..., str],
+    join: Callable[[str], LcmBus],
+    cli: Callable[..., Any],
+    start_node: Callable[..., Any],
+    wait_until: WaitUntil,
+) -> None:
+    one, line, other = urls(), urls("zenoh://224.0.0.224:"), urls()
+    start_node(Talker, url=one)
+    running = [relay(one, line), relay(other, line), relay(line, other)]
+    assert [each.carries for each in running] == [True, True, False]
+    here, there = join(one), join(other)
+    heard, back = _hears(there, "/a"), _hears(here, "/b")
+    for payload in _numbers(200):
+        here.publish("/a", payload)
+        there.publish("/b", payload)
+    here.publish("/a", bytes(2_000_000))
+    wait_until(lambda: len(heard) >= 201 and len(back) >= 200)
+    assert heard == [*_numbers(200), bytes(2_000_000)]
+    assert back == _numbers(200)
+    env = {"LCM_DEFAULT_URL": other}
+    (listed,) = json.loads(cli("node", "info", "/talker", "--json", env=env).out)
+    assert listed["relays"] == ["/relay_1", "/relay_0"]
+    assert listed["bus"].startswith("udpm://239.255.76.67:")
+    assert cli("param", "get", "talker", "use_sim_time", env=env).out == "false\n"

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import click
 
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import BusUrl, domain_url, parse_url
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import rate
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.names import resolve
+from lcmtools.observe.describe import size_text
 from lcmtools.relay.ends import check_end
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
@@ -56,6 +57,7 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
 
 def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
     """Relay until Ctrl-C; show what is carried on a terminal, and say it in the end."""
+    name = resolve(name) if name else ""
     with StatusLine("lcmtools relay") as line:
         for url in urls:
             wait_for_bus(url, line.talk)
@@ -93,7 +95,7 @@ class _Shown:
         flows = []
         for end, (messages, size) in zip(link.ends, self._before, strict=True):
             rate, flow = (end.messages - messages) / seconds, (end.bytes - size) / seconds
-            flows.append(f"{rate:.0f}/s, {bytes_text(flow)}/s")
+            flows.append(f"{rate:.0f}/s, {size_text(flow)}/s")
         self._before = [(end.messages, end.bytes) for end in link.ends]
         if link.state is State.STANDBY:
             self._line.write("stands by")
@@ -105,7 +107,7 @@ def last_word(link: Link) -> str:
     """Return what a relay has carried, in one sentence."""
     here, there = link.ends
     carried = [
-        f"{end.messages} messages ({bytes_text(end.bytes)}) to {end.bus}" for end in (there, here)
+        f"{end.messages} messages ({size_text(end.bytes)}) to {end.bus}" for end in (there, here)
     ]
     return f"{', '.join(carried)}; {lost_text(link)}"
 

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.output import columns, show
 from lcmtools.cli.relay.joining import lost_text
+from lcmtools.observe.describe import size_text
 from lcmtools.relay.status import known_relays
 from lcmtools.relay.topology import Link, State
 
@@ -32,7 +32,7 @@ def _rows(links: Sequence[Link]) -> list[Sequence[str]]:
         state = "carries" if link.state is State.ACTIVE else "stands by"
         names = (link.name, link.host, f"{state}, {lost_text(link)}")
         for end in link.ends:
-            sent = f"{end.messages} ({bytes_text(end.bytes)})"
+            sent = f"{end.messages} ({size_text(end.bytes)})"
             rows.append((*names, end.bus, sent, str(end.left_out), end.trouble))
             names = ("", "", "")
     return rows

@@ -1,4 +1,4 @@
-"""What a relay passes on, and under which name."""
+"""The rules by which a relay passes topics on, and under which name."""
 
 import pytest
 

@@ -7,9 +7,9 @@ import pytest
 
 from lcmtools.relay.topology import (
     End,
+    Knowledge,
     KnownRelays,
     Link,
-    Report,
     State,
     carrying,
     decode_report,
@@ -85,7 +85,7 @@ def test_a_relay_with_a_bus_that_is_down_or_that_left_makes_way() -> None:
 def test_a_report_comes_back_as_it_was() -> None:
     end = End("a/0", "udpm://", ("b/1",), (7, 8), is_up=False, trouble="down", lost=5)
     link = Link("a", "/r", "host", (end, End("a/1")), State.ACTIVE, 9)
-    report = Report("a/0", (link,))
+    report = Knowledge("a/0", (link,))
     assert decode_report(encode_report(report)) == report
     assert decode_report(b"nothing") is None
 
@@ -104,7 +104,7 @@ def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
     for _ in range(4):  # rounds of reports
         for relay, side in product(range(4), (0, 1)):
             known[relay].update(State.STANDBY, known[relay].own.ends)
-            report = Report(f"{relay}/{side}", known[relay].links())
+            report = Knowledge(f"{relay}/{side}", known[relay].links())
             for other, there in product(range(4), (0, 1)):
                 if pairs[other][there] == pairs[relay][side]:
                     known[other].learn(report, f"{other}/{there}", SECOND)
@@ -114,7 +114,7 @@ def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
 def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
     other = _links(((0, 1), (0, 1)))[0]
     known = _known(((0, 1), (0, 1)), 1)
-    report = Report("0/0", (replace(other, number=1),))
+    report = Knowledge("0/0", (replace(other, number=1),))
     assert known.learn(report, "1/0", SECOND)
     assert known.learn(report._replace(end="0/1"), "1/1", SECOND)
     assert known.carrying() == {"0"}
@@ -134,7 +134,7 @@ def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
     younger = _links(pairs)[1]
     ports = tuple(replace(end, ports=(5, 6)) for end in younger.ends)
     known = _known(pairs, 0)
-    known.learn(Report("1/0", (replace(younger, ends=ports, number=1),)), "0/0", 0, "10.0.0.2")  # type: ignore[arg-type]
+    known.learn(Knowledge("1/0", (replace(younger, ends=ports, number=1),)), "0/0", 0, "10.0.0.2")  # type: ignore[arg-type]
     assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
     assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
     assert known.idle("0/0", {"0", "1"}) == frozenset()
