@@ -1,6 +1,7 @@
 """The ends of a relay: connections to a bus that receive all messages but their own."""
 
 import socket
+import threading
 import time
 from collections.abc import Callable, Mapping
 from typing import Protocol
@@ -10,12 +11,13 @@ from lcmtools.bus.processes import is_local
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, UsageError
+from lcmtools.names import check_channel
 from lcmtools.observe.losses import Loss, losses
 from lcmtools.relay.echo import EchoFilter
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
-_NAP = 0.001  # [s] that messages of a stream wait to be read together
+_NAP = 0.0002  # [s] that messages of a stream wait to be read together
 _LOOPBACK = "127."
 _MOST_HOPS = 16  # relays that a message may pass
 
@@ -26,11 +28,13 @@ class BusEnd(Protocol):
     Attributes:
         ports: UDP ports that it sends from, 0 on Zenoh; empty where the bus names no senders.
         takes_origin: The bus carries the origin of a message beside it.
+        is_quick: Sending a short message never takes time.
         trouble: The reason why the bus cannot be reached; "" for none.
     """
 
     ports: tuple[int, ...]
     takes_origin: bool
+    is_quick: bool
     trouble: str
 
     def receive(self, timeout: float) -> list[Packet]:
@@ -57,7 +61,7 @@ class BusEnd(Protocol):
 class UdpmEnd:
     """An end at a multicast group: short messages leave at once, large ones paced."""
 
-    takes_origin = False
+    takes_origin, is_quick = False, True
 
     def __init__(self, url: BusUrl) -> None:
         self._tap = Tap(url, whole=True, spread=True)
@@ -66,6 +70,7 @@ class UdpmEnd:
         self._tap.bind()
         self.ports: tuple[int, ...] = (self._tap.port, self._paced.port)
         self._own: set[Sender] = set()
+        self._sending = threading.Lock()
         self.trouble = ""
 
     def receive(self, timeout: float) -> list[Packet]:
@@ -84,7 +89,8 @@ class UdpmEnd:
             if len(payload) > PACED_ABOVE_BYTES or self._paced.has_waiting(channel):
                 self._paced.send(channel, payload)
             else:
-                self._tap.send(channel, payload)
+                with self._sending:
+                    self._tap.send(channel, payload)
         except BusError as error:
             self.trouble = str(error)
             raise
@@ -113,7 +119,7 @@ class ZenohEnd:
     """An end at a bus of Zenoh, which carries the origin of each message beside it."""
 
     ports: tuple[int, ...] = (0,)
-    takes_origin = True
+    takes_origin, is_quick = True, False
 
     def __init__(self, url: BusUrl) -> None:
         from lcmtools.bus.zenoh_listener import ZenohListener
@@ -154,7 +160,7 @@ class TcpqEnd:
     """An end at a server, which sends everything back."""
 
     ports: tuple[int, ...] = ()
-    takes_origin = False
+    takes_origin = is_quick = False
 
     def __init__(self, url: BusUrl) -> None:
         from lcmtools.bus.lcm_listener import LcmListener
@@ -175,6 +181,7 @@ class TcpqEnd:
 
     def send(self, channel: str, payload: bytes, _origin: Origin | None = None) -> None:
         """See ``BusEnd``."""
+        check_channel(channel)
         self._echo.sends(channel, payload)
         self._listener.send(channel, payload)
 

@@ -41,11 +41,17 @@ class Outbox:
         self._of_channel: dict[str, int] = {}  # bytes, of channels that wait
         self._changed = threading.Condition()
         self._closed = False
+        self._is_taken = False  # messages are being sent
 
     @property
     def is_waiting(self) -> bool:
         """True while anything waits."""
         return bool(self._waiting or self._first)
+
+    @property
+    def is_idle(self) -> bool:
+        """True while no message waits or is being sent but the protocol's own."""
+        return not (self._waiting or self._is_taken)
 
     def add(self, messages: list[Outgoing]) -> None:
         """Let messages wait."""
@@ -71,8 +77,10 @@ class Outbox:
         One large message is taken at a time, so that newer ones can take the place of others.
         """
         with self._changed:
+            self._is_taken = False
             self._changed.wait_for(lambda: self._first or self._waiting or self._closed, timeout)
             taken, self._first = list(self._first), deque()
+            self._is_taken = bool(self._waiting)
             size = 0
             while self._waiting and size < _AT_ONCE:
                 taken.append(self._waiting.popleft())

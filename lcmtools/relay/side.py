@@ -3,9 +3,9 @@
 import socket
 import threading
 import time
-from collections import Counter
 from collections.abc import Collection
 
+from lcmtools.bus.paced import PACED_ABOVE_BYTES
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import STALE_AFTER, Graph
@@ -51,7 +51,7 @@ class Side:
         self._lock = threading.Lock()  # of the graph
         self._routes: dict[tuple[str, bytes], Route] = {}
         self._next: dict[str, float] = {}
-        self._counts: Counter[str] = Counter()
+        self._messages = self._bytes = self._left_out = self._failed = 0
 
     def sort(
         self, packets: list[Packet], other: "Side", *, passes: bool
@@ -71,7 +71,7 @@ class Side:
                 else:
                     origin = origin_of(packet) if takes_origin else None
                     passed.append(Outgoing(route.name, payload, route.newest, origin))
-        self._counts["left_out"] += left_out
+        self._left_out += left_out
         return talk, passed
 
     def learn(self, packet: Packet) -> Announcement | None:
@@ -113,18 +113,36 @@ class Side:
         subscribers = self.graph().topic(topic).subscribers
         return any(is_simulator(node) for node, _ in subscribers if not node.stale)
 
+    def take(self, messages: list[Outgoing]) -> None:
+        """Send messages, at once where that takes no time; else they wait.
+
+        A thread more between receiving and sending costs both of them a wait for each other.
+        """
+        at_once = 0
+        if self.end.is_quick and self.outbox.is_idle:
+            for message in messages:
+                if len(message.payload) > PACED_ABOVE_BYTES:
+                    break
+                self._send(message)
+                at_once += 1
+        if at_once < len(messages):
+            self.outbox.add(messages[at_once:])
+
     def send(self) -> None:
-        """Send what waits; errors are counted."""
+        """Send what waits."""
         for message in self.outbox.take(_WAIT):
-            try:
-                self.end.send(message.channel, message.payload, message.origin)
-            except LcmtoolsError:
-                if message.channel not in TALK_CHANNELS:
-                    self._counts["failed"] += 1
-                continue
-            if message.channel not in TALK_CHANNELS:
-                self._counts["messages"] += 1
-                self._counts["bytes"] += len(message.payload)
+            self._send(message)
+
+    def _send(self, message: Outgoing) -> None:
+        """Send a message, and count it; also if it fails."""
+        counts = message.channel not in TALK_CHANNELS
+        try:
+            self.end.send(message.channel, message.payload, message.origin)
+        except LcmtoolsError:
+            self._failed += counts
+        else:
+            self._messages += counts
+            self._bytes += len(message.payload) if counts else 0
 
     def talk(self, channel: str, payload: bytes) -> None:
         """Let a message of the protocol be sent."""
@@ -135,7 +153,7 @@ class Side:
         try:
             self.end.send(channel, payload)
         except LcmtoolsError:
-            self._counts["failed"] += 1
+            self._failed += 1
 
     def state(self) -> End:
         """Return the state of the end, with its counts."""
@@ -146,10 +164,10 @@ class Side:
             ports=self.end.ports,
             is_up=not trouble,
             trouble=trouble,
-            messages=self._counts["messages"],
-            bytes=self._counts["bytes"],
-            left_out=self._counts["left_out"],
-            dropped=self._counts["failed"] + self.outbox.dropped,
+            messages=self._messages,
+            bytes=self._bytes,
+            left_out=self._left_out,
+            dropped=self._failed + self.outbox.dropped,
             lost=sum(loss.lost for loss in self.end.losses().values()),
         )
 

@@ -4,16 +4,20 @@ They stand around a switch, which has a namespace too and can lose frames, or be
 a computer's processes die with the keeper of its namespaces, and that one with the tests' process.
 """
 
+import array
 import ctypes
+import fcntl
 import os
 import re
 import shutil
 import signal
+import socket
+import struct
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +34,9 @@ _KEEPER = [
 _WAKE = "echo {name} >/proc/sys/kernel/hostname && ip link set lo up && echo up && exec sleep inf"
 _TOOLS = ("setpriv", "unshare", "nsenter", "ip")
 _LOSSY = Path(__file__).with_name("lossy.py")
+_LINE = Path(__file__).with_name("line.py")
+_SIOCETHTOOL = 0x8946
+_OFFLOADS = (0x17, 0x1F, 0x21, 0x24)  # ETHTOOL_STXCSUM, _STSO, _SUFO, _SGSO
 
 
 class Computer:
@@ -177,6 +184,22 @@ class Network:
         self._lossy = self._switch.start(sys.executable, str(_LOSSY), *ports, str(every), *only)
         self._lossy.wait_for("forwards")
 
+    def stretch(self, host: Host, delay_ms: float, every: int, rate: float) -> Any:
+        """Let a host's cable be a long line (line.py), whose program is returned."""
+        port = _port(host)
+        host.call(_without_offload, "eth0")
+        self._switch.call(_without_offload, port)
+        self._switch.ip("link", "set", port, "nomaster")
+        self._switch.ip("link", "add", "line0", "type", "veth", "peer", "name", "line1")
+        for end in ("line0", "line1"):
+            self._switch.call(_without_offload, end)
+            self._switch.ip("link", "set", end, "up")
+        self._switch.ip("link", "set", "line1", "master", "bridge")
+        settings = map(str, (delay_ms, every, rate))
+        line = self._switch.start(sys.executable, str(_LINE), port, "line0", *settings)
+        line.wait_for("forwards")
+        return line
+
     def mend(self) -> None:
         """Lose nothing any more."""
         if self._lossy:
@@ -217,6 +240,16 @@ def _port(host: Host, interface: str = "eth0") -> str:
     """The name of the switch's end of a cable: names of interfaces have 15 characters at most."""
     number = host.address.rpartition(".")[2]
     return f"port{number}{re.sub('[^0-9]', '-', interface)[-2:]}"
+
+
+def _without_offload(interface: str) -> None:
+    """Let an interface send frames as they are on a cable: small, and with checksums."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
+        for command in _OFFLOADS:
+            value = array.array("I", (command, 0))
+            request = struct.pack("16sP", interface.encode(), value.buffer_info()[0])
+            with suppress(OSError):  # it has no such feature
+                fcntl.ioctl(control, _SIOCETHTOOL, request)
 
 
 def _enter(pid: int) -> None:

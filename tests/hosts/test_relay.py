@@ -1,0 +1,164 @@
+"""A robot, an office and a third computer, with a long line in between.
+
+The robot's bus stays on the robot; office and third computer share one. A relay on the robot and
+one in the office meet at a server of the office, or on a bus of Zenoh. The line delays, loses and
+has little room.
+"""
+
+import json
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+ROBOT = "udpm://239.255.76.67:7668?ttl=0"
+OFFICE = "udpm://239.255.76.67:7667?ttl=1"
+LARGE = 8_000_000
+
+SENDER = """
+import lcm, sys, time
+bus = lcm.LCM(sys.argv[1])
+rate, count, large = float(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
+begin = time.monotonic()
+for number in range(count):
+    time.sleep(max(0.0, begin + number / rate - time.monotonic()))
+    bus.publish("/numbers", b"%d" % number)
+if large:
+    bus.publish("/large", bytes(large))
+print("has sent", flush=True)
+time.sleep(3600)
+"""
+RECEIVER = """
+import lcm, sys
+bus = lcm.LCM("udpm://239.255.76.67:7667?ttl=1&recv_buf_size=4000000")
+last = [-1, 0]
+def take(channel, payload):
+    number = int(payload)
+    if number <= last[0]:
+        print("is not in order:", number, "after", last[0], flush=True)
+    last[1] += number - last[0] - 1
+    last[0] = number
+    if number % 100 == 99:
+        print("got", number, "without", last[1], flush=True)
+bus.subscribe("/numbers", take).set_queue_capacity(0)
+bus.subscribe("/large", lambda _, payload: print("got large", len(payload), flush=True))
+print("listens", flush=True)
+while True:
+    bus.handle()
+"""
+HOSTILE = """
+import os, socket, struct, sys
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 1)
+group = ("239.255.76.67", int(sys.argv[1]))
+for name in (b"/_lcmtools/node", b"/_lcmtools/relay", b"/_lcmtools/probe", b"/x", b"\\xff" * 63):
+    for size in (0, 7, 8, 100, 5000):
+        sender.sendto(b"LC02" + bytes(4) + name + b"\\0" + os.urandom(size), group)
+long = b"LC02" + bytes(4) + b"a" * 70
+for data in (b"", b"LC02", long, b"LC03" + b"\\xff" * 16, b"LC03" + bytes(30)):
+    sender.sendto(data, group)
+for number in range(200):
+    sender.sendto(b"LC03" + struct.pack(">IIIHH", number, 1 << 28, 0, 0, 5000) + b"/x\\0", group)
+print("has sent", flush=True)
+"""
+
+Start = Callable[..., Any]
+
+
+class Line:
+    """The computers, with the relays on them that have begun to work."""
+
+    def __init__(self, network: Any, lcmtools_path: str, meeting: str) -> None:
+        self.robot, self.office, self.third = network.hosts
+        self._path, self._meeting = lcmtools_path, meeting
+        self.cable = network.stretch(self.robot, 10.0, 500, 4e6)
+        if meeting == "tcpq":
+            served = self.office.start(lcmtools_path, "relay", "--serve", "tcpq://0.0.0.0:7700")
+            served.wait_for("serves tcpq://0.0.0.0:7700 to all who reach this computer")
+            there = "tcpq://127.0.0.1:7700"
+        else:
+            there = "zenoh://?listen=0.0.0.0:7447"
+        self.office.start(lcmtools_path, "relay", OFFICE, there).wait_for("carries messages")
+        self.relays = [self.relay("carries"), self.relay("stands by")]
+        self.receiver = self.third.python(RECEIVER)
+        self.receiver.wait_for("listens")
+
+    def relay(self, state: str) -> Any:
+        """One more relay on the robot, which carries or stands by."""
+        port = 7700 if self._meeting == "tcpq" else 7447
+        there = f"{self._meeting}://{self.office.address}:{port}"
+        relay = self.robot.start(self._path, "relay", ROBOT, there)
+        relay.wait_for(state)
+        return relay
+
+    def send(self, rate: float, count: int, large: int = 0) -> Any:
+        """A program on the robot that sends numbers."""
+        return self.robot.python(SENDER, ROBOT, str(rate), str(count), str(large))
+
+
+@pytest.fixture(params=["tcpq", "zenoh"])
+def line(network: Callable[..., Any], lcmtools_path: str, request: pytest.FixtureRequest) -> Line:
+    """The computers, joined by a server or by Zenoh."""
+    return Line(network("robot", "office", "third"), lcmtools_path, request.param)
+
+
+def _in_order(receiver: Any) -> bool:
+    return not any("is not in order" in row for row in receiver.lines)
+
+
+def test_everything_arrives_once_and_in_order_over_a_bad_line(
+    line: Line, wait_until: Callable[..., None]
+) -> None:
+    line.send(500.0, 1000, LARGE)
+    line.receiver.wait_for("got 999 without 0")
+    line.receiver.wait_for(f"got large {LARGE}")
+    line.send(10_000.0, 10_000)
+    # what comes at once after the line has stalled may be more than the receiver's buffer holds
+    wait_until(lambda: _sent_in_office(line) == 11_001)
+    assert sum("is not in order" in row for row in line.receiver.lines) <= 1  # they begin again
+
+
+def _sent_in_office(line: Line) -> int:
+    """The number of messages that came through all relays; none of which lost any."""
+    shown = json.loads(line.office.out("relay", "--status", "--json", LCM_DEFAULT_URL=OFFICE))
+    for end in (end for link in shown for end in link["ends"]):
+        assert (end["lost"], end["dropped"]) == (0, 0)
+    return int(sum(end["messages"] for end in shown[0]["ends"] if "7667" in end["bus"]))
+
+
+def test_another_relay_takes_over_and_nothing_comes_twice(line: Line) -> None:
+    line.send(200.0, 6000)
+    line.receiver.wait_for("got 199 without 0")
+    line.relays[0].send_signal(signal.SIGKILL)
+    line.relays[1].wait_for("carries messages")
+    line.relay("stands by")
+    after = line.receiver.wait_for("got")
+    for _ in range(10):
+        after = line.receiver.wait_for("got")
+    lost = int(after.split()[-1])
+    assert 0 < lost < 2000  # while none of them carried, and no longer
+    assert _in_order(line.receiver)
+
+
+def test_a_line_that_was_cut_carries_again(line: Line) -> None:
+    line.send(100.0, 6000)
+    line.receiver.wait_for("got 99 without 0")
+    line.cable.send_signal(signal.SIGUSR1)
+    time.sleep(10.0)  # the cut itself
+    line.cable.send_signal(signal.SIGUSR1)
+    before = len(line.receiver.lines)
+    while len(line.receiver.lines) < before + 5:
+        line.receiver.wait_for("got")
+    assert _in_order(line.receiver)
+
+
+def test_hostile_datagrams_on_both_sides_change_nothing(line: Line) -> None:
+    for host, port in ((line.robot, "7668"), (line.third, "7667")):
+        host.python(HOSTILE, port).wait_for("has sent")
+    line.send(200.0, 400)
+    line.receiver.wait_for("got 399 without 0")
+    assert _in_order(line.receiver)
+    for host, bus in ((line.robot, ROBOT), (line.office, OFFICE)):
+        assert "carries" in host.out("relay", "--status", LCM_DEFAULT_URL=bus)
