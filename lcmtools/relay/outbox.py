@@ -16,7 +16,7 @@ _AT_ONCE = 1 << 16  # bytes that are taken together
 _COST = 200  # bytes that a message takes besides its own
 
 
-class Outgoing(NamedTuple):
+class LineMessage(NamedTuple):
     """A message for a bus."""
 
     channel: str
@@ -25,7 +25,7 @@ class Outgoing(NamedTuple):
     origin: Origin | None = None  # where the bus carries it beside the message
 
 
-class Outbox:
+class LineQueue:
     """The messages that wait for one bus.
 
     Attributes:
@@ -35,8 +35,8 @@ class Outbox:
     def __init__(self, most_bytes: int = MOST_WAITING_BYTES) -> None:
         self.dropped = 0
         self._most_bytes = most_bytes
-        self._waiting: deque[Outgoing] = deque()
-        self._first: deque[Outgoing] = deque()
+        self._waiting: deque[LineMessage] = deque()
+        self._first: deque[LineMessage] = deque()
         self._bytes = 0
         self._of_channel: dict[str, int] = {}  # bytes, of channels that wait
         self._changed = threading.Condition()
@@ -53,7 +53,7 @@ class Outbox:
         """True while no message waits or is being sent but the protocol's own."""
         return not (self._waiting or self._is_taken)
 
-    def add(self, messages: list[Outgoing]) -> None:
+    def add(self, messages: list[LineMessage]) -> None:
         """Let messages wait."""
         with self._changed:
             for message in messages:
@@ -65,13 +65,13 @@ class Outbox:
                 self._replace(max(self._of_channel, key=self._of_channel.__getitem__))
             self._changed.notify()
 
-    def add_first(self, message: Outgoing) -> None:
+    def add_first(self, message: LineMessage) -> None:
         """Let a message of the protocol wait, before all others."""
         with self._changed:
             self._first.append(message)
             self._changed.notify()
 
-    def take(self, timeout: float) -> list[Outgoing]:
+    def take(self, timeout: float) -> list[LineMessage]:
         """Return messages to send, in order, waiting up to ``timeout`` [s] for the first.
 
         One large message is taken at a time, so that newer ones can take the place of others.
@@ -113,7 +113,7 @@ class Outbox:
                 self.dropped += 1
                 return
 
-    def _count(self, message: Outgoing, times: int) -> None:
+    def _count(self, message: LineMessage, times: int) -> None:
         size = times * (len(message.payload) + _COST)
         self._bytes += size
         left = self._of_channel.get(message.channel, 0) + size

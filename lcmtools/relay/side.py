@@ -13,7 +13,7 @@ from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.actuators import is_simulator
 from lcmtools.relay.ends import BusEnd
-from lcmtools.relay.outbox import Outbox, Outgoing
+from lcmtools.relay.outbox import LineMessage, LineQueue
 from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.relay.topology import End
 from lcmtools.wire.packet import Packet, Sender
@@ -41,7 +41,7 @@ class Side:
     def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
-        self.outbox = Outbox()
+        self.outbox = LineQueue()
         self.idle: frozenset[Sender] = frozenset()
         self.left: dict[str, Reason] = {}
         self._builder = GraphBuilder()
@@ -55,7 +55,7 @@ class Side:
 
     def sort(
         self, packets: list[Packet], other: "Side", *, passes: bool
-    ) -> tuple[list[Packet], list[Outgoing]]:
+    ) -> tuple[list[Packet], list[LineMessage]]:
         """Return the messages of the protocol among these, and those for the other bus."""
         talk, passed = [], []
         takes_origin = other.end.takes_origin
@@ -70,7 +70,7 @@ class Side:
                     left_out += 1
                 else:
                     origin = origin_of(packet) if takes_origin else None
-                    passed.append(Outgoing(route.name, payload, route.newest, origin))
+                    passed.append(LineMessage(route.name, payload, route.newest, origin))
         self._left_out += left_out
         return talk, passed
 
@@ -113,7 +113,7 @@ class Side:
         subscribers = self.graph().topic(topic).subscribers
         return any(is_simulator(node) for node, _ in subscribers if not node.stale)
 
-    def take(self, messages: list[Outgoing]) -> None:
+    def take(self, messages: list[LineMessage]) -> None:
         """Send messages, at once where that takes no time; else they wait.
 
         A thread more between receiving and sending costs both of them a wait for each other.
@@ -133,7 +133,7 @@ class Side:
         for message in self.outbox.take(_WAIT):
             self._send(message)
 
-    def _send(self, message: Outgoing) -> None:
+    def _send(self, message: LineMessage) -> None:
         """Send a message, and count it; also if it fails."""
         counts = message.channel not in TALK_CHANNELS
         try:
@@ -146,7 +146,7 @@ class Side:
 
     def talk(self, channel: str, payload: bytes) -> None:
         """Let a message of the protocol be sent."""
-        self.outbox.add_first(Outgoing(channel, payload))
+        self.outbox.add_first(LineMessage(channel, payload))
 
     def talk_now(self, channel: str, payload: bytes) -> None:
         """Send a message of the protocol, when no other thread sends any more."""

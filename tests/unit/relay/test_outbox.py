@@ -1,10 +1,10 @@
 """Messages that wait for a slow line, and the echoes of a server."""
 
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.outbox import Outbox, Outgoing
+from lcmtools.relay.outbox import LineMessage, LineQueue
 
 
-def _drain(outbox: Outbox) -> list[tuple[str, bytes]]:
+def _drain(outbox: LineQueue) -> list[tuple[str, bytes]]:
     taken = []
     while outbox.is_waiting:
         taken += [(one.channel, one.payload) for one in outbox.take(0.0)]
@@ -12,27 +12,29 @@ def _drain(outbox: Outbox) -> list[tuple[str, bytes]]:
 
 
 def test_messages_leave_in_order_and_the_protocols_first() -> None:
-    outbox = Outbox()
-    outbox.add([Outgoing("a", b"1"), Outgoing("b", b"2")])
-    outbox.add([Outgoing("a", b"3")])
-    outbox.add_first(Outgoing("node", b"0"))
+    outbox = LineQueue()
+    outbox.add([LineMessage("a", b"1"), LineMessage("b", b"2")])
+    outbox.add([LineMessage("a", b"3")])
+    outbox.add_first(LineMessage("node", b"0"))
     assert _drain(outbox) == [("node", b"0"), ("a", b"1"), ("b", b"2"), ("a", b"3")]
     assert outbox.take(0.0) == []
 
 
 def test_only_the_newest_of_a_topic_waits() -> None:
-    outbox = Outbox()
+    outbox = LineQueue()
     for number in range(3):
-        outbox.add([Outgoing("image", b"%d" % number, newest=True), Outgoing("a", b"%d" % number)])
+        outbox.add(
+            [LineMessage("image", b"%d" % number, newest=True), LineMessage("a", b"%d" % number)]
+        )
     assert _drain(outbox) == [("a", b"0"), ("a", b"1"), ("image", b"2"), ("a", b"2")]
     assert outbox.dropped == 2
 
 
 def test_the_topic_that_takes_the_most_room_makes_way() -> None:
-    outbox = Outbox(most_bytes=10_000)
-    outbox.add([Outgoing("cmd", b"stop")])
+    outbox = LineQueue(most_bytes=10_000)
+    outbox.add([LineMessage("cmd", b"stop")])
     for number in range(30):
-        outbox.add([Outgoing("image", bytes([number]) * 2000)])
+        outbox.add([LineMessage("image", bytes([number]) * 2000)])
     left = _drain(outbox)
     assert left[0] == ("cmd", b"stop")
     assert [payload[0] for _, payload in left[1:]] == [26, 27, 28, 29]
@@ -40,15 +42,15 @@ def test_the_topic_that_takes_the_most_room_makes_way() -> None:
 
 
 def test_a_message_that_is_larger_than_the_room_waits_alone() -> None:
-    outbox = Outbox(most_bytes=1000)
-    outbox.add([Outgoing("a", bytes(10))])
-    outbox.add([Outgoing("b", bytes(5000))])
+    outbox = LineQueue(most_bytes=1000)
+    outbox.add([LineMessage("a", bytes(10))])
+    outbox.add([LineMessage("b", bytes(5000))])
     assert [channel for channel, _ in _drain(outbox)][-1:] == ["b"] or outbox.dropped == 1
 
 
 def test_what_is_dropped_at_the_end_is_counted() -> None:
-    outbox = Outbox()
-    outbox.add([Outgoing("a", b""), Outgoing("b", b"")])
+    outbox = LineQueue()
+    outbox.add([LineMessage("a", b""), LineMessage("b", b"")])
     outbox.clear()
     assert (outbox.dropped, outbox.take(0.0)) == (2, [])
 
