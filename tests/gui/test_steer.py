@@ -66,6 +66,11 @@ def stands(url: str) -> None:
     wait_for_speed(url, lambda speed: abs(speed) < _SLOW)
 
 
+def reading(page: Any) -> str:
+    """The forward speed that the page shows."""
+    return str(page.locator(".reading output").first.inner_text())
+
+
 def hold_joystick(page: Any) -> None:
     """Push the joystick forward, and hold it."""
     page.get_by_text("obeyed by").wait_for()
@@ -103,10 +108,67 @@ def test_keys_drive_while_they_are_held(
     page.locator(".pad").focus()
     page.keyboard.down("w")
     moves(module_bus_url)
-    assert page.locator(".reading output").first.inner_text() == "+0.30"
+    assert reading(page) == "+0.30"
     page.keyboard.press("Escape")
     stands(module_bus_url)
     page.keyboard.up("w")
+
+
+def test_what_is_still_held_after_a_stop_drives_no_more(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    hold_joystick(page)
+    moves(module_bus_url)
+    page.keyboard.press(" ")
+    page.mouse.move(400, 300, steps=5)
+    assert reading(page) == "0.00"
+    stands(module_bus_url)
+    page.mouse.up()
+    hold_joystick(page)
+    moves(module_bus_url)
+
+
+def test_a_finger_on_the_joystick_drives(
+    serve: Callable[..., tuple[Program, str]], page: Any, browser: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    page.get_by_text("obeyed by").wait_for()
+    box = page.locator(".pad").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    session = browser.new_cdp_session(page)
+
+    def touch(kind: str, *points: dict[str, float]) -> None:
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
+
+    touch("touchStart", {"x": x, "y": y})
+    touch("touchMove", {"x": x, "y": box["y"] + box["height"] * 0.2})
+    moves(module_bus_url)
+    touch("touchEnd")
+    stands(module_bus_url)
+
+
+def test_a_gamepad_drives_once_it_has_been_at_rest(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.add_init_script(
+        "window.axes = [0, 0, 0, 0]; navigator.getGamepads ="
+        " () => [{ id: 'pad', connected: true, axes: window.axes }];"
+    )
+    page.goto(serve("steer", TOPIC)[1])
+    page.get_by_text("obeyed by").wait_for()
+    page.get_by_label("Gamepad").check()
+    page.evaluate("window.axes = [0, -0.5, 0, 0]")
+    moves(module_bus_url)
+    page.keyboard.press("Escape")  # the stick is still pushed
+    stands(module_bus_url)
+    page.wait_for_timeout(200)  # some readings of the stick
+    assert reading(page) == "0.00"
+    page.evaluate("window.axes = [0.01, 0.02, 0, 0]")
+    page.wait_for_timeout(200)
+    page.evaluate("window.axes = [0, -1, 0, 0]")
+    moves(module_bus_url)
+    assert reading(page) == "+1.00"
 
 
 def test_it_stops_when_the_page_hangs(
@@ -130,7 +192,7 @@ def test_it_stops_when_the_page_is_hidden(
         "document.dispatchEvent(new Event('visibilitychange'))"
     )
     stands(module_bus_url)
-    assert page.locator(".reading output").first.inner_text() == "0.00"
+    assert reading(page) == "0.00"
 
 
 def test_it_stops_when_the_browser_is_killed(

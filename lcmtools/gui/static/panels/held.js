@@ -33,8 +33,9 @@ export class HeldKeys {
       return true;
     }
     if (!(key in KEYS)) return false;
-    if (event.type === "keydown") this.down.add(key);
-    else this.down.delete(key);
+    if (event.type === "keydown") {
+      if (!event.repeat) this.down.add(key); // after a stop it has to be pressed again
+    } else this.down.delete(key);
     return true;
   }
 

@@ -39,6 +39,9 @@ export default class Steer {
     /** @type {Record<"pad" | "forward" | "turn" | "gamepad", Share | null>} */
     this.held = { pad: null, forward: null, turn: null, gamepad: null };
     this.keys = new HeldKeys();
+    /** What was held when all was let go has to be let go indeed before it drives again. */
+    this.isEnded = { slider: false, gamepad: false };
+    this.pointer = -1;
     this.lastSent = 0;
     /** @type {ReturnType<typeof setInterval> | undefined} */
     this.repeats = undefined;
@@ -165,7 +168,13 @@ export default class Steer {
       value: 0,
       "aria-label": label,
       title: label,
+      onpointerdown: () => (this.isEnded.slider = false),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => (this.isEnded.slider &&= event.repeat),
       oninput: () => {
+        if (this.isEnded.slider) {
+          slider.value = "0";
+          return;
+        }
         const value = Number(slider.value);
         this.hold(name, isTurn ? { forward: 0, turn: -value } : { forward: value, turn: 0 });
       },
@@ -258,7 +267,8 @@ export default class Steer {
   grab(event) {
     if (event.button || this.obstacle()) return;
     this.pad.focus();
-    this.pad.setPointerCapture(event.pointerId);
+    this.pointer = event.pointerId;
+    this.pad.setPointerCapture(this.pointer);
     this.move(event);
     event.preventDefault();
   }
@@ -297,7 +307,9 @@ export default class Steer {
     write(this.gamepadName, found ? "Gamepad" : "Gamepad (none yet)");
     set(this.gamepadName, "title", found?.id ?? "Connect one and press a button of it");
     const counts = this.usesGamepad && document.hasFocus() && !document.hidden;
-    const share = counts ? gamepadShare(found) : null;
+    let share = counts ? gamepadShare(found) : null;
+    if (!share) this.isEnded.gamepad = false;
+    if (this.isEnded.gamepad) share = null;
     if (share || this.held.gamepad) this.hold("gamepad", share);
   }
 
@@ -314,6 +326,8 @@ export default class Steer {
   /** Let go of everything. */
   letGo() {
     this.keys.clear();
+    this.isEnded = { slider: true, gamepad: true };
+    if (this.pad.hasPointerCapture(this.pointer)) this.pad.releasePointerCapture(this.pointer);
     for (const slider of [this.forward, this.turn]) slider.value = "0";
     this.held = { pad: null, forward: null, turn: null, gamepad: null };
     this.refresh();
