@@ -291,7 +291,7 @@ export default class Plot {
           splits: (_, __, from, to, step) => this.ticks(from, to, step),
           values: (_, ticks, __, ___, step) => ticks.map((tick) => this.timeText(tick, step)),
         },
-        { ...axis, size: 58, gap: 4 },
+        { ...axis, size: 58, gap: 4, values: (_, ticks, __, ___, step) => ticks.map((tick) => tickText(tick, step)) },
       ],
       series: [{}, ...this.series.map((one, index) => this.line(one, index))],
     };
@@ -625,6 +625,16 @@ function room(least, most) {
   if (least === null || most === null || !Number.isFinite(least) || !Number.isFinite(most)) return [-1, 1];
   const more = (most - least) * 0.08 || Math.abs(most) * 0.1 || 1;
   return [least - more, most + more];
+}
+
+/**
+ * @param {number} tick
+ * @param {number} step between two ticks
+ */
+function tickText(tick, step) {
+  if (Math.abs(tick) < step / 1000) return "0";
+  const isPlain = step >= 1e-4 && Math.abs(tick) < 1e6;
+  return isPlain ? tick.toFixed(Math.max(0, Math.ceil(-Math.log10(step) - 1e-9))) : tick.toExponential(1);
 }
 
 /** @param {number | null | undefined} value */

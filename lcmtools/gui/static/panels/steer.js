@@ -396,7 +396,8 @@ export default class Steer {
     set(this.pad, "aria-disabled", Boolean(obstacle) || null);
     for (const control of [this.forward, this.turn, this.stopButton]) control.disabled = Boolean(obstacle);
     const others = this.state.others ?? [];
-    const warning = this.refusal || (others.length ? `${others.join(", ")} commands ${this.topic} too` : "");
+    const also = others.length && !obstacle ? `${others.join(", ")} commands ${this.topic} too` : "";
+    const warning = this.refusal || also;
     this.warning.hidden = !warning;
     write(this.warning, warning);
     write(this.status, obstacle || this.stateText(Boolean(share)));
