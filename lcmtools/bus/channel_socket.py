@@ -6,6 +6,7 @@ the socket's buffer fills up between two reads, the newest are lost.
 """
 
 import contextlib
+import select
 
 from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, attach, mark, request_arrival
 from lcmtools.bus.multicast import receiving_socket
@@ -41,6 +42,8 @@ class ChannelSocket:
         if not attach(self._receiver, one_channel(channel)):
             self._receiver.close()
             raise BusError("this system cannot filter datagrams")
+        self._poll = select.poll()
+        self._poll.register(self._receiver, select.POLLIN)
         request_arrival(self._receiver)
         mark(self._receiver, SELECTIVE)
 
@@ -58,6 +61,10 @@ class ChannelSocket:
                 elif data.startswith(MAGIC_FRAGMENT) and self._begins_large(data):
                     self.has_large = True
         return taken
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for a message, so long at most; return False if none came."""
+        return bool(self._poll.poll(1000 * seconds))
 
     def close(self) -> None:
         """Leave the group."""

@@ -33,6 +33,7 @@ from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
 from lcmtools.wire.sequence import Sequence
 
 if TYPE_CHECKING:
+    from lcmtools.bus.channel_socket import ChannelSocket
     from lcmtools.bus.datagram_batch import DatagramBatch
 
 _MAX_DATAGRAM = 65536
@@ -41,8 +42,9 @@ _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
 _OF_A_NAP = _BATCH // 2  # messages that may come meanwhile
 _FILLED, _LITTLE = 0.5, 0.01  # the part of the kernel's buffer that they may take; a small part
-LONG_NAP = 0.04
+LONG_NAP = 0.1
 """A nap of who counts messages [s]: the kernel notes their times."""
+_DEAF_NAP = 0.04  # [s]: longer ones end with a request of who looks for nodes, and waits 0.05 s
 
 _AT_FIRST = 1_000_000
 """Bytes of a large message for which there is room before the first one comes."""
@@ -102,6 +104,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._batches: dict[socket.socket, DatagramBatch] = {}
         self._turns = 0
+        self._url = url
+        self._requests: ChannelSocket | None = None
         self._held: list[_Datagram] = []
 
     def __exit__(self, *_: object) -> None:
@@ -112,6 +116,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         """Leave the group."""
         self._receivers.close()
         self._sender.close()
+        if self._requests:
+            self._requests.close()
 
     @property
     def port(self) -> int:
@@ -164,7 +170,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         timeout = max(0.0, timeout)
         is_streaming = self._is_streaming()
         if is_streaming:  # waking up for each message costs more than reading it
-            time.sleep(min(self._nap, timeout))
+            self._sleep(min(self._nap, timeout))
         start = time.monotonic()
         has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
         is_soon = time.monotonic() - start < _STREAM_GAP
@@ -175,6 +181,21 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             self._nap = min(self.longest_nap, self._nap / max(much, _LITTLE))
         self._attend_large()
         return packets
+
+    def _sleep(self, seconds: float) -> None:
+        """Take a nap; a long one ends when somebody requests nodes to announce themselves."""
+        if seconds > _DEAF_NAP and self._requests is None:
+            from lcmtools.bus.channel_socket import ChannelSocket
+            from lcmtools.graph.protocol import PROBE_CHANNEL
+
+            try:
+                self._requests = ChannelSocket(self._url, PROBE_CHANNEL)
+            except BusError:  # this system has no filters
+                self.longest_nap = seconds = _DEAF_NAP
+        if self._requests is None:
+            time.sleep(seconds)
+        elif self._requests.wait(seconds):
+            self._requests.take()  # the request comes to the tap's own socket, too
 
     def _read(self) -> list[Packet]:
         """Return what has arrived, from several sockets in the order of its arrival.

@@ -14,7 +14,12 @@ from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    encode_announcement,
+)
 from lcmtools.wire.datagram import fragments, short_message
 from lcmtools.wire.packet import Packet, Sender
 
@@ -152,7 +157,7 @@ def _self_tests(packets: list[Packet]) -> int:
 
 
 @pytest.mark.usefixtures("private_network")
-@pytest.mark.parametrize("longest_nap", [0.0, 0.01, 0.04])
+@pytest.mark.parametrize("longest_nap", [0.0, 0.01, 0.04, 0.1])
 def test_a_stream_is_read_to_its_last_message(longest_nap: float) -> None:
     """Turns that follow each other at once begin with a nap, in which nothing may be lost."""
     with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -164,6 +169,20 @@ def test_a_stream_is_read_to_its_last_message(longest_nap: float) -> None:
         while count < 500 and time.monotonic() < deadline:
             count += sum(packet.channel == "A" for packet in tap.receive(0.1))
         assert count == 500
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_request_ends_a_long_nap() -> None:
+    with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        tap.longest_nap = 60.0
+        for seqno in range(30):  # each message makes the next nap longer
+            sender.sendto(short_message(seqno, "A", b"x"), _GROUP)
+            tap.receive(0.05)
+        sender.sendto(short_message(30, PROBE_CHANNEL, b""), _GROUP)
+        begun = time.monotonic()
+        found = tap.receive(60.0)
+        assert PROBE_CHANNEL in [packet.channel for packet in found]
+        assert time.monotonic() - begun < 30.0
 
 
 def test_the_filter_is_short() -> None:
