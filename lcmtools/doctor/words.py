@@ -266,6 +266,7 @@ UNCHECKED = {
     "buffers-unknown": "this system does not report the size of the listeners' buffers",
     "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
     " wtf looks closer",
+    "zenoh-losses": "wtf does not count losses on Zenoh; lcmtools hz TOPIC does",
     "no-senders": "{provider} does not let wtf see the senders, and what is missing",
     "no-network": "this system does not report its routes and interfaces (it has no /proc/net)",
     "no-processes": "this system does not report the sockets of programs (it has no /proc)",

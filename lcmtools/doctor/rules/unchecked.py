@@ -20,6 +20,8 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
         yield from _of_network(evidence)
     elif provider in ("tcpq", "mpudpm"):
         yield Unchecked("loss", state("no-senders", provider=provider))
+    elif provider == "zenoh":
+        yield Unchecked("loss", state("zenoh-losses"))
 
 
 def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:

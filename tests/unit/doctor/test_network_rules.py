@@ -226,6 +226,7 @@ def test_what_the_system_does_not_tell_is_unknown() -> None:
     ("url", "rules"),
     [
         ("tcpq://localhost:7700", ["loss"]),
+        ("zenoh://", ["loss"]),
         ("mpudpm://239.255.76.67:7667?ttl=0", ["loss"]),
         ("file:///tmp/log", []),
     ],
