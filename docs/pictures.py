@@ -30,7 +30,7 @@ _ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swifts
 _SIZE = {"width": 1280, "height": 800}
 _LOOK = 0.05  # [s] between two at the clock
 _SETTLING = 5.0  # [s] until nothing is said any more
-_COLORS = 200  # of a picture's palette: a third of the size
+_COLORS = 256  # of a picture's palette: a third of the size
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ PICTURES = {
         "/RosAria/cmd_vel",
         (0.12, 0.05),
         6.0,
-        {"shown": {"/camera/depth/points": True}, "colors": {"/camera/depth/points": "#12a5ff"}},
+        {"shown": {"/camera/depth/points": True}, "colors": {"/camera/depth/points": "#3b8fe0"}},
     ),
     "dolly": Picture("/dolly/cmd_vel", (0.5, 0.3), 18.0),
 }

@@ -42,6 +42,7 @@ export const TYPES = /** @type {Record<string, {stream: string, name: string, is
 });
 
 const FLOAT = 7; // of sensor_msgs/PointField
+const FAR = 6; // [m] from where on points are all of one shade
 const MOST_POINTS = 400_000;
 const TRAIL = 4000; // points
 const TRAIL_STEP = 0.03; // [m]
@@ -195,8 +196,8 @@ const DRAW = {
   },
   points: (group, _, payload, color) => group.add(cloudOf(new Float32Array(payload), null, color, 3)),
   cloud: (group, data, payload, color, isPainted) => {
-    const { places, colors } = readCloud(data, payload);
-    group.add(cloudOf(places, isPainted ? null : colors, color, 3));
+    const { places, colors } = readCloud(data, payload, isPainted ? color : "");
+    group.add(cloudOf(places, colors, color, 3));
   },
   path: (group, _, payload, color) => {
     const places = triples(new Float32Array(payload)).map(([x, y, z]) => /** @type {[number, number, number]} */ ([x, y, z + LIFT]));
@@ -302,11 +303,13 @@ function arrowShape(length) {
 }
 
 /**
- * The points of sensor_msgs/PointCloud2 that are numbers, with their colours; by height without any.
+ * The points of sensor_msgs/PointCloud2 that are numbers, with their own colours; where they have
+ * none, or one is chosen, its shade shows the distance.
  * @param {any} data
  * @param {ArrayBuffer} payload
+ * @param {string} chosen
  */
-function readCloud(data, payload) {
+function readCloud(data, payload, chosen) {
   const view = new DataView(payload);
   const little = !data.isBigEndian;
   /** @param {string} name */
@@ -326,8 +329,10 @@ function readCloud(data, payload) {
     const place = [view.getFloat32(start + x, little), view.getFloat32(start + y, little), view.getFloat32(start + z, little)];
     if (!place.every(Number.isFinite)) continue;
     places.set(place, at);
-    if (rgb) tone.setHex(view.getUint32(start + rgb[1], little) & 0xffffff);
-    else tone.setHSL(0.66 * Math.min(1, Math.hypot(...place) / 5), 0.9, 0.5);
+    const distance = Math.min(1, Math.hypot(...place) / FAR);
+    if (chosen) tone.set(chosen).offsetHSL(-0.14 * distance, -0.35 * distance, 0.2 - 0.38 * distance);
+    else if (rgb) tone.setHex(view.getUint32(start + rgb[1], little) & 0xffffff);
+    else tone.setHSL(0.66 * distance, 0.9, 0.5);
     tone.toArray(colors, at);
     at += 3;
   }
