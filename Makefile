@@ -83,7 +83,7 @@ $(VENV)/.venv:
 	touch $@
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/.venv
-	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim,tui,view]'
+	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim,tui,view,web]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/.venv

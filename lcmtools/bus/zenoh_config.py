@@ -11,7 +11,7 @@ from lcmtools.bus.zenoh_url import LOOPBACK, ZenohPlace
 _LOOPBACK_INTERFACE = "lo0" if sys.platform == "darwin" else "lo"
 _MARK = "6c636d746f6f6c73"  # "lcmtools": the first half of the ids of its sessions
 _DELAY_MS = 300  # for who is alone; others answer within milliseconds, on a busy computer later
-_LET_GO_US = 1_000_000
+_US = 1_000_000
 _LEASE_MS = 4000  # of silence, after which a connection counts as lost
 
 
@@ -27,7 +27,7 @@ def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
         return name
     common = {
         **name,
-        "transport/link/tx/queue/congestion_control/block/wait_before_close": _LET_GO_US,
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": place.patience * _US,
         "transport/link/tx/lease": _LEASE_MS,
     }
     if place.is_client:

@@ -6,7 +6,8 @@
     zenoh:///etc/zenoh.json5       as a configuration file of Zenoh says
 
 Options: ``prefix`` of the keys; ``listen``, an address at which others may connect; ``interface``,
-the network on which to look for others, and whose programs may connect.
+the network on which to look for others, and whose programs may connect; ``patience``, the seconds
+after which a program that does not read is let go.
 """
 
 import re
@@ -21,8 +22,9 @@ DEFAULT_PORT = 7447
 """The port of Zenoh's routers."""
 SCOUTING_GROUP = "224.0.0.224:7446"
 """The group at which Zenoh's programs look for others."""
-OPTIONS = ("prefix", "listen", "interface")
+OPTIONS = ("prefix", "listen", "interface", "patience")
 LOOPBACK = "loopback"
+_DIGITS = 4  # of a number of seconds that makes sense
 
 _ADDRESS = re.compile(r"(?P<host>\[[0-9a-fA-F:.]+\]|[^:\[\]/\s]+)(?::(?P<port>\d{1,5}))?")
 _EXAMPLE = f"write 'zenoh://', 'zenoh://HOST:{DEFAULT_PORT}' or 'zenoh:///path/to/config.json5'"
@@ -57,6 +59,7 @@ class ZenohPlace(NamedTuple):
         listen: The address at which others may connect besides; None for none.
         interface: The network on which to look for others; "loopback" for this computer alone.
         keys: The keys of the channels.
+        patience: The time [s] that a program which does not read may hold up others.
     """
 
     hosts: tuple[Address, ...] = ()
@@ -65,6 +68,7 @@ class ZenohPlace(NamedTuple):
     listen: Address | None = None
     interface: str = LOOPBACK
     keys: Keys = Keys()
+    patience: int = 1
 
     @property
     def is_client(self) -> bool:
@@ -88,6 +92,7 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
         listen=_address(where, options["listen"]) if "listen" in options else None,
         interface=options.get("interface", LOOPBACK),
         keys=Keys(prefix),
+        patience=_seconds(where, options.get("patience", "1")),
     )
     if network.startswith("/"):
         return place._replace(file=network)
@@ -101,6 +106,12 @@ def locator_address(locator: str) -> Address | None:
     """Return the host and port of a locator of Zenoh ("tls/robot:7447"); None without one."""
     found = _ADDRESS.fullmatch(re.split("[?#]", locator)[0].partition("/")[2])
     return Address(found["host"], int(found["port"] or DEFAULT_PORT)) if found else None
+
+
+def _seconds(where: str, text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= _DIGITS and int(text)):
+        raise InvalidUrl(f"{where}: patience={text} is not a number of seconds", "write patience=1")
+    return int(text)
 
 
 def _address(where: str, text: str) -> Address:

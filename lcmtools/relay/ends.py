@@ -18,6 +18,7 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
+_PATIENCE = 10  # [s]
 _LOOPBACK = "127."
 _MOST_HOPS = 16  # relays that a message may pass
 
@@ -125,7 +126,9 @@ class ZenohEnd:
         from lcmtools.bus.zenoh_listener import ZenohListener
 
         self.trouble = ""
-        self._listener = ZenohListener(url, self._note)
+        # a long line that loses packets stalls for seconds, where a neighbour would read again
+        patient = url.with_option("patience", str(_PATIENCE))
+        self._listener = ZenohListener(patient, self._note)
 
     def receive(self, timeout: float) -> list[Packet]:
         """See ``BusEnd``."""

@@ -69,8 +69,8 @@ _NO_DATA = {
         "lab start",
         "plot",
         "bag play",
-        "bag record",
         "bag plot",
+        "foxglove",
     )
 }
 """Commands that do something, and so have nothing to give as JSON."""

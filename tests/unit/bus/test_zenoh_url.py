@@ -58,6 +58,9 @@ def test_zenoh_group_and_file_and_prefix() -> None:
         ("zenoh://tcp/host:7447", "'tcp/host:7447' is not a host and port"),
         ("zenoh://?listen=", "'' is not a host and port"),
         ("zenoh://?prefix=/lcm", "'/lcm' is not a prefix of Zenoh's keys"),
+        ("zenoh://?patience=long", "patience=long is not a number of seconds"),
+        ("zenoh://?patience=0", "patience=0 is not a number of seconds"),
+        ("zenoh://?patience=10000", "patience=10000 is not a number of seconds"),
     ],
 )
 def test_wrong_zenoh_url_is_explained(url: str, fault: str) -> None:

@@ -24,7 +24,8 @@ EXPECTED_NAMES = {
         Vector3 Vector3Stamped Wrench WrenchStamped""",
     "lcmtools_msgs": """
         Announcement CallbackError Endpoint Parameter Parameters_Request Parameters_Response Probe
-        ServiceReply ServiceRequest Shutdown""",
+        RelayEnd RelayLink RelayReport RelayStep RemoteAnnouncement ServiceReply ServiceRequest
+        Shutdown""",
     "nav_msgs": "GridCells MapMetaData OccupancyGrid Odometry Path",
     "rosgraph_msgs": "Clock Log TopicStatistics",
     "sensor_msgs": """
