@@ -15,8 +15,8 @@ _NO_BUILD = "lcmtools run NODE starts a node as it is; lcmtools pkg build checks
 _LOG = "lcmtools bag info FILE shows what is in a log, bag plot draws it, bag play publishes it"
 _LOOK = "lcmtools gui world shows the robots, gui image a camera's images, gui topics all topics"
 _PANELS = (
-    "lcmtools gui opens topics, plots, images, the graph and steering in the browser; spy, plot, graph"
-    " and run steering do so in the terminal"
+    "lcmtools gui opens topics, plots, images, the graph and steering in the browser; spy, plot,"
+    " graph and run steering do so in the terminal"
 )
 _NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 
@@ -107,7 +107,7 @@ _INSTEAD: Mapping[str, Instead] = {
     "rqt_image_view": _image_view,
     "rqt_plot": "lcmtools gui plot TOPIC/FIELD draws in the browser, lcmtools plot in the terminal",
     "rqt_reconfigure": "lcmtools param list -v shows the parameters, param set changes one",
-    "rqt_robot_steering": "lcmtools gui steer TOPIC, or lcmtools run steering TOPIC in the terminal",
+    "rqt_robot_steering": "lcmtools gui steer TOPIC, or run steering TOPIC in the terminal",
     "rqt_topic": ("spy",),
     "rviz": _LOOK,
     "rviz2": _LOOK,

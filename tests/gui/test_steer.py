@@ -19,6 +19,7 @@ TOPIC = "/husky0/cmd_vel"
 _LONG = 40.0  # [s] for what comes
 _MOST = 900  # speeds, thirty seconds of them
 _FAST, _SLOW = 0.2, 0.01  # [m/s]
+_STEADY = 7  # commands
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -91,8 +92,11 @@ def test_the_joystick_drives_until_it_is_let_go(
     hold_joystick(page)
     moves(module_bus_url)
     speeds_sent = (commands().linear.x for _ in itertools.count())
-    held = list(itertools.islice(itertools.dropwhile(lambda one: not one, speeds_sent), 8))
-    assert held[1:] == [pytest.approx(0.5, abs=0.01)] * 7
+    in_a_row = 0  # a page that a busy computer holds up for 0.35 s is stopped, and drives again
+    while in_a_row < _STEADY:
+        speed = next(speeds_sent)
+        assert speed == pytest.approx(0.5, abs=0.01) or not speed or not in_a_row
+        in_a_row = in_a_row + 1 if speed == pytest.approx(0.5, abs=0.01) else 0
     page.mouse.up()
     stands(module_bus_url)
     assert {round(one, 2) for one in itertools.takewhile(bool, speeds_sent)} <= {0.5}

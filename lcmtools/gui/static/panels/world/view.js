@@ -32,6 +32,8 @@ const SHADOW_REACH = 14; // [m]
 export class View {
   /** @param {HTMLElement} place throws where there is no WebGL */
   constructor(place) {
+    // three.js writes an error to the console before it throws
+    if (!document.createElement("canvas").getContext("webgl2")) throw new Error("no WebGL");
     this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
