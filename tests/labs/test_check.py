@@ -176,7 +176,7 @@ def test_a_picture_that_is_upside_down_is_found(
 def test_a_mover_with_the_wrong_rate_and_circle_is_measured(
     check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dolly, "_SOME", 5)
+    monkeypatch.setattr(dolly, "SOME", 5)
     rows = check("dolly", "--rate", "12", "--mover", source=ONE_HERTZ)
     assert not_ok(rows) == ["rate of commands", "velocity commanded", "circle that it drives"]
     rate = str(rows["rate of commands"]["measured"]).removesuffix(" Hz")

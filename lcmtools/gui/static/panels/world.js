@@ -3,7 +3,7 @@
 import { color, element, iconButton, fill, set, write } from "../elements.js";
 import { stylesheet } from "./stylesheet.js";
 import { Display, TYPES } from "./world/displays.js";
-import { Frames } from "./world/frames.js";
+import { Frames, product } from "./world/frames.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
 import { Simulator } from "./world/simulator.js";
@@ -12,6 +12,7 @@ import { View } from "./world/view.js";
 /**
  * @typedef {import("./world/frames.js").Pose} Pose
  * @typedef {{topic: string, type: string, rate: number | null, silent: boolean}} Topic
+ * @typedef {{name: string, frame: string, at?: Pose}} Body
  * @typedef {"look" | "move" | "pose"} Tool
  */
 
@@ -276,25 +277,27 @@ export default class World {
   }
 
   /**
-   * The bodies that move, by their names, each with its frame.
-   * @returns {{name: string, frame: string}[]}
+   * The bodies that move, by their names, each with its frame, or its pose in one.
+   * @returns {Body[]}
    */
   bodies() {
-    /** @type {Map<string, string>} */
+    /** @type {Map<string, {frame: string, at?: Pose}>} */
     const found = new Map();
     for (const { display } of this.displays.values()) {
       for (const { frame, ns } of display.parts) {
-        if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, frame);
+        if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, { frame });
       }
       const { latest } = display;
       if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
-        found.set(`${display.topic}`, latest.child || latest.frame);
+        // transforms may say of the same frame what another odometry measures
+        const isSame = this.frames.frames.get(latest.child)?.parent === latest.frame;
+        found.set(display.topic, isSame ? { frame: latest.child } : { frame: latest.frame, at: latest.pose });
       }
     }
     /** @param {string} name */
     const rank = (name) => (this.displays.has(name) ? 2 : name.startsWith("/") ? 0 : 1);
     return [...found]
-      .map(([name, frame]) => ({ name, frame }))
+      .map(([name, where]) => ({ name, ...where }))
       .sort((a, b) => rank(a.name) - rank(b.name) || a.name.localeCompare(b.name, undefined, { numeric: true }));
   }
 
@@ -334,18 +337,29 @@ export default class World {
   /** @param {number} now */
   follow(now) {
     const body = this.bodies().find(({ name }) => name === this.kept.follow);
-    const pose = body ? this.frames.pose(body.frame, this.fixed, now) : null;
+    const pose = body ? this.poseOf(body, now) : null;
     if (pose && this.followed) {
       this.view?.shift(pose[0] - this.followed[0], pose[1] - this.followed[1], pose[2] - this.followed[2]);
     }
     this.followed = pose;
   }
 
+  /**
+   * A body's pose in the fixed frame; null where nothing connects them.
+   * @param {Body} body
+   * @param {number} now [ms]
+   * @returns {Pose | null}
+   */
+  poseOf({ frame, at }, now) {
+    const pose = this.frames.pose(frame, this.fixed, now);
+    return pose && at ? product(pose, at) : pose;
+  }
+
   /** @param {number} now */
   listPoses(now) {
-    const bodies = this.bodies().flatMap(({ name, frame }) => {
-      const pose = this.frames.pose(frame, this.fixed, now);
-      return pose ? [{ name, pose }] : [];
+    const bodies = this.bodies().flatMap((body) => {
+      const pose = this.poseOf(body, now);
+      return pose ? [{ name: body.name, pose }] : [];
     });
     this.sidebar.setBodies(bodies);
     for (const [topic, { display }] of this.displays) {
@@ -358,7 +372,7 @@ export default class World {
 
   resetView() {
     const body = this.bodies().find(({ name }) => name === this.kept.follow) ?? this.bodies()[0];
-    const pose = body ? this.frames.pose(body.frame, this.fixed, performance.now()) : null;
+    const pose = body ? this.poseOf(body, performance.now()) : null;
     this.hasLooked = true;
     this.view?.lookFromBehind(pose ? [pose[0], pose[1], 0.3] : [0, 0, 0.3]);
     this.keepCamera();
@@ -372,7 +386,7 @@ export default class World {
   /** @param {string} name */
   lookAt(name) {
     const body = this.bodies().find((one) => one.name === name);
-    const pose = body ? this.frames.pose(body.frame, this.fixed, performance.now()) : null;
+    const pose = body ? this.poseOf(body, performance.now()) : null;
     if (!pose || !this.view) return;
     const { target } = this.view.controls;
     this.view.shift(pose[0] - target.x, pose[1] - target.y, 0.2 - target.z);
