@@ -122,6 +122,7 @@ class KnownRelays:
         self.own = own
         self._others: dict[str, tuple[Link, int]] = {}  # with the time of the newest number
         self._addresses: dict[str, str] = {}
+        self._forgotten: dict[str, int] = {}  # with their last numbers, which others may repeat
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
     def learn(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
@@ -135,20 +136,23 @@ class KnownRelays:
             self._addresses[report.end] = address
         for link in report.links:
             known = self._others.get(link.id)
-            is_newer = known is None or link.number > known[0].number
+            number = known[0].number if known else self._forgotten.get(link.id, -1)
+            is_newer = link.number > number
             if link.id != self.own.id and is_newer and len(self._others) < _MOST_RELAYS:
                 self._others[link.id] = link, now
+                self._forgotten.pop(link.id, None)
         self._refresh(now)
         return self._essence() != before
 
     def expire(self, now: int) -> bool:
         """Forget those that are silent; return whether anything changed."""
         before = self._essence()
-        self._others = {
-            identifier: (link, time)
-            for identifier, (link, time) in self._others.items()
-            if now - time <= (STALE_AFTER if link.state is not State.LEFT else 3 * STALE_AFTER)
-        }
+        for link, time in list(self._others.values()):
+            if now - time > (STALE_AFTER if link.state is not State.LEFT else 3 * STALE_AFTER):
+                del self._others[link.id]
+                if len(self._forgotten) >= _MOST_RELAYS:
+                    self._forgotten.clear()
+                self._forgotten[link.id] = link.number
         self._refresh(now)
         return self._essence() != before
 

@@ -129,6 +129,23 @@ def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
     assert known.carrying() == {"1"}
 
 
+def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it() -> None:
+    pairs = ((0, 1), (0, 1), (0, 1))
+    dead = replace(_links(pairs)[0], number=7)
+    one, other = _known(pairs, 1), _known(pairs, 2)
+    for at, known in ((1, one), (2, other)):
+        known.learn(Knowledge("0/0", (dead,)), f"{known.own.id}/0", at * SECOND)
+    for second in range(3, 10):  # each forgets it while the other has it still
+        for known, teller in ((one, other), (other, one)):
+            known.expire(second * SECOND + 1)
+            known.update(State.STANDBY, known.own.ends)
+            report = Knowledge(f"{teller.own.id}/0", teller.links())
+            known.learn(report, f"{known.own.id}/0", second * SECOND + 1)
+    assert "0" not in {link.id for link in (*one.links(), *other.links())}
+    back = replace(dead, number=8)
+    assert one.learn(Knowledge("0/0", (back,)), "1/0", 10 * SECOND)
+
+
 def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
     pairs = ((0, 1), (0, 1))
     younger = _links(pairs)[1]
