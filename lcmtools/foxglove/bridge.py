@@ -28,6 +28,7 @@ from lcmtools.wire.packet import Packet
 _TURN = 0.05  # [s] at most until a client's wish is attended to
 _LOOK_PERIOD = 0.4  # [s] between looks at the graph
 _AGAIN = 0.5  # [s] before a network that fails is tried again
+_AT_ONCE = 32  # topics that are offered together: for whom too much waits, is disconnected
 
 
 @dataclass(slots=True)
@@ -90,8 +91,8 @@ class Bridge(AbstractContextManager["Bridge"]):
                 server.tell("bus", trouble)
                 self._notify(trouble or "the bus is back")
             if time.monotonic() >= next_look:
-                next_look = time.monotonic() + _LOOK_PERIOD
-                self._look(self._monitor.graph(), server)
+                has_more = self.look(self._monitor.graph(), server)
+                next_look = time.monotonic() + (_TURN if has_more else _LOOK_PERIOD)
 
     # What clients do, on threads of the server
 
@@ -149,8 +150,12 @@ class Bridge(AbstractContextManager["Bridge"]):
         self._subscribers[topic] -= 1
         self._attend(topic)
 
-    def _look(self, graph: Graph, server: FoxgloveServer) -> None:
-        """Offer what is new, and take back what is gone or of another type now."""
+    def look(self, graph: Graph, server: FoxgloveServer) -> bool:
+        """Offer what is new, and take back what is gone or of another type now.
+
+        Returns whether there is more to offer.
+        """
+        most = len(self._offers) + _AT_ONCE
         topics = {one.name: one for one in graph.topics() if self._topics.includes(one.name)}
         for name in self._offers.keys() - topics.keys():
             self._take_back(name)
@@ -158,7 +163,7 @@ class Bridge(AbstractContextManager["Bridge"]):
             cls, offer = self._class_of(topic), self._offers.get(name)
             if offer and cls and offer.cls is not cls:
                 self._take_back(name)
-            if cls and name not in self._offers:
+            if cls and name not in self._offers and len(self._offers) < most:
                 channel = server.offer(name, *self._schemas.of(cls))
                 self._offers[name] = _Offer(cls, channel)
             if offer := self._offers.get(name):
@@ -169,6 +174,7 @@ class Bridge(AbstractContextManager["Bridge"]):
         if wanted != self._announced:
             self._announced = wanted
             self._monitor.listen_to(wanted)
+        return len(self._offers) == most
 
     def _take_back(self, name: str) -> None:
         offer = self._offers.pop(name)

@@ -1,0 +1,44 @@
+"""The topics that are offered to Foxglove, without a server."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.bus.url import parse_url
+from lcmtools.foxglove.bridge import Bridge
+from lcmtools.foxglove.websocket import FoxgloveServer
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.observe.find import GLOBAL
+from lcmtools.observe.monitor import BusMonitor
+
+
+class Server:
+    """Notes what is offered, and what is taken back."""
+
+    def __init__(self) -> None:
+        self.offered: list[str] = []
+
+    def offer(self, topic: str, *_: object) -> Any:
+        """Take note of a topic."""
+        self.offered.append(topic)
+        return SimpleNamespace(close=lambda: self.offered.remove(topic))
+
+    def draw(self, _: object) -> None:
+        """Draw nothing."""
+
+
+def test_many_new_topics_are_offered_a_few_at_a_time() -> None:
+    """A client for whom too many of them wait is disconnected by the package."""
+    server = Server()
+    monitor = SimpleNamespace(types_of=lambda _: (), url=parse_url("memq://"), listen_to=print)
+    ends = [Endpoint(f"/t{number}", Role.PUBLISHER, ("std_msgs/String",)) for number in range(70)]
+    graph = Graph((Node("/n", "/n", "h", 7, endpoints=tuple(ends)),))
+    bridge = Bridge(cast("BusMonitor", monitor), RecordedTopics((), GLOBAL), print)
+    counts = []
+    has_more = True
+    while has_more:
+        has_more = bridge.look(graph, cast("FoxgloveServer", server))
+        counts.append(len(server.offered))
+    assert counts == [32, 64, 70]
+    assert not bridge.look(Graph(), cast("FoxgloveServer", server))
+    assert server.offered == []
