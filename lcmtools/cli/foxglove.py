@@ -80,5 +80,5 @@ def command(
         bridge = stack.enter_context(Bridge(monitor, choice, notify, node, may_publish))
         encodings = bridge.publishing.encodings if bridge.publishing else ()
         server = stack.enter_context(FoxgloveServer((host, port), bridge, encodings))
-        notify(f"open a connection to ws://{host}:{server.port} in Foxglove or Lichtblick")
-        bridge.serve(server)
+        ready = f"open a connection to ws://{host}:{server.port} in Foxglove or Lichtblick"
+        bridge.serve(server, lambda: notify(ready))

@@ -80,9 +80,16 @@ class Bridge(AbstractContextManager["Bridge"]):
         """Follow nothing any more."""
         self._following.close()
 
-    def serve(self, server: FoxgloveServer) -> None:
-        """Serve until an exception ends it, as Ctrl-C does."""
+    def serve(self, server: FoxgloveServer, on_ready: Callable[[], None]) -> None:
+        """Serve until an exception ends it, as Ctrl-C does.
+
+        ``on_ready`` is called when all present topics are offered: the package refuses now and then
+        who subscribes to a topic in the moment in which it is offered.
+        """
         self._monitor.discover()
+        while self.look(self._monitor.graph(), server):
+            self._receive()
+        on_ready()
         next_look = 0.0
         while True:
             trouble = self._receive()
