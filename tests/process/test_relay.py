@@ -279,6 +279,38 @@ def test_commands_pass_only_where_they_are_named(
     wait_until(lambda: running.link and running.link.ends[0].left_out >= 4)
 
 
+def test_one_way_lets_nothing_back(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[..., str],
+    join: Callable[[str], LcmBus],
+    wait_until: WaitUntil,
+) -> None:
+    one, other = urls(), urls()
+    running = relay(one, other, Rules(one_way=True))
+    here, there = join(one), join(other)
+    back, last = _hears(here, "/back"), _hears(there, "/last")
+    there.publish("/back", b"12345678")
+    wait_until(lambda: running.link and running.link.ends[1].left_out)
+    here.publish("/last", b"12345678")
+    wait_until(lambda: last)
+    assert not back
+
+
+def test_a_latched_message_comes_to_who_is_late_on_the_other_bus(
+    relay: Callable[..., RunningRelay],
+    urls: Callable[..., str],
+    cli: Callable[..., Any],
+    start: Start,
+    lcmtools_path: str,
+) -> None:
+    one, other = urls(), urls()
+    words = ("pub", "--latch", "/map_name", "std_msgs/String", "data: hall", "--lcm-url", one)
+    start(lcmtools_path, *words).wait_for("latching")
+    relay(one, other)
+    late = cli("echo", "/map_name/data", "-n", "1", "--lcm-url", other, "--timeout", "20")
+    assert late.out == '"hall"\n---\n'
+
+
 def test_a_rate_keeps_some(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
