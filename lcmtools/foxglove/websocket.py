@@ -6,7 +6,8 @@ from contextlib import AbstractContextManager
 from typing import Any, Protocol, cast
 
 from lcmtools.bag.ros_types import Schema
-from lcmtools.errors import BusError, MissingExtra
+from lcmtools.errors import BusError
+from lcmtools.foxglove.schemas import missing_extra
 
 _MOST_WAITING = 256
 """Messages that wait for a slow client; of more the oldest are left out."""
@@ -70,8 +71,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
             import foxglove
             from foxglove.websocket import Capability, StatusLevel
         except ImportError as error:
-            hint = "pip install -e '.[foxglove]'"
-            raise MissingExtra("foxglove needs the extra 'foxglove'", hint) from error
+            raise missing_extra() from error
         logging.getLogger("foxglove").addHandler(logging.NullHandler())  # of clients that are gone
         self._package: Any = foxglove
         self._level = StatusLevel.Error

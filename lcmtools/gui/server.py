@@ -8,6 +8,7 @@ import contextlib
 import errno
 import logging
 import mimetypes
+import os
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from pathlib import Path
@@ -217,4 +218,7 @@ def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
         return LcmtoolsError(
             f"port {port} is not permitted", "choose one from 1024 on: --port 7680"
         )
-    return LcmtoolsError(f"cannot listen on {address}: {error.strerror or error}")
+    # asyncio puts a sentence about itself in place of the system's; negative are those of names
+    number = error.errno or 0
+    reason = os.strerror(number) if number > 0 else error.strerror or str(error)
+    return LcmtoolsError(f"cannot listen on {address}: {reason}")

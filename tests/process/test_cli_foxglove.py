@@ -179,12 +179,13 @@ def test_a_port_that_is_taken_is_an_error(serve: Start, cli: Start, bus_url: str
     assert (result.code, result.err) == (1, f"{said}; --port N takes another port\n")
 
 
+@pytest.mark.parametrize("missing", ["foxglove", "rosbags.typesys"])
 def test_a_missing_extra_is_named(
-    cli: Start, bus_url: str, monkeypatch: pytest.MonkeyPatch
+    cli: Start, bus_url: str, monkeypatch: pytest.MonkeyPatch, missing: str
 ) -> None:
     import sys
 
-    monkeypatch.setitem(sys.modules, "foxglove", None)
+    monkeypatch.setitem(sys.modules, missing, None)
     result = cli("foxglove", env={"LCM_DEFAULT_URL": bus_url})
     said = "foxglove needs the extra 'foxglove'; pip install -e '.[foxglove]'"
     assert (result.code, result.err) == (3, f"lcmtools foxglove: {said}\n")
