@@ -3,6 +3,7 @@
 One thread reads the bus, so that nothing waits for a disk; another one writes.
 """
 
+import bisect
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -94,9 +95,6 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         snapshot: Keep messages in memory until ``save`` is called; None to write all.
         paused: Begin paused.
 
-    Attributes:
-        is_paused: Messages are left out; may be changed at any time.
-
     Raises:
         LcmtoolsError: A file exists, or cannot be written; also at the end of the context.
     """
@@ -113,7 +111,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     ) -> None:
         self._monitor, self._choice, self._series = monitor, choice, series
         self._limits, self._snapshot = limits, snapshot
-        self.is_paused = paused
+        self._pauses = [(0, paused)]  # since when [ns since 1970]
         self._ring = Ring(snapshot) if snapshot else None
         self._is_requested = False
         self._saves_until = 0  # [ns since 1970]
@@ -156,6 +154,15 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         error, self._error = self._error, None
         if error is not None:
             raise error
+
+    @property
+    def is_paused(self) -> bool:
+        """True if messages that arrive now are left out; may be set at any time."""
+        return self._pauses[-1][1]
+
+    @is_paused.setter
+    def is_paused(self, paused: bool) -> None:
+        self._pauses.append((time.time_ns(), paused))
 
     @property
     def is_of_snapshots(self) -> bool:
@@ -224,14 +231,18 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             for packet in packets:
                 if packet.channel == NODE_CHANNEL and self._notes.take_node(packet, self._writer):
                     self._is_new_graph = True
-        if self.is_paused:
-            return
+        if len(self._pauses) > 1 or self.is_paused:
+            wanted = [packet for packet in wanted if not self._was_paused(packet.time)]
         if self._limits.messages is not None:
             wanted = [packet for packet in wanted if self._is_within(packet.channel)]
         if self._ring is not None and self._snapshot is not None:
             self._keep(wanted, self._ring, self._snapshot)
         elif wanted:
             self._add(wanted)
+
+    def _was_paused(self, arrival: int) -> bool:
+        """Return whether a message that arrived then is left out, however late it is read."""
+        return self._pauses[bisect.bisect(self._pauses, (arrival, True)) - 1][1]
 
     def _is_within(self, channel: str) -> bool:
         """Count a message; return whether it is within the bound of its topic."""

@@ -194,11 +194,7 @@ def test_a_pause_leaves_messages_out(bus_url: str, path: Path, wait_until: WaitU
         wait_until(lambda: recorder.progress().messages == 1)
         recorder.is_paused = True
         _publish(plain, "B", 1)
-        tap = recorder._monitor.tap
-        wait_until(lambda: any(one.messages == 2 for one in tap.sequences.values()))
-        recorder._monitor.graph()
-        wait_until(lambda: any(t.channel == "B" for t in recorder._monitor.graph().traffic))
-        recorder.is_paused = False
+        recorder.is_paused = False  # before B is read, as a rule
         _publish(plain, "C", 1)
         wait_until(lambda: recorder.progress().messages == 2)
     assert [len(_payloads(path, channel)) for channel in "ABC"] == [1, 0, 1]
