@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from lcmtools.bus.records import NodeRecords
 from lcmtools.errors import BusError
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.graph.protocol import (
@@ -31,6 +32,7 @@ class Presence:
         node: The node.
         send: Publishes a payload on a channel; raises BusError where it cannot.
         on_shutdown: Called when another program requests this one to end; None to ignore that.
+        records: The records of the nodes that run; None for none.
 
     Attributes:
         node: The node as it is announced.
@@ -43,8 +45,12 @@ class Presence:
         node: Node,
         send: Callable[[str, bytes], None],
         on_shutdown: Callable[[], None] | None = None,
+        records: NodeRecords | None = None,
     ) -> None:
         self.node = node
+        self._records = records
+        if records:
+            records.write(node)
         self.trouble = ""
         self.send, self._on_shutdown = send, on_shutdown
         self._next = 0.0
@@ -73,6 +79,8 @@ class Presence:
 
     def announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         """Announce the node now."""
+        if leaving and self._records:
+            self._records.remove(self.node.id)
         announcement = Announcement(self.node, leaving, answers)
         # a network that is gone may come back: the next announcement is a period later
         try:

@@ -22,6 +22,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import NoReturn
 
+from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.model import RelayStep
@@ -93,8 +94,13 @@ class Relay(AbstractContextManager["Relay"]):
         ends = here.state(), there.state()
         self._known = KnownRelays(Link(identifier, node.name, node.host, ends))
         self._presences = tuple(
-            Presence(replace(node, ports=side.end.ports[1:]), side.talk, on_shutdown)
-            for side in self._sides
+            Presence(
+                replace(node, ports=side.end.ports[1:]),
+                side.talk,
+                on_shutdown,
+                NodeRecords(url, os.environ),
+            )
+            for side, url in zip(self._sides, urls, strict=True)
         )
         self._announced = tuple(
             Announced(

@@ -1,13 +1,17 @@
 """Names of a stranger's types, hosts and values neither steer the terminal nor begin a line."""
 
 import json
+import os
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import pytest
 
 from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import (
@@ -32,7 +36,7 @@ _ENDPOINTS = (
 def stranger(bus_url: str) -> Iterator[Run]:
     """A node that has such names; run commands beside it."""
     bus = LcmBus(parse_url(bus_url))
-    node = Node("/stranger", "id", _EVIL, 1, command=_EVIL, endpoints=_ENDPOINTS)
+    node = Node("/stranger", "id", _EVIL, os.getpid(), command=_EVIL, endpoints=_ENDPOINTS)
 
     def answer(payload: bytes, _time: int) -> None:
         probe = decode_probe(payload)
@@ -40,12 +44,16 @@ def stranger(bus_url: str) -> Iterator[Run]:
         bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, answers=probe.nonce)))
 
     bus.subscribe(PROBE_CHANNEL, answer)
+    records = NodeRecords(parse_url(bus_url), os.environ)
+    # who looks waits for it, however busy this process is
+    records.write(replace(node, host=socket.gethostname()))
 
     def run(*words: str) -> subprocess.CompletedProcess[bytes]:
         command = [sys.executable, "-m", "lcmtools", *words, "--lcm-url", bus_url]
         return subprocess.run(command, capture_output=True, check=True, timeout=60)
 
     yield run
+    records.remove(node.id)
     bus.close()
 
 

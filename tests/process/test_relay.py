@@ -1,6 +1,7 @@
 """Relays between buses: what arrives, once and in order, and who is seen on the other side."""
 
 import json
+import os
 import signal
 import threading
 import time
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 
 from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.relay import Relay, attend
@@ -238,8 +240,14 @@ def test_nodes_are_seen_on_the_other_bus_with_their_own(
     wait_until(lambda: "is on another bus and cannot be shut down" in cli(*kill, env=env).err)
     answered = cli("node", "ping", "/robot7/talker", env=env, until="time=")
     assert "reply from /robot7/talker" in answered.out
+    recorded = [
+        {node.name for node in NodeRecords(parse_url(url), os.environ).read()}
+        for url in (one, other)
+    ]
     running.end()
     assert "talker" not in cli("node", "list", env=env).out
+    assert recorded == [{"/talker", "/relay_0"}, {"/relay_0"}]  # who looks waits for it
+    assert not list(NodeRecords(parse_url(other), os.environ).read())
 
 
 def test_parameters_and_services_work_through_a_relay(
