@@ -110,9 +110,15 @@ class Playlist(AbstractContextManager["Playlist"]):
         for log, _ in self._logs:
             log.close()
 
-    def messages(self, start: int, end: int) -> Iterator[Played]:
-        """Yield the messages from one time to another, both included [ns since 1970]."""
-        topics = {track.channel: track.topic for track in self.tracks}
+    def messages(
+        self, start: int, end: int, only: Collection[str] | None = None
+    ) -> Iterator[Played]:
+        """Yield the messages from one time to another, both included [ns since 1970].
+
+        ``only`` has the topics that are wanted; None for all.
+        """
+        tracks = (one for one in self.tracks if only is None or one.topic in only)
+        topics = {track.channel: track.topic for track in tracks}
         parts = [_messages(log, blocks, (start, end), topics) for log, blocks in self._logs]
         return parts[0] if len(parts) == 1 else heapq.merge(*parts, key=lambda one: one.time)
 

@@ -5,7 +5,8 @@ from contextlib import ExitStack
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
-from lcmtools.cli.options import bus_options, names_options
+from lcmtools.cli.options import bus_options, json_option, names_options
+from lcmtools.cli.output import document
 from lcmtools.errors import UsageError
 
 _ALL = "**"
@@ -50,6 +51,7 @@ _LAST_PORT = 65535
     default="127.0.0.1",
     help="The address to listen at (else 127.0.0.1).",
 )
+@json_option
 def command(
     topics: tuple[str, ...],
     *,
@@ -57,13 +59,14 @@ def command(
     allowed: tuple[str, ...],
     port: int,
     host: str,
+    as_json: bool,
 ) -> None:
     """Serve the bus to Foxglove and Lichtblick, until Ctrl-C.
 
     Every topic but hidden ones is offered with the type of ROS 1 that its messages have; in
     Foxglove, "Open connection" takes the address. TOPIC may be a pattern in quotes. Only what a
     panel asks for is decoded. With --allow-publish its panels may publish: so may any web page that
-    is open on this computer.
+    is open on this computer. --json prints the address for scripts, once all topics are offered.
     """
     from lcmtools.foxglove.bridge import Bridge
     from lcmtools.foxglove.websocket import FoxgloveServer
@@ -80,5 +83,12 @@ def command(
         bridge = stack.enter_context(Bridge(monitor, choice, notify, node, may_publish))
         encodings = bridge.publishing.encodings if bridge.publishing else ()
         server = stack.enter_context(FoxgloveServer((host, port), bridge, encodings))
-        ready = f"open a connection to ws://{host}:{server.port} in Foxglove or Lichtblick"
-        bridge.serve(server, lambda: notify(ready))
+        address = f"ws://{host}:{server.port}"
+
+        def say() -> None:
+            if as_json:
+                document({"address": address})
+            else:
+                notify(f"open a connection to {address} in Foxglove or Lichtblick")
+
+        bridge.serve(server, say)

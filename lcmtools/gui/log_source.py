@@ -5,7 +5,8 @@ A thread owns the player. What pages want is done by it, between two messages.
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from queue import Empty, SimpleQueue
@@ -32,6 +33,7 @@ _PERIOD = 0.2  # [s] between two snapshots
 _MOST = 2000  # messages between two looks at what pages want
 _BINS = 300  # of the time line
 _MOST_MARKS = 1000
+_MOST_READ = 100_000  # messages that a plot of the whole log is made of
 
 
 class LogSource:
@@ -82,6 +84,24 @@ class LogSource:
                 self._wish(lambda: self._remove(channel, take))
 
         return end
+
+    def read(self, topics: Collection[str]) -> tuple[int, Iterator[Packet]]:
+        """Return n, and each n-th message of topics, from start to end; n is 1 unless they are many."""
+        count = sum(track.messages for track in self._playlist.tracks if track.topic in topics)
+        every = -(-count // _MOST_READ) or 1
+        counts: Counter[str] = Counter()
+
+        def is_wanted(one: Played) -> bool:
+            counts[one.topic] += 1
+            return (counts[one.topic] - 1) % every == 0
+
+        messages = self._playlist.messages(*self._playlist.span, topics)
+        return every, map(_packet, filter(is_wanted, messages))
+
+    @property
+    def start(self) -> float:
+        """The time of the first message [s since 1970]."""
+        return self._playlist.span[0] / NANOSECONDS
 
     def listen_to_all(self) -> End:
         """Do nothing: nobody listens to a log."""

@@ -15,7 +15,7 @@ def curves(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[[st
     def run(body: str) -> Any:
         return page.evaluate(
             """async () => {
-              const { Curves } = await import("/panels/curves.js");
+              const { Curves } = await import("/panels/plot/curves.js");
               const curves = new Curves();
               const add = (times, value, curve = 0, kept = 600) => {
                 const samples = times.flatMap((time) => [time, value(time), curve]);

@@ -1,5 +1,6 @@
 """A log in a browser: any moment by the time line, and the message of that moment."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -72,3 +73,19 @@ def test_nothing_can_be_published(log: Any) -> None:
     assert log.locator(".link").inner_text() == "log"
     log.click("text=Publish …")
     log.wait_for_selector("button:has-text('Publish'):disabled")
+
+
+def test_a_plot_has_the_whole_log_and_the_value_where_it_is_played(log: Any) -> None:
+    address = log.url.partition("#")[0]
+    log.goto("about:blank")
+    log.goto(panel_address(address, "plot", fields=["/count/data"]))
+    log.get_by_text("101 samples").wait_for()
+    log.focus(SLIDER)
+    log.keyboard.press("Home")
+    log.keyboard.press("ArrowRight")
+    row = log.locator(".plot-table tbody tr")
+    row.locator("td", has_text=re.compile(r"^5$")).wait_for()
+    log.locator(".plot-table th", has_text="at 5.00").wait_for()
+    with log.expect_download() as download:
+        log.get_by_role("button", name="CSV").click()
+    assert len(Path(download.value.path()).read_text().splitlines()) == 102

@@ -171,6 +171,14 @@ def test_nobody_publishes_by_default(serve: Start) -> None:
         assert "publish" in said.lower()
 
 
+def test_a_script_reads_the_address(start: Start, bus_url: str, lcmtools_path: str) -> None:
+    words = ("foxglove", "--port", "0", "--json")
+    program = start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
+    program.wait_for("}")
+    with _client(json.loads("".join(program.lines))["address"]) as client:
+        assert client.wait(lambda one: one.get("op") == "serverInfo")
+
+
 def test_a_port_that_is_taken_is_an_error(serve: Start, cli: Start, bus_url: str) -> None:
     _, url = serve()
     port = url.rpartition(":")[2]

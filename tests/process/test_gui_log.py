@@ -1,6 +1,7 @@
 """A log in the window, without a browser: its time line, and the message of each time."""
 
 import struct
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,9 @@ from typing import Any
 import pytest
 from fixtures.window import LivePage, LiveWindow
 
+from lcmtools.gui import log_source
 from lcmtools.gui.log_source import LogSource
+from lcmtools.gui.streams import plot
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
@@ -117,20 +120,44 @@ def test_the_time_line_shows_gaps_by_its_histogram(page: LivePage) -> None:
     assert about["losses"] == []
 
 
-def test_a_plot_begins_again_when_the_log_is_wound_back(page: LivePage) -> None:
+def test_a_plot_has_the_whole_log_wherever_it_is_played(page: LivePage) -> None:
     _play(page, "seek", time=50)
     page.open(1, "plot", fields=["/cmd/linear.x"])
-    for there in (60, 20):
-        _play(page, "seek", time=there)
-        page.until(lambda frame, there=there: _last_sample(frame) == (START / S + there, there))
+    frames: list[dict[str, Any]] = []
+    while len(_samples(frames)) < 241:
+        frames.append(page.until(lambda frame: frame.get("id") == 1))
+    assert frames[0]["start"] == START / S
+    assert _samples(frames) == [(START / S + at / 2, at / 2) for at in range(241)]
+    assert not any("problem" in frame for frame in frames)
 
 
-def _last_sample(frame: dict[str, Any]) -> tuple[float, float] | None:
-    payload = frame.get("payload", b"")
-    if frame.get("id") != 1 or not payload:
-        return None
-    time, value, _ = struct.unpack_from("<3d", payload, len(payload) - 24)
-    return time, value
+def test_of_a_long_log_each_nth_message_is_plotted(
+    page: LivePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(log_source, "_MOST_READ", 100)
+    page.open(1, "plot", fields=["/cmd/linear.x"])
+    frames: list[dict[str, Any]] = []
+    while len(_samples(frames)) < 81:
+        frames.append(page.until(lambda frame: frame.get("id") == 1))
+    assert frames[0]["every"] == 3
+    assert [value for _, value in _samples(frames)] == [at / 2 for at in range(0, 241, 3)]
+
+
+def test_a_page_that_goes_ends_the_reading_of_a_log(
+    page: LivePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plot, "_MOST_SAMPLES", 8)  # it waits for the page all the time
+    page.open(1, "plot", fields=["/cmd/linear.x"])
+    page.until(lambda frame: frame.get("payload"))
+    page.send(op="close", id=1)
+    assert page.request("ask", "timeline")["answer"]
+    assert "plot of a log" not in [thread.name for thread in threading.enumerate()]
+
+
+def _samples(frames: list[dict[str, Any]]) -> list[tuple[float, float]]:
+    """The times and values of the first curve."""
+    payload = b"".join(frame.get("payload", b"") for frame in frames)
+    return [(time, value) for time, value, curve in struct.iter_unpack("<3d", payload)]
 
 
 def test_rubbish_is_refused(page: LivePage) -> None:

@@ -55,11 +55,12 @@ def steer(window: WindowChoice, topic: str, linear: float, angular: float) -> No
     "gui plot /joint_states/position --window 30s",
 )
 @argument("fields", metavar="TOPIC/FIELD...", nargs=-1, completer="messages:topics_and_fields")
-@option("--window", "length", type=duration, default=10.0, help="The seconds shown (else 10s).")
-def plot(window: WindowChoice, fields: tuple[str, ...], length: float) -> None:
+@option("--window", "length", type=duration, help="The seconds shown (else 10s; of a log all).")
+def plot(window: WindowChoice, fields: tuple[str, ...], length: float | None) -> None:
     """Plot fields of messages over time in the browser.
 
-    An array is a curve for each element, a message one for each of its numbers.
+    An array is a curve for each element, a message one for each of its numbers. With --bag it is
+    the whole log, with a line where it is played.
     """
     open_window(window, "plot", fields=list(fields), window=length)
 

@@ -110,6 +110,16 @@ export function icon(name) {
 }
 
 /**
+ * Make a button with a text.
+ * @param {Child} label
+ * @param {(event: Event) => void} onclick
+ * @param {Record<string, any>} [attributes]
+ */
+export function button(label, onclick, attributes = {}) {
+  return element("button", { type: "button", ...attributes, onclick }, label);
+}
+
+/**
  * Make a button with an icon and a label for the screen reader and the pointer.
  * @param {keyof typeof ICONS} name
  * @param {string} label
@@ -119,19 +129,6 @@ export function icon(name) {
 export function iconButton(name, label, onclick, attributes = {}) {
   const about = { type: "button", class: "icon-button", "aria-label": label, title: label };
   return element("button", { ...about, ...attributes, onclick }, icon(name));
-}
-
-/**
- * Return a colour of style.css as the browser resolves it, for a canvas.
- * @param {string} name for example "--accent"
- */
-export function color(name) {
-  const probe = element("span");
-  probe.style.color = `var(${name})`;
-  document.body.append(probe);
-  const found = getComputedStyle(probe).color;
-  probe.remove();
-  return found;
 }
 
 /**

@@ -4,6 +4,7 @@ import { Connection } from "./connection.js";
 import { element, iconButton, openMenu, set, write } from "./elements.js";
 import { Layout } from "./layout.js";
 import { PANELS } from "./panels/index.js";
+import { isDark } from "./theme.js";
 import { Timeline } from "./timeline.js";
 
 const KEEP = "lcmtools.layout."; // before the name of a view, in the browser's storage
@@ -161,9 +162,7 @@ async function copyAddress() {
 }
 
 function changeTheme() {
-  const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
-  const now = document.documentElement.dataset.theme ?? (isDark ? "dark" : "light");
-  const next = now === "dark" ? "light" : "dark";
+  const next = isDark() ? "light" : "dark";
   store(THEME, next);
   showTheme(next);
   announce(`${next} colours`);

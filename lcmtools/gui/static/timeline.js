@@ -1,6 +1,7 @@
 // The time line of a log, at the bottom of the page: play, pause, step, rate, and any moment.
 
 import { drawing, element, fill, icon, iconButton, set, write } from "./elements.js";
+import { clockText } from "./texts.js";
 
 /**
  * @typedef {{time: number, length: number, rate: number, isPaused: boolean, isOver: boolean}} Position
@@ -287,5 +288,5 @@ function dateText(time) {
   const date = new Date(time * 1000);
   const two = (/** @type {number} */ value) => String(value).padStart(2, "0");
   const day = [date.getFullYear(), two(date.getMonth() + 1), two(date.getDate())].join("-");
-  return `${day} ${[date.getHours(), date.getMinutes(), date.getSeconds()].map(two).join(":")}`;
+  return `${day} ${clockText(time).slice(0, 8)}`;
 }

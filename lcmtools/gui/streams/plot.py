@@ -1,12 +1,17 @@
-"""The stream of a plot: the numbers of some fields, every one that comes, with its time."""
+"""The stream of a plot: the numbers of some fields, every one that comes, with its time.
+
+Of a log they are those from its start to its end, wherever it is played.
+"""
 
 import threading
 from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.model import Graph
+from lcmtools.gui.log_source import LogSource
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
@@ -50,7 +55,7 @@ class Plot(PageStream):
 
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
-        self._lock = threading.Lock()
+        self._lock = threading.Condition()
         self._fields = [_Fields(text) for text in parameters.texts("fields")]
         self._choice = parameters.number("choice", 0)
         self._curves: dict[str, int] = {}
@@ -59,6 +64,9 @@ class Plot(PageStream):
         self._followed: set[str] = set()
         self._seen: Snapshot | None = None
         self._told: Json = None
+        self._reader: threading.Thread | None = None  # of a log
+        self._about_log: dict[str, Json] = {}
+        self._is_closed = False
 
     def update(self) -> Update | None:
         """Return what has come since the last call."""
@@ -66,7 +74,8 @@ class Plot(PageStream):
         with self._lock:
             samples, self._samples = self._samples, array("d")
             left_out, self._left_out = self._left_out, 0
-        data: dict[str, Json] = {}  # and ``choice``: of which fields the page knows it to be
+            self._lock.notify_all()
+        data, self._about_log = self._about_log, {}
         if left_out:
             data["leftOut"] = left_out
         about = self._about()
@@ -75,19 +84,47 @@ class Plot(PageStream):
             data["curves"] = list(self._curves)
         if not samples and not data:
             return None
-        return Update({"choice": self._choice, **data}, samples.tobytes())
+        return Update({"choice": self._choice, **data}, samples.tobytes())  # of which fields it is
+
+    def close(self) -> None:
+        """Follow nothing any more, and read no more of a log."""
+        with self._lock:
+            self._is_closed = True
+            self._lock.notify_all()
+        super().close()
+        if self._reader:
+            self._reader.join()
 
     def _look(self) -> None:
         """Follow the topics that are there now."""
         latest = self.source.latest
         if latest is self._seen:
             return
-        self._seen = latest
+        is_first, self._seen = self._seen is None, latest
         for one in self._fields:
             one.learn(latest.graph)
             for topic in one.paths.keys() - self._followed:
                 self._followed.add(topic)
-                self.until_closed(self.source.follow(topic, self._take))
+                if not isinstance(self.source, LogSource):
+                    self.until_closed(self.source.follow(topic, self._take))
+        if isinstance(self.source, LogSource) and is_first:
+            every, packets = self.source.read(self._followed)
+            self._about_log = {"start": self.source.start, "every": every}
+            self._reader = threading.Thread(
+                target=self._read, args=[packets], name="plot of a log", daemon=True
+            )
+            self._reader.start()
+
+    def _read(self, packets: Iterator[Packet]) -> None:
+        """Take messages as fast as the page takes the samples."""
+        for packet in packets:
+            with self._lock:
+                self._lock.wait_for(
+                    lambda: self._is_closed or len(self._samples) < _SAMPLE * _MOST_SAMPLES // 4
+                )
+                if self._is_closed:
+                    return
+            self._take(packet)
 
     def _take(self, packet: Packet) -> None:
         try:
@@ -137,7 +174,8 @@ class Plot(PageStream):
         """Return why an argument has no curve; "" if all is well."""
         if one.mistake or not one.paths:
             return one.mistake or _unknown(one.text, self.source.latest.graph)
-        return "" if one.curves else absence(self.source, next(iter(one.paths)))
+        is_read = self._reader is not None and self._reader.is_alive()
+        return "" if one.curves or is_read else absence(self.source, next(iter(one.paths)))
 
 
 def _unknown(text: str, graph: Graph) -> str:

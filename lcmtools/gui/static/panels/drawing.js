@@ -1,6 +1,7 @@
 // A graph as SVG: places come from the server; here are its look, panning, zooming and walking.
 
 import { drawing, element, set, write } from "../elements.js";
+import { rateText } from "../texts.js";
 import { saveFile } from "./save.js";
 
 /**
@@ -157,7 +158,7 @@ export class GraphDrawing {
     const width = 1.2 + (rate ? Math.min(1.6, Math.log10(1 + rate) * 0.8) : 0);
     set(path, "stroke-width", width.toFixed(2));
     const to = edge.way[edge.way.length - 1];
-    write(text, rate === null ? topicsText(topics) : rate ? `${rateText(rate)} Hz` : "");
+    write(text, rate === null ? topicsText(topics) : rate ? rateText(rate) : "");
     if (to) {
       set(text, "x", to[0] - 13);
       set(text, "y", to[1] - 5);
@@ -435,11 +436,6 @@ function curve(way) {
     [x, y] = [u, v];
   });
   return path;
-}
-
-/** @param {number} rate */
-function rateText(rate) {
-  return rate >= 100 ? rate.toFixed(0) : rate.toFixed(1);
 }
 
 /** @param {string[]} topics */

@@ -1,6 +1,6 @@
 // The graph: nodes, programs and topics as they are connected, with wtf's findings in it.
 
-import { element, fill, iconButton, write } from "../elements.js";
+import { button, element, fill, iconButton, write } from "../elements.js";
 import { GraphDrawing } from "./drawing.js";
 import { stylesheet } from "./stylesheet.js";
 
@@ -61,13 +61,9 @@ export default class GraphPanel {
     this.outline = element("ul", { class: "graph-outline", "aria-label": "The graph as text" });
     this.counted = element("span", { class: "muted" });
     this.choosers = CHOICES.map(({ name, label, title }) =>
-      element("button", { type: "button", title, onclick: () => this.choose(name) }, label),
+      button(label, () => this.choose(name), { title }),
     );
-    this.outliner = element(
-      "button",
-      { type: "button", title: "The graph as text", onclick: () => this.toggleOutline() },
-      "Text",
-    );
+    this.outliner = button("Text", () => this.toggleOutline(), { title: "The graph as text" });
     this.element = element(
       "div",
       { class: "graph" },
@@ -269,11 +265,7 @@ export default class GraphPanel {
       about.map((line) => element("p", { class: "muted" }, line)),
       sides(graph, vertex).map((line) => element("p", {}, line)),
       vertex.kind === "topic"
-        ? element(
-            "button",
-            { type: "button", onclick: () => this.context.add("topics", { filter: vertex.name, topic: vertex.name }) },
-            "Show its messages",
-          )
+        ? button("Show its messages", () => this.context.add("topics", { filter: vertex.name, topic: vertex.name }))
         : null,
     );
   }

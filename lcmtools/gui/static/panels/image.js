@@ -1,6 +1,7 @@
 // Images of a topic: colour, grey and depth, with the value under the pointer.
 
-import { element, fill, iconButton, set, write } from "../elements.js";
+import { button, element, fill, iconButton, set, write } from "../elements.js";
+import { mistakeText, rateText } from "../texts.js";
 import { choiceField } from "./choice.js";
 import { mix, readPicture } from "./pixels.js";
 import { fileName, savePicture } from "./save.js";
@@ -102,7 +103,7 @@ export default class ImagePanel {
         element("span", { class: "space" }),
         this.pauseButton,
         iconButton("smaller", "Fit the picture into the panel (0)", () => this.viewport.fit()),
-        element("button", { type: "button", title: "One pixel of the picture as one of the screen (1)", onclick: () => this.viewport.zoomTo(1) }, "1:1"),
+        button("1:1", () => this.viewport.zoomTo(1), { title: "One pixel of the picture as one of the screen (1)" }),
         iconButton("save", "Save as PNG", () => this.save()),
       ),
       this.viewport.element,
@@ -176,7 +177,7 @@ export default class ImagePanel {
       if (isFirst) this.viewport.fit();
       this.context.tell(this, "");
     } catch (error) {
-      this.context.tell(this, `the image cannot be read: ${error instanceof Error ? error.message : error}`);
+      this.context.tell(this, `the image cannot be read: ${mistakeText(error)}`);
     }
     this.isReading = false;
     this.show();
@@ -304,7 +305,7 @@ export default class ImagePanel {
   aboutText({ width, height, step, header }) {
     const [first, last] = [this.arrivals[0], this.arrivals[this.arrivals.length - 1]];
     const time = first && last ? last.time - first.time : 0;
-    const rate = first && last && time > 0 ? `${((last.count - first.count) / time).toFixed(1)} Hz` : "";
+    const rate = first && last && time > 0 ? rateText((last.count - first.count) / time) : "";
     const part = step > 1 ? `1:${step}` : "";
     const size = header.bytes < 1e6 ? `${Math.round(header.bytes / 1000)} kB` : `${(header.bytes / 1e6).toFixed(1)} MB`;
     return [`${width} × ${height}`, header.encoding, size, rate, part, header.frame].filter(Boolean).join(" · ");

@@ -1,6 +1,7 @@
 // The log lines of the nodes: by level, node and text; repeated lines are one with a number.
 
 import { element, fill, iconButton, set, write } from "../elements.js";
+import { clockText } from "../texts.js";
 
 const MOST = 2000; // lines that are kept
 const NEAR = 12; // lines back that a repeated one is looked for
@@ -157,7 +158,7 @@ export default class Log {
         line.row = this.row(line);
         this.body.append(line.row);
       }
-      write(/** @type {Element} */ (line.row.cells[0]), clock(line.time));
+      write(/** @type {Element} */ (line.row.cells[0]), clockText(line.time));
       write(/** @type {Element} */ (line.row.cells[4]), line.count > 1 ? `× ${line.count}` : "");
     }
     const out = this.leftOut ? `, ${this.leftOut} left out` : "";
@@ -178,12 +179,4 @@ export default class Log {
       element("td", { class: "number" }),
     );
   }
-}
-
-/** @param {number} time [s since 1970] */
-function clock(time) {
-  const date = new Date(time * 1000);
-  const two = (/** @type {number} */ value) => String(value).padStart(2, "0");
-  const parts = [date.getHours(), date.getMinutes(), date.getSeconds()].map(two).join(":");
-  return `${parts}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 }

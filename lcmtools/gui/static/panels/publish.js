@@ -1,6 +1,7 @@
 // A form that publishes a message: a field for each number and text, arrays as YAML.
 
-import { element, fill, set, write } from "../elements.js";
+import { button, element, fill, set, write } from "../elements.js";
+import { mistakeText } from "../texts.js";
 
 let forms = 0;
 
@@ -36,7 +37,7 @@ export class PublishForm {
     this.body = element("div", { class: "form-fields" });
     this.rate = element("input", { class: "rate", "aria-label": "Rate [Hz]", inputmode: "decimal", value: "10" });
     this.once = element("button", { type: "submit", class: "primary" }, "Publish once");
-    this.repeat = element("button", { type: "button", "aria-pressed": "false", onclick: () => this.changeRepeat() }, "Repeat");
+    this.repeat = button("Repeat", () => this.changeRepeat(), { "aria-pressed": "false" });
     this.rights = element("p", { class: "muted" }, "this page may watch but not command");
     this.result = element("p", { class: "result", role: "status" });
     this.element = element(
@@ -94,7 +95,7 @@ export class PublishForm {
       fill(this.body, about.comment ? element("p", { class: "muted" }, about.comment) : null, this.rows(about.fields, ""));
     } catch (error) {
       fill(this.body);
-      this.say(String(/** @type {Error} */ (error).message), true);
+      this.say(mistakeText(error), true);
     }
   }
 
@@ -160,7 +161,7 @@ export class PublishForm {
       await this.context.do("publish", this.message());
       this.say(`published at ${new Date().toLocaleTimeString()}`);
     } catch (error) {
-      this.say(String(/** @type {Error} */ (error).message), true);
+      this.say(mistakeText(error), true);
     }
   }
 

@@ -1,6 +1,6 @@
 // Steering: a joystick, sliders, keys and a gamepad, which drive while they are held.
 
-import { drawing, element, set, write } from "../elements.js";
+import { button, drawing, element, set, write } from "../elements.js";
 import { choiceField } from "./choice.js";
 import { HeldKeys, gamepadShare, joystickShare, together } from "./held.js";
 import { stylesheet } from "./stylesheet.js";
@@ -75,7 +75,7 @@ export default class Steer {
     this.rate = element("output", { class: "mono" });
     this.status = element("p", { class: "steer-status", role: "status" });
     this.warning = element("p", { class: "notice", role: "status", hidden: true });
-    this.stopButton = element("button", { type: "button", class: "stop", onclick: () => this.stop() }, "Stop");
+    this.stopButton = button("Stop", () => this.stop(), { class: "stop" });
     this.gamepad = element("input", {
       type: "checkbox",
       onchange: () => {

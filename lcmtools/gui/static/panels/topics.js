@@ -1,6 +1,7 @@
 // The topics: a table of all, sorted and filtered; of the chosen one the message, and a form.
 
-import { element, fill, iconButton, set, write } from "../elements.js";
+import { button, element, fill, iconButton, set, write } from "../elements.js";
+import { rateText } from "../texts.js";
 import { MessageTree } from "./message.js";
 import { PublishForm } from "./publish.js";
 
@@ -17,7 +18,7 @@ import { PublishForm } from "./publish.js";
 const COLUMNS = [
   { name: "topic", title: "Topic", text: (row) => row.topic, key: (row) => row.topic },
   { name: "type", title: "Type", text: typeText, key: (row) => row.types[0] ?? null },
-  { name: "rate", title: "Rate", isNumber: true, text: (row) => rateText(row.rate), key: (row) => row.rate },
+  { name: "rate", title: "Rate", isNumber: true, text: ratedText, key: (row) => row.rate },
   {
     name: "bandwidth",
     title: "Bandwidth",
@@ -77,7 +78,7 @@ export default class Topics {
           this.filter,
           this.count,
           element("span", { class: "space" }),
-          element("button", { type: "button", onclick: () => this.choose("", true) }, "Publish …"),
+          button("Publish …", () => this.choose("", true)),
         ),
         element("div", { class: "table" }, element("table", {}, element("thead", {}, this.head), this.body)),
       ),
@@ -132,15 +133,7 @@ export default class Topics {
       : new MessageTree(this.context, topic, (text) => write(about, text));
     /** @param {string} label @param {boolean} isForm */
     const tab = (label, isForm) =>
-      element(
-        "button",
-        {
-          type: "button",
-          "aria-pressed": String(this.isPublishing === isForm),
-          onclick: () => this.choose(topic, isForm),
-        },
-        label,
-      );
+      button(label, () => this.choose(topic, isForm), { "aria-pressed": String(this.isPublishing === isForm) });
     fill(
       this.detail,
       element(
@@ -174,7 +167,7 @@ export default class Topics {
     const lost = row.lost ? `; ${row.lost} messages of its senders lost` : "";
     write(
       this.facts,
-      `${row.messages} messages, ${rateText(row.rate)}, jitter ${jitter}${lost}${others}\n` +
+      `${row.messages} messages, ${ratedText(row)}, jitter ${jitter}${lost}${others}\n` +
         `from ${row.senders.join(", ") || "nobody"} to ${row.listeners.join(", ") || "no node"}`,
     );
   }
@@ -209,9 +202,8 @@ export default class Topics {
     const cells = COLUMNS.map(({ name, title, isNumber }) => {
       const order = name !== this.sort ? "none" : this.isReversed ? "descending" : "ascending";
       const mark = { none: "", ascending: " ▴", descending: " ▾" }[order];
-      const button = element("button", { type: "button", onclick: () => this.sortBy(name) }, title + mark);
       const about = { scope: "col", class: isNumber ? "number" : null, "aria-sort": order };
-      return element("th", { ...about, "data-column": name }, button);
+      return element("th", { ...about, "data-column": name }, button(title + mark, () => this.sortBy(name)));
     });
     fill(this.head, cells);
   }
@@ -300,10 +292,9 @@ function typeText({ types, isAnnounced }) {
   return first ? (others.length && !isAnnounced ? `${first} +${others.length}` : first) : "unknown";
 }
 
-/** @param {number | null} rate */
-function rateText(rate) {
-  if (rate === null) return "–";
-  return `${rate >= 100 ? rate.toFixed(0) : rate.toFixed(1)} Hz`;
+/** @param {Row} row */
+function ratedText({ rate }) {
+  return rate === null ? "–" : rateText(rate);
 }
 
 /** @param {number} bytes */

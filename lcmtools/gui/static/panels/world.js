@@ -1,6 +1,8 @@
 // The world in 3D: robots by their shapes, what their sensors see, where they should go.
 
-import { color, element, iconButton, fill, set, write } from "../elements.js";
+import { button, element, fill, iconButton, set, write } from "../elements.js";
+import { mistakeText } from "../texts.js";
+import { hexColor, isDark, onTheme } from "../theme.js";
 import { stylesheet } from "./stylesheet.js";
 import { Display, TYPES } from "./world/displays.js";
 import { Frames, product } from "./world/frames.js";
@@ -86,8 +88,7 @@ export default class World {
     view.controls.addEventListener("end", () => this.keepCamera());
     if (this.kept.camera) view.look(this.kept.camera.position, this.kept.camera.target);
     const theme = () => view.setTheme(isDark());
-    new MutationObserver(theme).observe(document.documentElement, { attributeFilter: ["data-theme"] });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme, { signal: this.context.signal });
+    onTheme(theme, this.context.signal);
     theme();
     this.pointing = new Pointing({
       view,
@@ -97,7 +98,7 @@ export default class World {
       hold: (frame, pose) => this.frames.hold(frame, pose),
       put: ({ node, name }, [x, y, , , , qz, qw]) => this.simulator.call("set_pose", { name, x, y, qz, qw }, node),
       send: (pose) => this.sendPose(pose),
-      color: () => hex("--accent"),
+      color: () => hexColor("--accent"),
     });
   }
 
@@ -105,8 +106,7 @@ export default class World {
     /** @type {Map<Tool, HTMLButtonElement>} */
     this.toolButtons = new Map();
     for (const [tool, name, title] of TOOLS) {
-      const button = element("button", { type: "button", title, "aria-pressed": tool === "look", onclick: () => this.choose(tool) }, name);
-      this.toolButtons.set(tool, button);
+      this.toolButtons.set(tool, button(name, () => this.choose(tool), { title, "aria-pressed": tool === "look" }));
     }
     this.goal = element("input", {
       type: "text",
@@ -133,8 +133,8 @@ export default class World {
       element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, [...this.toolButtons.values()], this.goal),
       this.fixedChoice,
       this.followChoice,
-      element("button", { type: "button", title: "Back to where the view began", onclick: () => this.resetView() }, "Reset view"),
-      element("button", { type: "button", title: "Look from above", onclick: () => this.lookFromAbove() }, "Top"),
+      button("Reset view", () => this.resetView(), { title: "Back to where the view began" }),
+      button("Top", () => this.lookFromAbove(), { title: "Look from above" }),
       this.simulator.element,
       element("span", { class: "space" }),
       this.side,
@@ -143,9 +143,9 @@ export default class World {
 
   showTools() {
     const may = this.context.canCommand && this.context.source === "bus";
-    this.toolButtons?.forEach((button, tool) => {
-      set(button, "aria-pressed", String(tool === this.tool));
-      button.disabled = tool !== "look" && !may;
+    this.toolButtons?.forEach((one, tool) => {
+      set(one, "aria-pressed", String(tool === this.tool));
+      one.disabled = tool !== "look" && !may;
     });
     if (this.goal) this.goal.hidden = this.tool !== "pose";
     if (this.side) set(this.side, "aria-pressed", String(this.kept.side));
@@ -181,7 +181,7 @@ export default class World {
   /** @param {{topic: string, type: string}} topic */
   colorOf({ topic }) {
     const colored = this.topics.filter(({ type }) => TYPES[type]?.hasColor).map((one) => one.topic);
-    return this.kept.colors[topic] ?? hex(`--series-${(Math.max(0, colored.indexOf(topic)) % SERIES) + 1}`);
+    return this.kept.colors[topic] ?? hexColor(`--series-${(Math.max(0, colored.indexOf(topic)) % SERIES) + 1}`);
   }
 
   /**
@@ -434,7 +434,7 @@ export default class World {
       await this.context.do("send-pose", { topic, frame: this.fixed, x, y, qz, qw });
       this.tell(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
     } catch (error) {
-      this.tell(String(/** @type {Error} */ (error).message));
+      this.tell(mistakeText(error));
     }
   }
 
@@ -482,23 +482,6 @@ export default class World {
 
 /** @param {number} value */
 const rounded = (value) => Math.round(value * 1000) / 1000;
-
-function isDark() {
-  const chosen = document.documentElement.dataset["theme"];
-  return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-}
-
-/**
- * A colour of style.css as #rrggbb.
- * @param {string} name
- */
-function hex(name) {
-  const numbers = color(name).match(/\d+/g) ?? [];
-  return `#${numbers
-    .slice(0, 3)
-    .map((value) => Number(value).toString(16).padStart(2, "0"))
-    .join("")}`;
-}
 
 /**
  * @param {HTMLSelectElement | undefined} select

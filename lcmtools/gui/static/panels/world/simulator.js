@@ -1,6 +1,7 @@
 // The buttons of a simulator: pause, step, reset, rate; and its time.
 
-import { element, fill, icon, iconButton, set, write } from "../../elements.js";
+import { button, element, fill, icon, iconButton, set, write } from "../../elements.js";
+import { mistakeText } from "../../texts.js";
 
 const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"];
 
@@ -20,8 +21,8 @@ export class Simulator {
     this.advances = 0;
     this.time = NaN;
     this.pause = iconButton("pause", "Pause", () => this.toggle());
-    this.step = element("button", { type: "button", title: "Do 24 steps while paused", onclick: () => this.call("step", { steps: 24 }) }, "Step");
-    this.reset = element("button", { type: "button", title: "Start again", onclick: () => this.call("reset") }, "Reset");
+    this.step = button("Step", () => this.call("step", { steps: 24 }), { title: "Do 24 steps while paused" });
+    this.reset = button("Reset", () => this.call("reset"), { title: "Start again" });
     this.rate = element(
       "select",
       { "aria-label": "Rate of simulated time", title: "Rate of simulated time", onchange: () => this.call("set_rate", { rate: Number(this.rate.value) }) },
@@ -96,7 +97,7 @@ export class Simulator {
       this.tell(verb === "set_pose" ? "" : message);
       return true;
     } catch (error) {
-      this.tell(String(/** @type {Error} */ (error).message));
+      this.tell(mistakeText(error));
       return false;
     }
   }

@@ -1,7 +1,7 @@
 // The topics and their fields of numbers as a tree, to be ticked.
 
-import { element, fill } from "../elements.js";
-import { stylesheet } from "./stylesheet.js";
+import { element, fill } from "../../elements.js";
+import { stylesheet } from "../stylesheet.js";
 
 /** @typedef {{value: string, detail: string}} Choice */
 

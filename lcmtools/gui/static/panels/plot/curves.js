@@ -14,20 +14,26 @@ const SHORTEST_GAP = 0.5; // [s]
 
 /** Times, and the values of each curve at these times. */
 export class Curves {
-  constructor() {
+  /** @param {number} [start] the time of zero [s since 1970]; else that of the first sample */
+  constructor(start = NaN) {
     /** Seconds since ``start``, ascending. @type {number[]} */
     this.times = [];
     /** @type {Column[]} */
     this.columns = [];
     /** @type {Last[]} */
     this.last = [];
-    /** The time of the first sample [s since 1970]; NaN before it. */
-    this.start = NaN;
+    this.start = start;
     this.count = 0;
   }
 
-  clear() {
-    Object.assign(this, new Curves());
+  /** @param {number} [start] as the constructor's */
+  clear(start) {
+    Object.assign(this, new Curves(start));
+  }
+
+  /** The time of the first row [s since ``start``]; 0 without any. */
+  get first() {
+    return this.times[0] ?? 0;
   }
 
   /** The time of the last row [s since ``start``]; 0 without any. */
@@ -87,8 +93,7 @@ export class Curves {
     if (extra < Math.max(1000, this.times.length / 10)) return;
     this.times.splice(0, extra);
     for (const column of this.columns) column.splice(0, extra);
-    const first = this.times[0] ?? 0;
-    for (const last of this.last) last.gaps = last.gaps.filter(([, to]) => to >= first);
+    for (const last of this.last) last.gaps = last.gaps.filter(([, to]) => to >= this.first);
   }
 
   /**

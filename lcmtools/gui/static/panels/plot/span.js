@@ -1,0 +1,53 @@
+// The times that a plot shows: the last ones as they come, all, or those that a person has chosen.
+
+export const KEPT = 600; // [s] of a bus that can be looked back at, and a longer window
+
+/** A span of time [s since the first sample, or the start of a log]. */
+export class Span {
+  /**
+   * @param {import("./curves.js").Curves} curves
+   * @param {number} length [s]; 0 for all that there is
+   */
+  constructor(curves, length) {
+    this.curves = curves;
+    this.length = length;
+    /** What a person has chosen; null to follow. @type {[number, number] | null} */
+    this.chosen = null;
+    /** Where a log is played [s]; NaN for a bus. */
+    this.hand = NaN;
+  }
+
+  /**
+   * The first and the last time that are shown; of a log those around its hand.
+   * @returns {[number, number]}
+   */
+  shown() {
+    const { curves, length, hand } = this;
+    const { first, end } = curves;
+    if (this.chosen) return this.chosen;
+    if (!length) return [first, end > first ? end : first + 1];
+    const to = Number.isNaN(hand) ? Math.max(end, first + length) : hand + length / 2;
+    return [to - length, to];
+  }
+
+  /**
+   * @param {number} factor below 1 shows less
+   * @param {number} [at] a time that stays where it is
+   */
+  zoom(factor, at) {
+    const [from, to] = this.shown();
+    const { first, end } = this.curves;
+    const about = at ?? (this.chosen || !Number.isNaN(this.hand) ? (from + to) / 2 : to);
+    const most = Math.max(2 * KEPT, end - first);
+    const length = Math.max(0.01, Math.min(most, (to - from) * factor));
+    const start = about - ((about - from) / (to - from)) * length;
+    this.chosen = [start, start + length];
+  }
+
+  /** @param {number} part of what is shown */
+  moveBy(part) {
+    const [from, to] = this.shown();
+    const way = (to - from) * part;
+    this.chosen = [from + way, to + way];
+  }
+}

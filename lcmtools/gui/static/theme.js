@@ -1,0 +1,45 @@
+// Light and dark: the colours of style.css for drawings, which do not take them by themselves.
+
+import { element } from "./elements.js";
+
+const SYSTEM = matchMedia("(prefers-color-scheme: dark)");
+
+/** Return whether the page is dark: as it was chosen, else as the system is. */
+export function isDark() {
+  const chosen = document.documentElement.dataset["theme"];
+  return chosen ? chosen === "dark" : SYSTEM.matches;
+}
+
+/**
+ * Call a function when the colours have changed.
+ * @param {() => void} listener
+ * @param {AbortSignal} signal ends it
+ */
+export function onTheme(listener, signal) {
+  SYSTEM.addEventListener("change", listener, { signal });
+  const chosen = new MutationObserver(listener);
+  chosen.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  signal.addEventListener("abort", () => chosen.disconnect());
+}
+
+/**
+ * Return a colour of style.css as the browser resolves it, for a canvas.
+ * @param {string} name for example "--accent"
+ */
+export function color(name) {
+  const probe = element("span");
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const found = getComputedStyle(probe).color;
+  probe.remove();
+  return found;
+}
+
+/**
+ * Return a colour of style.css as #rrggbb.
+ * @param {string} name
+ */
+export function hexColor(name) {
+  const numbers = color(name).match(/\d+/g) ?? [];
+  return `#${numbers.slice(0, 3).map((value) => Number(value).toString(16).padStart(2, "0")).join("")}`;
+}
