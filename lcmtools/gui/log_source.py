@@ -86,7 +86,7 @@ class LogSource:
         return end
 
     def read(self, topics: Collection[str]) -> tuple[int, Iterator[Packet]]:
-        """Return n, and each n-th message of topics, from start to end; n is 1 unless they are many."""
+        """Return n, 1 unless they are many, and each n-th message of topics from start to end."""
         count = sum(track.messages for track in self._playlist.tracks if track.topic in topics)
         every = -(-count // _MOST_READ) or 1
         counts: Counter[str] = Counter()
