@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from lcmtools.wire.stamp import Origin
-
 Handler = Callable[[bytes, int], None]
 """Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
 
@@ -21,7 +19,7 @@ class Bus(Protocol):
         ...
 
     def publish(
-        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+        self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
     ) -> None:
         """Send one message. Safe from any thread.
 
@@ -29,8 +27,7 @@ class Bus(Protocol):
             channel: The channel.
             payload: Fingerprint and encoded struct, or any other bytes.
             type_name: The type "package/Name", for a bus whose keys name it; "" if unknown.
-            origin: The first sender of a message that came from another bus, for a bus that says so
-                beside each message.
+            latched: It is state, that may be late; on Zenoh other messages are dropped then.
         """
         ...
 

@@ -47,6 +47,8 @@ _STAMP_OPTION, _STAMP_KIND, _STAMP, _STAMP_UNIT = (
     (35, 35, struct.Struct("@qq"), 1) if IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
 )
 
+_LITTLE_BYTES = 1 << 16
+_RETRANSMITS = 2  # a place in struct tcp_info (linux/tcp.h): times without an answer
 _PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
 _NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
 _REQUEST_DUMP = 0x301  # NLM_F_REQUEST | NLM_F_DUMP
@@ -61,6 +63,33 @@ _TIMEOUT = 0.2  # [s]
 # malloc.h: memory is given back above M_TRIM_THRESHOLD, and blocks up to M_MMAP_THRESHOLD are kept;
 # M_ARENA_MAX: all threads share it, as what one has freed another one needs
 _MEMORY_SETTINGS = ((-1, 256 << 20), (-3, 32 << 20), (-8, 1))
+
+
+def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
+    """Let a connection break when the other computer has received nothing for so long (tcp(7)).
+
+    What waits for it is dropped with it. Where a system has no such time, it waits for minutes.
+    """
+    keep_little_waiting(connection)
+    if hasattr(socket, "TCP_USER_TIMEOUT"):
+        milliseconds = int(seconds * 1000)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, milliseconds)
+
+
+def keep_little_waiting(connection: socket.socket) -> None:
+    """Let a connection take no more than the line takes at once, and little besides.
+
+    What waits in the program can still be dropped; what the kernel has taken arrives.
+    """
+    if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _LITTLE_BYTES)
+
+
+def is_unanswered(connection: socket.socket) -> bool:
+    """Return whether what was sent had to be sent again, and is still not received there."""
+    if not IS_LINUX:
+        return False
+    return connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 8)[_RETRANSMITS] > 0
 
 
 def share_port(receiver: socket.socket) -> None:

@@ -20,7 +20,6 @@ from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
-from lcmtools.wire.stamp import Origin
 
 _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
@@ -75,7 +74,8 @@ class LcmBus:
         channel: str,
         payload: bytes,
         type_name: str = "",  # noqa: ARG002 - a channel of LCM names no type, as in ``Bus``
-        origin: Origin | None = None,  # noqa: ARG002 - nor does a datagram name another sender
+        *,
+        latched: bool = False,  # noqa: ARG002 - nor does it tell a message that may be late
     ) -> None:
         """Send one message; a large one goes out as paced fragments, after this returns.
 

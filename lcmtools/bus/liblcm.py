@@ -28,6 +28,7 @@ import lcm
 
 from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.kernel import (
+    drop_what_is_late,
     open_descriptors,
     receive_buffer_bytes,
 )
@@ -39,6 +40,7 @@ Instance = lcm.LCM
 Subscription = lcm.LCMSubscription
 QUEUE_CAPACITY = 10_000
 """Messages that liblcm may hold while Python does not get to run."""
+_LATE = 1.0  # [s] that a server may receive nothing of what is sent to it
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before an attempt to connect again
 
 
@@ -129,6 +131,9 @@ def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:
     try:
         instance = lcm.LCM(str(url))
         instance.fileno()  # only now are the receiving sockets made
+        if url.provider == "tcpq":
+            with socket.socket(fileno=os.dup(instance.fileno())) as connection:
+                drop_what_is_late(connection, _LATE)
     except (RuntimeError, OSError) as error:
         raise BusError(f"LCM cannot open {url}") from error
     descriptors = open_descriptors() - known if url.is_multicast else set()

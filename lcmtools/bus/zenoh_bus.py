@@ -15,7 +15,6 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh_session import ZenohSession
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
-from lcmtools.wire.stamp import Origin
 
 _FEW, _BATCH = 10, 100  # messages handled before callbacks run; where these are too slow
 _LONGEST_BURST = 10  # times so many at once
@@ -47,7 +46,7 @@ class ZenohBus:
         self._thread.start()
 
     def publish(
-        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+        self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
     ) -> None:
         """Send one message; see ``Bus.publish``.
 
@@ -58,7 +57,7 @@ class ZenohBus:
         check_channel(channel)
         if self._closed:
             raise BusError("the bus is closed")
-        self._session.publish(channel, payload, type_name, origin)
+        self._session.publish(channel, payload, type_name, latched=latched)
 
     def subscribe(self, channel: str, handler: Handler) -> None:
         """Call ``handler`` for each message on this channel.

@@ -61,8 +61,10 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
         """True if programs may send that do not answer probes."""
         return self._session.has_strangers
 
-    def send(self, channel: str, payload: bytes, origin: Origin | None = None) -> None:
-        """Publish one message; see ``Bus.publish``.
+    def send(
+        self, channel: str, payload: bytes, origin: Origin | None = None, *, latched: bool = False
+    ) -> None:
+        """Publish one message, with its first sender if it came from another bus.
 
         Raises:
             BusError: It cannot be sent.
@@ -70,7 +72,7 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
         check_length(channel)
         if self._closed:
             raise BusError("the bus is closed")
-        self._session.publish(channel, payload, origin=origin)
+        self._session.publish(channel, payload, origin=origin, latched=latched)
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first.

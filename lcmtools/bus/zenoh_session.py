@@ -5,6 +5,7 @@
 - A process that ends without closing its session can hang: it is closed at exit. A forked process
   can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
 - A message is sent at once, or waits for room: see ``bus.outbox`` for those that come meanwhile.
+- A line that was cut carries on where it stood: what has waited for it is taken out on arrival.
 - What is under way when a session closes is lost: it waits until the others have it.
 - Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
 - Replies with the same key are merged unless that is switched off.
@@ -29,11 +30,18 @@ from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh_config import is_own
 from lcmtools.bus.zenoh_opening import open_session, reason_of, zenoh
 from lcmtools.errors import BusError
-from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Retained, decode_probe
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    TALK_CHANNELS,
+    Retained,
+    decode_probe,
+)
 from lcmtools.messages.registry import candidates
+from lcmtools.wire.lateness import Lateness
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import PROTOCOL_PREFIX
-from lcmtools.wire.stamp import Origin, decode_stamp, encode_stamp
+from lcmtools.wire.stamp import Origin, Stamp, decode_stamp, encode_stamp
 
 ItemT = TypeVar("ItemT")
 
@@ -42,6 +50,8 @@ _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
 _FLUSH_TIMEOUT = 1.0  # [s]
 _RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a question that needs no answer but its end
+_MOST_SENDERS = 10_000
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # nobody sets it
 _SLOW = 0.01  # [s]: a message that took so long to send had to wait for the network
 
 
@@ -55,7 +65,7 @@ class ZenohSession:
 
     Attributes:
         id: The session's id, 64 bits: the computer's number before a random one.
-        dropped: Messages that were not taken in time, the oldest first.
+        dropped: Messages that came late, or were not taken in time, the oldest first.
 
     Raises:
         BusError: The bus cannot be reached, with what to do.
@@ -70,7 +80,8 @@ class ZenohSession:
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
         self.dropped = 0
         self._numbers = itertools.count(1)
-        self._arrived: deque[tuple[zenoh.Sample, int, bool]] = deque()
+        self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
+        self._lateness: dict[int, Lateness] = {}
         self._bytes = 0
         self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
         self._answers = 0  # requests whose answers are awaited
@@ -111,7 +122,13 @@ class ZenohSession:
         return any(not is_own(str(zid)) for zid in (*info.peers_zid(), *info.routers_zid()))
 
     def publish(
-        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+        self,
+        channel: str,
+        payload: bytes,
+        type_name: str = "",
+        origin: Origin | None = None,
+        *,
+        latched: bool = False,
     ) -> None:
         """Send one message; see ``Bus.publish``.
 
@@ -128,8 +145,10 @@ class ZenohSession:
         key = self._keys.key(channel, type_name)
         if len(payload) > MOST_WAITING_BYTES:
             self._large_keys.add(key)
-        stamp = encode_stamp(self.id, next(self._numbers), origin)
-        message = Outgoing(key, payload, stamp, key in self._large_keys)
+        is_large = key in self._large_keys  # of which the newest alone waits: it is never old
+        now = 0 if latched or is_large else time.clock_gettime_ns(_CLOCK)
+        stamp = encode_stamp(self.id, next(self._numbers), now, origin)
+        message = Outgoing(key, payload, stamp, is_large)
         if message.is_large:
             self._large.add(message)
         elif self._is_slow or self._small.has_waiting(key):
@@ -254,9 +273,9 @@ class ZenohSession:
 
     def _arrive(self, sample: zenoh.Sample, *, is_reply: bool = False) -> None:
         """Queue a message, on a thread of Zenoh's; the oldest make room."""
-        now = time.time_ns()
+        arrived = sample, time.time_ns(), time.clock_gettime_ns(_CLOCK), is_reply
         with self._counting:
-            self._arrived.append((sample, now, is_reply))
+            self._arrived.append(arrived)
             self._bytes += len(sample.payload)
             while len(self._arrived) > 1 and (
                 len(self._arrived) > _MOST_WAITING or self._bytes > _MOST_WAITING_BYTES
@@ -266,7 +285,13 @@ class ZenohSession:
                 self.dropped += 1
         self._wakeup.set()
 
-    def _packet(self, sample: zenoh.Sample, arrival: int, is_reply: bool) -> Packet | None:  # noqa: FBT001
+    def _packet(
+        self,
+        sample: zenoh.Sample,
+        arrival: int,
+        clock: int,
+        is_reply: bool,  # noqa: FBT001
+    ) -> Packet | None:
         payload = sample.payload.to_bytes()
         named = self._keys.named(str(sample.key_expr))
         if named is None:
@@ -275,6 +300,9 @@ class ZenohSession:
         stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
         if stamp is None:
             return Packet(named.channel, payload, arrival, type_name=named.type_name)
+        if self._is_late(stamp, clock) and named.channel not in TALK_CHANNELS:
+            self.dropped += 1
+            return None
         sender = Sender(f"{stamp.sender:016x}", 0)
         seqno = None if is_reply else stamp.seqno
         return Packet(
@@ -282,6 +310,17 @@ class ZenohSession:
             origin=stamp.origin,
             type_name=named.type_name,
         )
+
+    def _is_late(self, stamp: Stamp, arrival: int) -> bool:
+        """Return whether a message has waited on its way, as while the line was cut."""
+        if not stamp.time:
+            return False
+        lateness = self._lateness.get(stamp.sender)
+        if lateness is None:
+            if len(self._lateness) >= _MOST_SENDERS:
+                self._lateness.clear()
+            lateness = self._lateness[stamp.sender] = Lateness()
+        return lateness.is_late(stamp.time, arrival)
 
 
 def _leave_to_parent(session: ZenohSession | None) -> None:

@@ -48,7 +48,7 @@ class PayloadPublisher:
     def publish_payload(self, payload: bytes) -> None:
         """Send a message that is encoded already."""
         try:
-            self._bus.publish(self.topic, payload, self._type_name)
+            self._bus.publish(self.topic, payload, self._type_name, latched=self.is_latched)
         except BusError as error:
             if self.on_failure is None:
                 raise

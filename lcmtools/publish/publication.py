@@ -86,11 +86,11 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     bus = _bus_url(url)
     with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, literal=literal)
+        publisher.is_latched = latch or schedule.stay > 0
         wait = SubscriberWait(node, publisher, bus, notify)
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)
-        publisher.is_latched = latch or schedule.stay > 0
         scheduled = ScheduledPublisher(
             node,
             publisher,

@@ -1,5 +1,6 @@
 """The ends of a relay: connections to a bus that receive all messages but their own."""
 
+import math
 import socket
 import threading
 import time
@@ -14,8 +15,8 @@ from lcmtools.errors import BusError, UsageError
 from lcmtools.names import check_channel
 from lcmtools.observe.losses import Loss, losses
 from lcmtools.relay.echo import EchoFilter
+from lcmtools.relay.outbox import LineMessage
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.stamp import Origin
 
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
 _PATIENCE = 10  # [s]
@@ -42,7 +43,7 @@ class BusEnd(Protocol):
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
         ...
 
-    def send(self, channel: str, payload: bytes, origin: Origin | None = None, /) -> None:
+    def send(self, message: LineMessage, /) -> None:
         """Send a message, also if that takes time; with its origin, where the bus takes one.
 
         Raises:
@@ -84,8 +85,9 @@ class UdpmEnd:
             )
         ]
 
-    def send(self, channel: str, payload: bytes, _origin: Origin | None = None) -> None:
+    def send(self, message: LineMessage) -> None:
         """See ``BusEnd``."""
+        channel, payload = message.channel, message.payload
         try:
             if len(payload) > PACED_ABOVE_BYTES or self._paced.has_waiting(channel):
                 self._paced.send(channel, payload)
@@ -143,9 +145,10 @@ class ZenohEnd:
             if packet.sender != own and (packet.origin is None or packet.origin.hops < _MOST_HOPS)
         ]
 
-    def send(self, channel: str, payload: bytes, origin: Origin | None = None) -> None:
+    def send(self, message: LineMessage) -> None:
         """See ``BusEnd``."""
-        self._listener.send(channel, payload, origin)
+        is_state = message.due == math.inf
+        self._listener.send(message.channel, message.payload, message.origin, latched=is_state)
 
     def losses(self) -> Mapping[Sender, Loss]:
         """See ``BusEnd``."""
@@ -182,11 +185,11 @@ class TcpqEnd:
         is_echo = self._echo.is_echo
         return [packet for packet in packets if not is_echo(packet.channel, packet.payload)]
 
-    def send(self, channel: str, payload: bytes, _origin: Origin | None = None) -> None:
+    def send(self, message: LineMessage) -> None:
         """See ``BusEnd``."""
-        check_channel(channel)
-        self._echo.sends(channel, payload)
-        self._listener.send(channel, payload)
+        check_channel(message.channel)
+        self._echo.sends(message.channel, message.payload)
+        self._listener.send(message.channel, message.payload)
 
     def losses(self) -> Mapping[Sender, Loss]:
         """See ``BusEnd``."""

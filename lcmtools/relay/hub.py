@@ -3,12 +3,16 @@
 Each message goes to all clients with a pattern that matches its channel, its sender too. One thread
 serves all clients and waits for none: what a slow client does not take waits for it, up to a bound,
 and then its oldest messages are dropped, so that it gets the newest ones and the others get all.
+Messages that have waited for a second are dropped too, and a client that has received nothing for
+so long is closed, with what the system would send it later: no command arrives late.
 """
 
 import contextlib
 import errno
+import math
 import selectors
 import socket
+import struct
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
@@ -17,10 +21,12 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NoReturn
 
+from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.observe.presence import Presence, own_node
+from lcmtools.relay.outbox import LATE
 from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
 from lcmtools.wire.tcpq import (
     PUBLISH,
@@ -41,7 +47,8 @@ _MOST_PATTERNS = 10_000  # of one client
 _MOST_CHANNELS = 10_000  # whose receivers are remembered
 _GREETING_TIME = 10.0  # [s] that a client has to greet
 _SAME = 20  # characters of a reason that are the same for one fault
-_CHECK_PERIOD = 1.0  # [s] between looks for clients that do not
+_CHECK_PERIOD = 0.25  # [s] between looks for clients that do not, or that receive nothing
+_AT_ONCE_GONE = struct.pack("ii", 1, 0)  # of SO_LINGER: nothing more is sent
 _TURN = 0.25  # [s]
 _NO_MORE = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
@@ -67,7 +74,9 @@ class _Client:
         self.patterns: dict[str, ChannelPattern] = {}
         self.times: Counter[str] = Counter()  # that each pattern is subscribed to
         self.dropped = 0
+        self.heard = now  # the last time that it was not known to receive nothing
         self._waiting: deque[bytes | memoryview] = deque([SERVER_GREETING])
+        self._due: deque[float] = deque([math.inf])  # times until which they may be sent
         self._waiting_bytes = len(SERVER_GREETING)
         self._is_begun = False  # a part of the first one is sent
 
@@ -93,20 +102,32 @@ class _Client:
             del self.times[pattern]
             self.patterns.pop(pattern, None)
 
-    def add(self, frame: bytes) -> int:
+    def add(self, frame: bytes, now: float) -> int:
         """Let a frame wait; return the number of older ones that are dropped for it."""
         self._waiting.append(frame)
+        self._due.append(now + LATE)
         self._waiting_bytes += len(frame)
+        return self._drop(now)
+
+    def _drop(self, now: float) -> int:
+        """Drop frames that are late, and the oldest of too many; return their number."""
         dropped, first = 0, int(self._is_begun)
-        while self._waiting_bytes > _MOST_WAITING and len(self._waiting) > first + 1:
+        while len(self._waiting) > first and (
+            self._due[first] < now
+            or (self._waiting_bytes > _MOST_WAITING and len(self._waiting) > first + 1)
+        ):
             self._waiting_bytes -= len(self._waiting[first])
-            del self._waiting[first]
+            del self._waiting[first], self._due[first]
             dropped += 1
         self.dropped += dropped
         return dropped
 
-    def send(self) -> None:
-        """Send as much as the connection takes now; OSError is raised for one that is broken."""
+    def send(self, now: float) -> int:
+        """Send as much as the connection takes now; return the number of frames that were too late.
+
+        OSError is raised for a connection that is broken.
+        """
+        dropped = self._drop(now)
         with contextlib.suppress(BlockingIOError):
             while self._waiting:
                 sent = self.connection.sendmsg(list(islice(self._waiting, _AT_ONCE)))
@@ -114,10 +135,12 @@ class _Client:
                 self._is_begun = False
                 while self._waiting and sent >= len(self._waiting[0]):
                     sent -= len(self._waiting.popleft())
+                    self._due.popleft()
                 if sent:
                     self._waiting[0] = memoryview(self._waiting[0])[sent:]
                     self._is_begun = True
-                    return
+                    break
+        return dropped
 
 
 class Hub(AbstractContextManager["Hub"]):
@@ -156,7 +179,7 @@ class Hub(AbstractContextManager["Hub"]):
         """Close all connections."""
         for client in list(self._clients.values()):
             with contextlib.suppress(OSError):
-                client.send()
+                client.send(time.monotonic())
             client.connection.close()
         self._clients.clear()
         self._selector.close()
@@ -202,6 +225,7 @@ class Hub(AbstractContextManager["Hub"]):
         connection.setblocking(False)  # noqa: FBT003 - the socket module's own
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        keep_little_waiting(connection)
         client = _Client(connection, f"{address}:{port}", time.monotonic())
         self._clients[connection] = client
         self.counts.clients = len(self._clients)
@@ -251,12 +275,16 @@ class Hub(AbstractContextManager["Hub"]):
             if len(self._receivers) >= _MOST_CHANNELS:
                 self._receivers.clear()
             self._receivers[message.name] = receivers
+        now = time.monotonic()
         for client in receivers:
-            if dropped := client.add(message.data):
-                self.counts.dropped += dropped
-                slow = f"{client.name} reads too slowly; its oldest messages are dropped"
-                self._say(client.name, "slow", slow)
+            self._count(client, client.add(message.data, now))
         self._changed.update(receivers)
+
+    def _count(self, client: _Client, dropped: int) -> None:
+        if dropped:
+            self.counts.dropped += dropped
+            slow = f"{client.name} reads too slowly; its oldest messages are dropped"
+            self._say(client.name, "slow", slow)
 
     def _send(self) -> None:
         changed, self._changed = self._changed, set()
@@ -264,7 +292,7 @@ class Hub(AbstractContextManager["Hub"]):
             if client.connection not in self._clients:
                 continue
             try:
-                client.send()
+                self._count(client, client.send(time.monotonic()))
             except OSError:
                 self._close(client)
                 continue
@@ -276,6 +304,12 @@ class Hub(AbstractContextManager["Hub"]):
         for client in list(self._clients.values()):
             if not client.reader.is_greeted and now - client.since > _GREETING_TIME:
                 self._close(client, f"it said nothing for {_GREETING_TIME:g} s")
+            elif not is_unanswered(client.connection):
+                client.heard = now
+            elif now - client.heard > LATE:
+                linger = socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE_GONE
+                client.connection.setsockopt(*linger)
+                self._close(client, f"it has received nothing for {LATE:g} s")
 
     def _close(self, client: _Client, reason: str = "") -> None:
         self._selector.unregister(client.connection)

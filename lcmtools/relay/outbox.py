@@ -2,10 +2,13 @@
 
 A line that is as fast as the messages has none waiting. On one that is not, only the newest message
 of some topics waits, and where all take too much room, the topic that takes the most loses its
-oldest ones: images make way before commands do. The protocol's own messages go first.
+oldest ones: images make way before commands do. The protocol's own messages go first. What has
+waited for a second is dropped: a late command moves a robot when nobody expects it any more.
 """
 
+import math
 import threading
+import time
 from collections import deque
 from typing import NamedTuple
 
@@ -13,6 +16,7 @@ from lcmtools.wire.stamp import Origin
 
 MOST_WAITING_BYTES = 64 << 20
 _AT_ONCE = 1 << 16  # bytes that are taken together
+LATE = 1.0  # [s] after which a message is not sent any more
 _COST = 200  # bytes that a message takes besides its own
 
 
@@ -23,6 +27,7 @@ class LineMessage(NamedTuple):
     payload: bytes
     newest: bool = False  # it takes the place of an earlier one of its channel that waits
     origin: Origin | None = None  # where the bus carries it beside the message
+    due: float = math.inf  # time.monotonic() until which it may be sent; ``inf`` for what is state
 
 
 class LineQueue:
@@ -87,6 +92,14 @@ class LineQueue:
                 self._count(taken[-1], -1)
                 size += len(taken[-1].payload) + _COST
             return taken
+
+    def is_late(self, message: LineMessage) -> bool:
+        """Return whether a message has waited for too long; if so, it is counted as dropped."""
+        if time.monotonic() <= message.due:
+            return False
+        with self._changed:
+            self.dropped += 1
+        return True
 
     def close(self) -> None:
         """Let ``take`` wait no more."""

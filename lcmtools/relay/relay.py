@@ -40,6 +40,7 @@ from lcmtools.names import check_node
 from lcmtools.observe.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
+from lcmtools.relay.outbox import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
 from lcmtools.relay.topology import (
@@ -150,7 +151,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.outbox.clear()
             with contextlib.suppress(BusError):
                 report = Knowledge(side.identifier, (self._known.own,))
-                side.end.send(RELAY_CHANNEL, encode_report(report))
+                side.end.send(LineMessage(RELAY_CHANNEL, encode_report(report)))
             presence.send = side.talk_now
             presence.announce(leaving=True)
             side.end.close()
@@ -231,14 +232,16 @@ class Relay(AbstractContextManager["Relay"]):
             now = time.monotonic_ns()
             address = packet.sender.address if packet.sender else ""
             if report and self._known.learn(report, side.identifier, now, address):
+                self._repeat_latched(index)  # for a relay that has come, or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
         else:
-            self._presences[index].answer(packet.channel, packet.payload)
             if packet.channel == PROBE_CHANNEL:
+                self._answer(index, packet.payload)
                 side = self._sides[index]
                 side.talk(RELAY_CHANNEL, self._payload(side))
-                self._answer(index, packet.payload)
+            # last: who waits for the relay's answer has those of the nodes behind it then
+            self._presences[index].answer(packet.channel, packet.payload)
 
     def _pass_announcement(self, index: int, packet: Packet) -> None:
         side, other = self._sides[index], self._sides[1 - index]
@@ -298,13 +301,19 @@ class Relay(AbstractContextManager["Relay"]):
             return
         self._carries = carries
         if carries:
-            for side in self._sides:
+            for index, side in enumerate(self._sides):
                 side.forget_routes()
+                self._repeat_latched(index)
                 side.talk(PROBE_CHANNEL, encode_probe(Probe()))
         else:
             for announced in self._announced:
                 announced.forget()
         self._report(now)
+
+    def _repeat_latched(self, index: int) -> None:
+        """Send latched messages again to a bus on which they may have been lost."""
+        if self._carries:
+            self._sides[index].outbox.add(self._sides[1 - index].latched())
 
     def _say_state(self, active: Collection[str]) -> None:
         here, there = (side.bus for side in self._sides)

@@ -76,6 +76,7 @@ class Route:
     reason: Reason | None = None
     period: float = 0.0  # the least time between two messages [s]
     newest: bool = False  # only the newest message waits
+    latched: bool = False  # its messages are state: they may be late
 
 
 class Direction:

@@ -1,9 +1,11 @@
 """One bus of a relay: what is known of it, what waits for it, and what comes from it."""
 
+import math
 import socket
 import threading
 import time
 from collections.abc import Collection
+from dataclasses import replace
 
 from lcmtools.bus.paced import PACED_ABOVE_BYTES
 from lcmtools.errors import LcmtoolsError
@@ -13,7 +15,7 @@ from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.actuators import is_simulator
 from lcmtools.relay.ends import BusEnd
-from lcmtools.relay.outbox import LineMessage, LineQueue
+from lcmtools.relay.outbox import LATE, LineMessage, LineQueue
 from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.relay.topology import End
 from lcmtools.wire.packet import Packet, Sender
@@ -51,6 +53,7 @@ class Side:
         self._lock = threading.Lock()  # of the graph
         self._routes: dict[tuple[str, bytes], Route] = {}
         self._next: dict[str, float] = {}
+        self._last: dict[tuple[str, Sender | None], LineMessage] = {}
         self._messages = self._bytes = self._left_out = self._failed = 0
 
     def sort(
@@ -60,6 +63,7 @@ class Side:
         talk, passed = [], []
         takes_origin = other.end.takes_origin
         idle, routes, left_out = self.idle, self._routes, 0
+        due = time.monotonic() + LATE
         for packet in packets:
             channel, payload = packet.channel, packet.payload
             if channel in TALK_CHANNELS:
@@ -70,7 +74,10 @@ class Side:
                     left_out += 1
                 else:
                     origin = origin_of(packet) if takes_origin else None
-                    passed.append(LineMessage(route.name, payload, route.newest, origin))
+                    until = math.inf if route.latched else due
+                    message = LineMessage(route.name, payload, route.newest, origin, until)
+                    passed.append(message)
+                    self._last[channel, packet.sender] = message
         self._left_out += left_out
         return talk, passed
 
@@ -128,16 +135,22 @@ class Side:
         if at_once < len(messages):
             self.outbox.add(messages[at_once:])
 
+    def latched(self) -> list[LineMessage]:
+        """Return the last messages that came of each topic that is latched still."""
+        kept = [(channel, message) for (channel, _), message in list(self._last.items())]
+        return [one._replace(due=math.inf) for channel, one in kept if self._is_latched(channel)]
+
     def send(self) -> None:
-        """Send what waits."""
+        """Send what waits, and is not late."""
         for message in self.outbox.take(_WAIT):
-            self._send(message)
+            if not self.outbox.is_late(message):
+                self._send(message)
 
     def _send(self, message: LineMessage) -> None:
         """Send a message, and count it; also if it fails."""
         counts = message.channel not in TALK_CHANNELS
         try:
-            self.end.send(message.channel, message.payload, message.origin)
+            self.end.send(message)
         except LcmtoolsError:
             self._failed += counts
         else:
@@ -151,7 +164,7 @@ class Side:
     def talk_now(self, channel: str, payload: bytes) -> None:
         """Send a message of the protocol, when no other thread sends any more."""
         try:
-            self.end.send(channel, payload)
+            self.end.send(LineMessage(channel, payload))
         except LcmtoolsError:
             self._failed += 1
 
@@ -175,12 +188,18 @@ class Side:
         name = self.direction.name(packet.channel)
         obeyed = not isinstance(name, Reason) and other.obeyed(name)
         route = self.direction.route(packet.channel, self._types(packet), obeyed=obeyed)
+        route = replace(route, latched=self._is_latched(packet.channel))
         if len(self._routes) >= _MOST_ROUTES:
             self._routes.clear()
+            self._last.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
         if route.reason and len(self.left) < _MOST_ROUTES:
             self.left.setdefault(packet.channel, route.reason)
         return route
+
+    def _is_latched(self, channel: str) -> bool:
+        publishers = self.graph().topic(channel).publishers
+        return any(end.latched for node, end in publishers if not node.stale)
 
     def _types(self, packet: Packet) -> Collection[str]:
         """The types that a message may be of: announced, or by its fingerprint."""

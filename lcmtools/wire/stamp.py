@@ -1,16 +1,17 @@
-"""The stamp beside a message on a bus that takes one: its sender, its number, and its origin.
+"""The stamp beside a message on a bus that takes one: its sender, its number, time and origin.
 
 Sans-I/O. A stamp is of few bytes, big-endian: the version (1), the sender's id (8) and its number
-of the message (4); of one that came from another bus also the id (8) and number (4) there, and the
-number of relays (1) that it has passed. Other programs send none, and read past ours.
+of the message (4), the time of sending (8) by a clock of the sender's computer [ns], 0 if it may be
+late; of one that came from another bus also the id (8) and number (4) there, and the number of
+relays (1) that it has passed. Other programs send none, and read past ours.
 """
 
 import struct
 from typing import NamedTuple
 
-_VERSION = 1
-_OWN = struct.Struct(">BQI")
-_RELAYED = struct.Struct(">BQIQIB")
+_VERSION = 2
+_OWN = struct.Struct(">BQIQ")
+_RELAYED = struct.Struct(">BQIQQIB")
 _NUMBERS = 0xFFFFFFFF
 
 
@@ -29,20 +30,21 @@ class Origin(NamedTuple):
 
 
 class Stamp(NamedTuple):
-    """The stamp of a message: the id of who sent it to this bus, its number, and its origin."""
+    """The stamp of a message: the id of who sent it to this bus, its number, time and origin."""
 
     sender: int
     seqno: int
+    time: int  # [ns] of a clock of the sender's computer; 0 for a message that may be late
     origin: Origin
 
 
-def encode_stamp(sender: int, seqno: int, origin: Origin | None = None) -> bytes:
+def encode_stamp(sender: int, seqno: int, time: int = 0, origin: Origin | None = None) -> bytes:
     """Return the bytes of a stamp; without an origin, of a message of the sender itself."""
     number = seqno & _NUMBERS
     if origin is None:
-        return _OWN.pack(_VERSION, sender, number)
+        return _OWN.pack(_VERSION, sender, number, time)
     first, hops = origin.seqno & _NUMBERS, min(origin.hops, 255)
-    return _RELAYED.pack(_VERSION, sender, number, origin.id, first, hops)
+    return _RELAYED.pack(_VERSION, sender, number, time, origin.id, first, hops)
 
 
 def decode_stamp(data: bytes) -> Stamp | None:
@@ -50,9 +52,9 @@ def decode_stamp(data: bytes) -> Stamp | None:
     if data[:1] != bytes([_VERSION]):
         return None
     if len(data) == _OWN.size:
-        _, sender, seqno = _OWN.unpack(data)
-        return Stamp(sender, seqno, Origin(sender, seqno))
+        _, sender, seqno, time = _OWN.unpack(data)
+        return Stamp(sender, seqno, time, Origin(sender, seqno))
     if len(data) == _RELAYED.size:
-        _, sender, seqno, first, number, hops = _RELAYED.unpack(data)
-        return Stamp(sender, seqno, Origin(first, number, hops))
+        _, sender, seqno, time, first, number, hops = _RELAYED.unpack(data)
+        return Stamp(sender, seqno, time, Origin(first, number, hops))
     return None

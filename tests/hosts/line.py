@@ -47,9 +47,13 @@ def main(one: str, other: str, delay_ms: str, every: str, rate: str) -> None:
     settings = float(delay_ms) / 1e3, int(every), float(rate)
     ways = {a: Way(b, *settings) for a, b in zip(sockets, reversed(sockets), strict=True)}
     cuts: list[bool] = []
-    signal.signal(signal.SIGUSR1, lambda *_: cuts.clear() if cuts else cuts.append(True))
-    sys.stdout.write("forwards\n")
-    sys.stdout.flush()
+
+    def toggle(*_: object) -> None:
+        cuts.clear() if cuts else cuts.append(True)
+        _say(f"{'is cut' if cuts else 'is mended'} at {time.monotonic():.3f}")
+
+    signal.signal(signal.SIGUSR1, toggle)
+    _say("forwards")
     left = 1.0
     while True:
         for ready in select.select(sockets, [], [], max(0.0, left))[0]:
@@ -57,6 +61,11 @@ def main(one: str, other: str, delay_ms: str, every: str, rate: str) -> None:
             if kind != socket.PACKET_OUTGOING and not cuts:
                 ways[ready].add(frame, time.monotonic())
         left = min(way.send(time.monotonic()) for way in ways.values())
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
 
 
 def _open(interface: str) -> socket.socket:

@@ -60,9 +60,9 @@ def test_zenoh_carries_channels_of_any_name(bus_url: str) -> None:
 
 def test_zenoh_says_who_sent_what(bus_url: str) -> None:
     url = parse_url(bus_url)
-    with closing(ZenohBus(url)) as bus, _listening(url) as listener:
-        bus.publish("a", b"own")
-        bus.publish("a", b"relayed", origin=Origin(7, 8, 2))
+    with ZenohListener(url) as bus, _listening(url) as listener:
+        bus.send("a", b"own")
+        bus.send("a", b"relayed", Origin(7, 8, 2))
         own, relayed = _receive(listener, 2)
         assert own.sender == relayed.sender != listener.sender
         assert own.seqno is not None

@@ -69,8 +69,15 @@ class RunningRelay:
 
 
 @pytest.fixture
-def relay(wait_until: WaitUntil) -> Iterator[Callable[..., RunningRelay]]:
-    """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by."""
+def relay(
+    wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Callable[..., RunningRelay]]:
+    """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by.
+
+    Nothing is late for it, however busy the computer is.
+    """
+    monkeypatch.setattr("lcmtools.relay.side.LATE", 3600.0)
+    monkeypatch.setattr("lcmtools.wire.lateness.LATE", 3600 * 10**9)
     running: list[RunningRelay] = []
 
     def run(here: str, there: str, rules: Rules = Rules()) -> RunningRelay:  # noqa: B008

@@ -61,8 +61,9 @@ class RunningHub:
 
 
 @pytest.fixture
-def hub() -> Iterator[RunningHub]:
-    """A server of this test's own."""
+def hub(monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningHub]:
+    """A server of this test's own, for which nothing is late, however busy the computer is."""
+    monkeypatch.setattr("lcmtools.relay.hub.LATE", 3600.0)
     running = RunningHub()
     yield running
     running.end()
@@ -146,6 +147,18 @@ def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(
     wait_until(lambda: len(hub.said) == 2)
     assert "reads too slowly; its oldest messages are dropped" in hub.said[0]
     assert f"lost {hub.counts.dropped} messages by reading too slowly" in hub.said[1]
+
+
+def test_messages_that_waited_for_a_client_for_a_second_are_dropped(
+    hub: RunningHub, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.relay.hub.LATE", 1.0)
+    with hub.connect() as slow:
+        slow.sendall(CLIENT_GREETING + subscribe_frame("A"))
+        sender = Client(hub.url, "none")
+        for _ in range(20):  # more than the system takes for it, less than may wait
+            sender.bus.publish("A", bytes(1_000_000))
+        wait_until(lambda: sender.bus.publish("A", b"") or hub.counts.dropped)
 
 
 def _frames(connection: socket.socket, last: int) -> list[int]:

@@ -1,5 +1,7 @@
 """Messages that wait for a slow line, and the echoes of a server."""
 
+import time
+
 from lcmtools.relay.echo import EchoFilter
 from lcmtools.relay.outbox import LineMessage, LineQueue
 
@@ -46,6 +48,14 @@ def test_a_message_that_is_larger_than_the_room_waits_alone() -> None:
     outbox.add([LineMessage("a", bytes(10))])
     outbox.add([LineMessage("b", bytes(5000))])
     assert [channel for channel, _ in _drain(outbox)][-1:] == ["b"] or outbox.dropped == 1
+
+
+def test_what_has_waited_for_too_long_is_dropped_and_counted() -> None:
+    outbox = LineQueue()
+    outbox.add([LineMessage("cmd", b"old", due=time.monotonic()), LineMessage("map", b"state")])
+    outbox.add([LineMessage("cmd", b"new", due=time.monotonic() + 3600)])
+    kept = [one.payload for one in outbox.take(0.0) if not outbox.is_late(one)]
+    assert (kept, outbox.dropped) == ([b"state", b"new"], 1)
 
 
 def test_what_is_dropped_at_the_end_is_counted() -> None:

@@ -5,23 +5,24 @@ from hypothesis import strategies as st
 
 from lcmtools.wire.stamp import Origin, Stamp, decode_stamp, encode_stamp
 
-_IDS, _NUMBERS = st.integers(0, 2**64 - 1), st.integers(0, 2**32 - 1)
+_IDS = _TIMES = st.integers(0, 2**64 - 1)
+_NUMBERS = st.integers(0, 2**32 - 1)
 _ORIGINS = st.builds(Origin, _IDS, _NUMBERS, st.integers(1, 255))
 
 
-@given(_IDS, _NUMBERS, st.none() | _ORIGINS)
-def test_stamp_comes_back(sender: int, seqno: int, origin: Origin | None) -> None:
-    data = encode_stamp(sender, seqno, origin)
-    assert decode_stamp(data) == Stamp(sender, seqno, origin or Origin(sender, seqno))
-    assert len(data) == (26 if origin else 13)
+@given(_IDS, _NUMBERS, _TIMES, st.none() | _ORIGINS)
+def test_stamp_comes_back(sender: int, seqno: int, time: int, origin: Origin | None) -> None:
+    data = encode_stamp(sender, seqno, time, origin)
+    assert decode_stamp(data) == Stamp(sender, seqno, time, origin or Origin(sender, seqno))
+    assert len(data) == (34 if origin else 21)
 
 
 @given(st.binary(max_size=40))
 def test_other_bytes_are_no_stamp(data: bytes) -> None:
     stamp = decode_stamp(data)
-    assert (stamp is not None) == (data[:1] == b"\1" and len(data) in (13, 26))
+    assert (stamp is not None) == (data[:1] == b"\2" and len(data) in (21, 34))
 
 
 def test_numbers_begin_again_and_hops_do_not() -> None:
-    data = encode_stamp(7, 2**32 + 5, Origin(8, 2**32, 300))
-    assert decode_stamp(data) == Stamp(7, 5, Origin(8, 0, 255))
+    data = encode_stamp(7, 2**32 + 5, 9, Origin(8, 2**32, 300))
+    assert decode_stamp(data) == Stamp(7, 5, 9, Origin(8, 0, 255))
