@@ -24,8 +24,6 @@ import stat
 import time
 from collections.abc import Callable, Iterator
 
-import lcm
-
 from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.kernel import (
     drop_what_is_late,
@@ -34,7 +32,15 @@ from lcmtools.bus.kernel import (
 )
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, MissingExtra
+
+try:
+    import lcm
+except ImportError as error:  # its wheel needs a library that is not on every server
+    raise MissingExtra(
+        f"the Python package lcm cannot be loaded: {error.__context__ or error}",
+        "it needs GLib: apt install libglib2.0-0 (Debian, Ubuntu), dnf install glib2 (Fedora)",
+    ) from error
 
 Instance = lcm.LCM
 Subscription = lcm.LCMSubscription

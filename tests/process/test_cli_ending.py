@@ -280,3 +280,20 @@ def test_data_goes_to_standard_output_and_talk_to_standard_error(
     result = lcmtools("node", "list", LCM_DEFAULT_URL=bus_url)
     assert (result.returncode, result.stdout) == (0, "")
     assert result.stderr == f"no nodes on {bus_url}\n"
+
+
+def test_an_lcm_package_without_its_library_is_told_with_a_remedy(
+    lcmtools_process: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    (tmp_path / "lcm").mkdir()
+    (tmp_path / "lcm" / "__init__.py").write_text(
+        "try:\n    raise ImportError('libglib-2.0.so.0: cannot open shared object file')\n"
+        "except ImportError:\n    from .Release import _lcm\n"  # as the package's own file does
+    )
+    result = lcmtools_process("run", "talker", PYTHONPATH=str(tmp_path))
+    assert result.returncode == 3
+    assert result.stderr.startswith(
+        "lcmtools run talker: the Python package lcm cannot be loaded: libglib-2.0.so.0: cannot"
+    )
+    assert result.stderr.count("\n") == 1
+    assert "apt install libglib2.0-0" in result.stderr
