@@ -21,8 +21,10 @@ _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _WILDCARD = re.compile(r"\*\*|[*?]")
 _MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
 
-# Channels that LCM itself uses: its self test and the bookkeeping of mpudpm.
-_LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
+SELF_TEST_CHANNEL = "LCM_SELF_TEST"
+"""The channel of liblcm's own test of a network, which stays on its computer."""
+# Channels that LCM itself uses, with the bookkeeping of mpudpm.
+_LCM_INTERNAL = (SELF_TEST_CHANNEL, "#!mpudpm")
 
 
 class Resolver(NamedTuple):

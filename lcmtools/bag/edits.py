@@ -9,7 +9,6 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from lcmtools.bus.multicast import SELF_TEST_CHANNEL
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
 from lcmtools.graph.protocol import (
@@ -18,7 +17,7 @@ from lcmtools.graph.protocol import (
     encode_announcement,
 )
 from lcmtools.messages.filter import Filter
-from lcmtools.names import Pattern, did_you_mean, is_hidden
+from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.log_file import LogFile
 from lcmtools.settings import parse_duration

@@ -23,10 +23,9 @@ from lcmtools.bus.kernel import (
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import short_message
 
-SELF_TEST_CHANNEL = "LCM_SELF_TEST"
-"""The channel of liblcm's own self test."""
 _SELF_TEST = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}

@@ -10,7 +10,8 @@ so there are no more than messages need.
 import select
 import socket
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from operator import itemgetter
 
 from lcmtools.bus.kernel import IS_LINUX, SELECTIVE, attach, mark, request_arrival
 from lcmtools.bus.multicast import receiving_socket
@@ -22,6 +23,7 @@ from lcmtools.wire.packet import Packet
 _FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with the kernel's own
 _SHORT_ROOM, _MOST_GROWTH = 900, 1.5
 """The same of a short message, beside so many times its size: it takes up to a power of two."""
+_PAYLOAD: Callable[[Packet], bytes] = itemgetter(1)
 _MOST_SHARES = 8
 _SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages where a buffer has fewer bytes
 _WANTED, _NEEDED = 32, 2  # messages of the largest kind for which there is, or must be, room
@@ -62,8 +64,10 @@ class Receivers:
 
     def filled_by(self, packets: Sequence[Packet]) -> float:
         """Return the part of a socket's buffer that the short messages among these take, about."""
-        sizes = [len(packet.payload) for packet in packets]
-        short = sum(size for size in sizes if size <= SHORT_MESSAGE_MAX)
+        sizes = [*map(len, map(_PAYLOAD, packets))]
+        short = sum(sizes)
+        if short > SHORT_MESSAGE_MAX:
+            short = sum(size for size in sizes if size <= SHORT_MESSAGE_MAX)
         taken = _SHORT_ROOM * len(sizes) + _MOST_GROWTH * short
         return taken / (self._granted * len(self.short))
 

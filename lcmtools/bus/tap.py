@@ -14,21 +14,17 @@ import time
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import itemgetter
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped
-from lcmtools.bus.multicast import (
-    SELF_TEST_CHANNEL,
-    check_multicast,
-    sending_socket,
-)
+from lcmtools.bus.multicast import check_multicast, sending_socket
 from lcmtools.bus.receivers import Receivers
 from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.names import check_length
 from lcmtools.wire.datagram import datagrams
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Datagram, Packet, Sender
 from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
 from lcmtools.wire.sequence import Sequence
 
@@ -48,8 +44,7 @@ _DEAF_NAP = 0.04  # [s]: longer ones end with a request of who looks for nodes, 
 
 _AT_FIRST = 1_000_000
 """Bytes of a large message for which there is room before the first one comes."""
-_Datagram: TypeAlias = tuple[bytes, Sender, int, int | None]  # data, sender, time, time to live
-_TIME: Callable[[_Datagram], int] = itemgetter(2)
+_TIME: Callable[[Datagram], int] = itemgetter(2)
 
 
 class Tap(contextlib.AbstractContextManager["Tap"]):
@@ -106,7 +101,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._turns = 0
         self._url = url
         self._requests: ChannelSocket | None = None
-        self._held: list[_Datagram] = []
+        self._held: list[Datagram] = []
 
     def __exit__(self, *_: object) -> None:
         """Leave the group."""
@@ -205,7 +200,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         """
         receivers = self._receivers
         if len(receivers.sockets) == 1:
-            return self._packets(self._datagrams(receivers.sockets[0]))
+            return self._reader.read_all(self._datagrams(receivers.sockets[0]))
         now, arrived = time.time_ns(), self._held
         until = now
         for one in receivers.ready(0.0):
@@ -219,17 +214,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._held = arrived[last:]
         if until == now:  # nothing of before is left; the clock may be set back later
             receivers.since = 0
-        return self._packets(arrived[first:last])
-
-    def _packets(self, datagrams: Iterable[_Datagram]) -> list[Packet]:
-        read, packets = self._reader.read, []
-        for data, sender, received, ttl in datagrams:
-            packet = read(data, sender, received, ttl)
-            if packet is not None:
-                packets.append(packet)
-                if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
-                    self._reader.ttls.pop(sender, None)
-        return packets
+        return self._reader.read_all(arrived[first:last])
 
     def _attend_large(self) -> None:
         """Let the next large messages, as large as those that came, pass and have room."""
@@ -240,7 +225,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if self._is_spread:
             self._receivers.make_room(needed)
 
-    def _datagrams(self, receiver: socket.socket) -> Iterator[_Datagram]:
+    def _datagrams(self, receiver: socket.socket) -> Iterable[Datagram]:
         """Take what has arrived."""
         batch = self._batches.get(receiver)
         is_short = receiver in self._receivers.short  # large ones fit no cache together
@@ -249,9 +234,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
             if datagram_batch.IS_POSSIBLE:
                 batch = self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
-        if batch:
-            yield from batch.take(_BATCH)
-            return
+        return batch.take(_BATCH) if batch else self._one_by_one(receiver)
+
+    def _one_by_one(self, receiver: socket.socket) -> Iterator[Datagram]:
         receive, buffer = receiver.recvmsg_into, self._buffer
         with contextlib.suppress(BlockingIOError):
             for _ in range(_BATCH):

@@ -31,12 +31,12 @@ class _Count:
     types: dict[str, None] = field(default_factory=dict)
 
     def add(self, packet: Packet) -> None:
+        _, payload, self.last_time, _, _, whole_bytes, _, type_name = packet
         self.messages += 1
-        self.bytes += len(packet.payload) if packet.whole_bytes is None else packet.whole_bytes
-        self.last_time = packet.time
-        if packet.type_name and len(self.types) < MOST_FINGERPRINTS:
-            self.types[packet.type_name] = None
-        head = packet.payload[:8]
+        self.bytes += len(payload) if whole_bytes is None else whole_bytes
+        if type_name and len(self.types) < MOST_FINGERPRINTS:
+            self.types[type_name] = None
+        head = payload[:8]
         if head != self.head and len(self.fingerprints) < MOST_FINGERPRINTS:
             self.head = head
             fingerprint = packet.fingerprint

@@ -6,13 +6,11 @@ from enum import Enum, IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
-from lcmtools.names import base_name_of, is_hidden
+from lcmtools.names import SELF_TEST_CHANNEL, base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
 
 STALE_AFTER = 3_000_000_000
 """A node that has not announced itself for so long is stale [ns]."""
-
-_SELF_TEST = "LCM_SELF_TEST"
 
 
 class Role(IntEnum):
@@ -237,7 +235,9 @@ class Graph:
 
         See ``Topic``.
         """
-        return [seen for one in self.topics() if one.name != _SELF_TEST for seen in one.foreign]
+        return [
+            seen for one in self.topics() if one.name != SELF_TEST_CHANNEL for seen in one.foreign
+        ]
 
     def named(self, name: str) -> list[Node]:
         """Return the nodes that a typed name means: a full name, or the last part of one."""

@@ -51,7 +51,8 @@ class _Slot:
     longest: int = 0
 
     def add(self, interval: int, size: int) -> None:
-        self.shortest = min(self.shortest, interval) if self.intervals else interval
+        if interval < self.shortest or not self.intervals:
+            self.shortest = interval
         self.longest = max(self.longest, interval)
         self.intervals += 1
         self.bytes += size
@@ -74,9 +75,10 @@ class _Channel:
         self.messages += 1
         if self.messages == 1:
             return
-        if not self.slots or self.slots[-1].number != number:
-            self.slots.append(_Slot(number))
-        self.slots[-1].add(max(0, time - before), size)
+        slots = self.slots
+        if not slots or slots[-1].number != number:
+            slots.append(_Slot(number))
+        slots[-1].add(time - before if time > before else 0, size)
 
     def forget(self, before: int) -> None:
         """Drop the slots before a time, but for the latest few intervals."""

@@ -154,11 +154,14 @@ class ArrivalStream:
             if routes is None:
                 routes = self._routes[packet.channel] = self._routes_of(packet.channel)
             if routes and (self._keep is None or self._keep(packet)):
-                when = self._clock.time(packet) or (0 if self._strict_time else packet.time)
+                when = self._simulated_time(packet) if is_simulated else packet.time
                 if when:
                     for one, path in routes:
                         arrivals.append(_new(SelectedPacket, (one, packet, when, path)))
         return Batch(arrivals, self._clock.now or time.time_ns(), is_reset)
+
+    def _simulated_time(self, packet: Packet) -> int:
+        return self._clock.time(packet) or (0 if self._strict_time else packet.time)
 
     def situation(self, topic: str = "") -> str:
         """Return the publishers of a topic; or what may have been meant, or is on the bus.

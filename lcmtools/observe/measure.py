@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from typing import Generic, TypeVar
 
 from lcmtools.bus.tap import LONG_NAP
@@ -31,6 +33,7 @@ _REPORT_PERIOD = 1.0  # [s]
 _LONGEST = 0.5  # [s] that counters are compared over
 _ENOUGH = 4  # messages on each topic, to end sooner
 _AWAKENING = 0.3  # [s] that publishers have for a first message
+_TOPIC: Callable[[SelectedPacket], str] = itemgetter(0)
 
 ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
@@ -200,10 +203,9 @@ class Measurement(Generic[ItemT, FoundT]):
         if batch.is_reset:
             for window in self._windows.values():
                 window.clear()
-        for arrival in batch.arrivals:
-            item = self._item(arrival)
-            if item is not None:
-                self._windows[arrival.topic].add(item)
+        for topic, arrivals in groupby(batch.arrivals, _TOPIC):
+            items = map(self._item, arrivals)
+            self._windows[topic].add(*(item for item in items if item is not None))
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)

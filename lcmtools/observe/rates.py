@@ -53,10 +53,10 @@ class Window(ABC, Generic[ItemT, FoundT]):
         self._items: deque[ItemT] = deque(maxlen=size)
         self._reported = 0
 
-    def add(self, item: ItemT) -> None:
-        """Add an arrival."""
-        self._items.append(item)
-        self.total += 1
+    def add(self, *items: ItemT) -> None:
+        """Add arrivals."""
+        self._items.extend(items)
+        self.total += len(items)
 
     def clear(self) -> None:
         """Forget all arrivals: time begins again."""

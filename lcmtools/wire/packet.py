@@ -4,7 +4,7 @@ These are made, hashed and compared for every observed message, so they are name
 dataclasses take three times as long to make, and Python code to hash.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from lcmtools.wire.stamp import Origin
 
@@ -31,6 +31,10 @@ class Sender(NamedTuple):
     def __str__(self) -> str:
         """Return its name, else address and port, as ss and netstat print them."""
         return self.name or (f"{self.address}:{self.port}" if self.port else self.address)
+
+
+Datagram: TypeAlias = tuple[bytes, Sender, int, int | None]
+"""A datagram: its bytes, its source, its arrival [ns since 1970], and its time to live if known."""
 
 
 class Packet(NamedTuple):

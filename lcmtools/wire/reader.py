@@ -3,6 +3,10 @@
 Sans-I/O: bytes, senders and times come in as arguments, and no datagram makes it fail.
 """
 
+import struct
+from collections.abc import Iterable
+
+from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import (
     CHANNEL_MAX,
     FRAGMENT_HEADER_BYTES,
@@ -13,7 +17,7 @@ from lcmtools.wire.datagram import (
     MalformedDatagram,
     parse,
 )
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Datagram, Packet, Sender
 from lcmtools.wire.reassembly import Reassembler
 from lcmtools.wire.sequence import Sequence
 
@@ -25,6 +29,7 @@ PROTOCOL_PREFIX = "/_lcmtools/"
 
 _MOST_SENDERS = _MOST_CHANNELS = 1000  # that are remembered
 _LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
+_number = struct.Struct(">4xI").unpack_from  # of a message
 _new = tuple.__new__  # makes a named tuple in half the time
 _OTHERS = Packet("", b"", 0)[5:]  # the values of the fields behind the number, where none is given
 
@@ -55,29 +60,35 @@ class Reader:
         """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
-        """Return the message that this datagram completes, or whose head it is, if any.
+        """Return the message that this datagram completes, or whose head it is, if any."""
+        return next(iter(self.read_all([(data, sender, time, ttl)])), None)
 
-        Args:
-            data: The datagram.
-            sender: Its source.
-            time: Its arrival, nanoseconds since 1970.
-            ttl: Its time to live, if known.
-        """
-        end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
-        if end > 0 and data.startswith(MAGIC_SHORT):  # as parse does it, in half the time
-            name = data[SHORT_HEADER_BYTES:end]
-            channel = self._channels.get(name) or self._learn(name)
-            seqno = int.from_bytes(data[4:8], "big")
-            packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, *_OTHERS))
-        else:
-            other = self._read_other(data, sender, time)
-            if other is None:
-                return None
-            packet, seqno = other
-        (self.sequences.get(sender) or self._sequence(sender)).add(seqno)
-        if ttl != self.ttls.get(sender) and ttl is not None and sender in self.sequences:
-            self.ttls[sender] = ttl
-        return packet
+    def read_all(self, datagrams: Iterable[Datagram]) -> list[Packet]:
+        """Return the messages that these datagrams complete, or whose heads they are."""
+        packets, before, known_ttl = [], None, None
+        channels, is_short, number = self._channels.get, bytes.startswith, _number
+        for data, sender, time, ttl in datagrams:
+            end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
+            if end > 0 and is_short(data, MAGIC_SHORT):  # as parse does it, in half the time
+                name = data[SHORT_HEADER_BYTES:end]
+                (seqno,) = number(data)
+                channel = channels(name) or self._learn(name)
+                packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, *_OTHERS))
+            else:
+                other = self._read_other(data, sender, time)
+                if other is None:
+                    continue
+                packet, seqno = other
+            packets.append(packet)
+            if sender is not before:
+                before, known_ttl = sender, self.ttls.get(sender)
+                sequence = self.sequences.get(sender) or self._sequence(sender)
+            sequence.add(seqno)
+            if ttl != known_ttl and ttl is not None and packet.channel != SELF_TEST_CHANNEL:
+                known_ttl = ttl
+                if sender in self.sequences:
+                    self.ttls[sender] = ttl
+        return packets
 
     def _read_other(self, data: bytes, sender: Sender, time: int) -> tuple[Packet, int] | None:
         """Read a fragment, or a malformed datagram; return a message with its number, if any."""

@@ -56,6 +56,9 @@ class Sequence:
     def add(self, seqno: int) -> None:
         """Take the number of a message that has come."""
         self.messages += 1
+        if seqno == self._newest + 1:  # as usual
+            self._newest = seqno
+            return
         step = (seqno - self._newest) % _MODULUS
         if step == 1 or self._newest < 0:
             self._newest = seqno

@@ -54,16 +54,17 @@ def test_malformed_datagrams_are_seen_once_beside_several_sockets(
         sender.sendto(b"LC02\0\0\0\x07END\0", (url.host, url.port))
 
         def has_end() -> bool:
-            parsed = tap._packets
+            reader = tap._reader
+            parsed = reader.read_all
 
             def counted(datagrams: object) -> list[Packet]:
                 every = list(datagrams)  # type: ignore[call-overload]
                 seen.update(data.hex() for data, *_ in every if not data.startswith(b"LC02\0"))
                 return parsed(every)
 
-            tap._packets = counted  # type: ignore[method-assign]
+            reader.read_all = counted  # type: ignore[method-assign]
             found = tap.receive(0.1)
-            tap._packets = parsed  # type: ignore[method-assign]
+            reader.read_all = parsed  # type: ignore[method-assign]
             return any(packet.channel == "END" for packet in found)
 
         wait_until(has_end)

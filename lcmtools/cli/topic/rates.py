@@ -1,5 +1,6 @@
 """``lcmtools hz``, ``bw`` and ``delay``: a report a second, as rostopic prints it."""
 
+from operator import attrgetter
 from typing import Any
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
@@ -30,7 +31,7 @@ def hz(topics: tuple[str, ...], *, window: int, condition: str | None, **ending:
     windows = {topic: RateWindow(window) for topic in topics}
     with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            measure(monitor, windows, lambda a: a.time, RATE, condition=wanted, **ending)
+            measure(monitor, windows, attrgetter("time"), RATE, condition=wanted, **ending)
         finally:
             for sentence in lossy_senders(monitor, topics, looking_names()):
                 notify(sentence)
@@ -48,7 +49,7 @@ def bw(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa:
     """
     windows = {topic: BandwidthWindow(window) for topic in topics}
     with open_monitor("bw") as monitor:
-        measure(monitor, windows, lambda a: (a.time, a.packet.size), BANDWIDTH, **ending)
+        measure(monitor, windows, attrgetter("time", "packet.size"), BANDWIDTH, **ending)
     notify_single(windows, "bandwidth")
 
 
