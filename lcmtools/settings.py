@@ -7,9 +7,9 @@ buses, and prints nothing.
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
@@ -72,13 +72,12 @@ SETTINGS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class UserFile:
+class UserFile(NamedTuple):
     """The user's file."""
 
     path: Path | None = None  # None where the environment names no home
-    values: Mapping[str, str] = field(default_factory=dict)  # by the settings' names, as text
-    lines: Mapping[str, int] = field(default_factory=dict)  # of each value, from 1
+    values: Mapping[str, str] = MappingProxyType({})  # by the settings' names, as text
+    lines: Mapping[str, int] = MappingProxyType({})  # of each value, from 1
 
     def source(self, name: str) -> str:
         """Return the place of a value, for messages: "/home/me/.config/.../config.yaml:3"."""

@@ -198,5 +198,5 @@ def _renamed_payload(payload: bytes, names: Mapping[str, str]) -> bytes:
     said = decode_announcement(payload)
     if said is None or not any(end.topic in names for end in said.node.endpoints):
         return payload
-    ends = (replace(end, topic=names.get(end.topic, end.topic)) for end in said.node.endpoints)
-    return encode_announcement(said._replace(node=replace(said.node, endpoints=tuple(ends))))
+    ends = (end._replace(topic=names.get(end.topic, end.topic)) for end in said.node.endpoints)
+    return encode_announcement(said._replace(node=said.node._replace(endpoints=tuple(ends))))

@@ -5,8 +5,9 @@ port 0 and hangs for ten seconds.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from ipaddress import AddressValueError, IPv4Address
+from types import MappingProxyType
+from typing import NamedTuple
 
 from lcmtools.bus.zenoh_url import OPTIONS as ZENOH_OPTIONS
 from lcmtools.bus.zenoh_url import ZenohPlace, parse_place
@@ -32,8 +33,7 @@ _OPTIONS = {
 _MAX_TTL = 255
 
 
-@dataclass(frozen=True, slots=True)
-class BusUrl:
+class BusUrl(NamedTuple):
     """The URL of a bus.
 
     Attributes:
@@ -46,7 +46,7 @@ class BusUrl:
 
     provider: str
     network: str
-    options: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, str] = MappingProxyType({})
     host: str = ""
     port: int = 0
 

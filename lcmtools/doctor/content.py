@@ -6,7 +6,6 @@ here: a laser's infinite range is a measurement, and -1 in an IMU's covariance m
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import cast
 
 from lcmtools.messages.fields import Field, visible_fields
@@ -69,7 +68,7 @@ def _array(values: Sequence[object], field: Field, path: str) -> Iterator[Odd]:
     if len(field.dimensions) == 1 and field.type in _FLOATS:
         yield from _numbers(cast("Sequence[float]", values[:_MOST_NUMBERS]), path)
     elif len(field.dimensions) > 1 or field.message_class:
-        part = replace(field, dimensions=field.dimensions[1:])
+        part = field._replace(dimensions=field.dimensions[1:])
         for index, value in enumerate(values[:_MOST_MESSAGES]):
             yield from _field(value, part, f"{path}[{index}]")
 

@@ -10,7 +10,7 @@ are not looked for: even by 500 usual names, three in four are not found.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import chain, pairwise, permutations
 
@@ -81,7 +81,7 @@ def _wider_edits(cls: type[Message]) -> Iterator[Edit]:
         yield fingerprint_of(order), f"its fields in the order {names}"
     for kind in dict.fromkeys(part.type for part in own if part.message_class is None):
         for primitive in PRIMITIVES.values():
-            parts = (replace(p, type=primitive) if p.type == kind else p for p in own)
+            parts = (p._replace(type=primitive) if p.type == kind else p for p in own)
             yield fingerprint_of(parts), f"every {kind} is {primitive}"
     for inner in dict.fromkeys(part.message_class for part in own if part.message_class):
         for number, text in chain(_edits(inner), _wider_edits(inner)):
@@ -92,7 +92,7 @@ def _wider_edits(cls: type[Message]) -> Iterator[Edit]:
 def _retyped(part: Field) -> Iterator[Field]:
     if part.message_class is None:
         others = (primitive for primitive in PRIMITIVES.values() if primitive != part.type)
-        yield from (replace(part, type=primitive) for primitive in others)
+        yield from (part._replace(type=primitive) for primitive in others)
 
 
 def fingerprint_of(parts: Iterable[Field], others: dict[type[Message], int] | None = None) -> int:

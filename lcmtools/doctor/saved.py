@@ -1,14 +1,15 @@
 """Evidence in a file: JSON with a version, to be judged again elsewhere.
 
 The fields of ``Evidence`` and of the values in it are written as they are called, but for those
-that have their default. Pure, but for reading and writing the file. Must not judge.
+that have their default; named tuples of a few fields are lists. Pure, but for reading and writing
+the file. Must not judge.
 """
 
 import json
 import types
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ from lcmtools.errors import LcmtoolsError, os_errors_as
 VERSION = 1
 """Of the file's layout: greater by one when a reader of the one before would go wrong."""
 _KEY = "lcmtools_evidence"
+_FEW = 3  # fields of a named tuple that is written as a list
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
 
 _hints = cache(get_type_hints)
@@ -67,9 +69,10 @@ def from_text(text: str) -> Evidence:
 
 
 def _plain(value: object) -> object:
-    if is_dataclass(value):
-        pairs = ((part, getattr(value, part.name)) for part in fields(value))
-        return {part.name: _plain(v) for part, v in pairs if v != _default(part)}
+    kind: _Type = type(value)
+    if _has_names(kind):
+        known = ((name, getattr(value, name), usual) for name, usual in _defaults(kind).items())
+        return {name: _plain(part) for name, part, usual in known if part != usual}
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, Mapping):
@@ -81,8 +84,19 @@ def _plain(value: object) -> object:
     return value
 
 
-def _default(part: Field[Any]) -> object:
-    return part.default_factory() if part.default_factory is not MISSING else part.default
+def _has_names(kind: _Type) -> bool:
+    """Return whether the fields of such a value are written with their names."""
+    return is_dataclass(kind) or len(getattr(kind, "_fields", ())) > _FEW
+
+
+@cache
+def _defaults(kind: _Type) -> dict[str, object]:
+    """The fields of a kind of value, with their defaults; MISSING for none."""
+    if not is_dataclass(kind):
+        return {name: kind._field_defaults.get(name, MISSING) for name in kind._fields}
+    factories = {part.name: part.default_factory for part in fields(kind)}
+    made = {name: make() for name, make in factories.items() if make is not MISSING}
+    return {part.name: made.get(part.name, part.default) for part in fields(kind)}
 
 
 def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
@@ -99,15 +113,15 @@ def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
     if origin is not None:
         values = _several(plain, (kinds[0], ...), path)
         return frozenset(values) if origin is AbstractSet else tuple(values)
-    if hasattr(kind, "_fields"):  # a named tuple
+    if hasattr(kind, "_fields") and not _has_names(kind):
         return kind(*_several(plain, tuple(_hints(kind).values()), path))
-    return _object(plain, kind, path) if is_dataclass(kind) else _single(plain, kind, path)
+    return _object(plain, kind, path) if _has_names(kind) else _single(plain, kind, path)
 
 
 def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
     _expect(isinstance(plain, dict), path)
     hints = _hints(kind)
-    needed = {part.name for part in fields(kind) if _default(part) is MISSING}
+    needed = {name for name, default in _defaults(kind).items() if default is MISSING}
     for name in (plain.keys() - hints.keys()) | (needed - plain.keys()):
         _expect(False, f"{path}.{name}")  # noqa: FBT003 - an assertion
     return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})

@@ -7,7 +7,6 @@ self test: the large message goes to a port of its own, with ttl 0.
 import errno
 import select
 import socket
-from dataclasses import replace
 
 from lcmtools.bus.multicast import (
     check_multicast,
@@ -36,7 +35,7 @@ def large_problem(url: BusUrl) -> str:
     except BusError:
         return ""  # not even a small one does, which is another fault
     try:
-        free_port = replace(url, port=0)
+        free_port = url._replace(port=0)
         with receiving_socket(free_port) as receiver, sending_socket(url) as sender:
             sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             address = (url.host, receiver.getsockname()[1])

@@ -1,7 +1,7 @@
 """Putting the graph together from packets, and from records of nodes that no longer answer."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from lcmtools.graph.model import STALE_AFTER, Graph, Node, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
@@ -82,7 +82,7 @@ class GraphBuilder:
         revision, identifier = self._heads.get(head.identity, (b"", ""))
         node = self._nodes.get(identifier)
         if node is not None and revision == head.revision:
-            self._nodes[identifier] = replace(node, last_announced=packet.time)
+            self._nodes[identifier] = node._replace(last_announced=packet.time)
             return
         announcement = self.add(packet)
         if announcement is not None and not announcement.leaving:
@@ -121,7 +121,7 @@ class GraphBuilder:
             node if node.is_recorded else _aged(node, now) for node in self._nodes.values()
         ]
         silent = [
-            replace(node, stale=node.stale or Staleness.UNANSWERED)
+            node._replace(stale=node.stale or Staleness.UNANSWERED)
             for identifier, node in self._recorded.items()
             if identifier not in self._nodes and identifier not in self._left
         ]
@@ -131,7 +131,7 @@ class GraphBuilder:
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node
         if self._is_log:
-            node = replace(node, is_recorded=True)
+            node = node._replace(is_recorded=True)
         elif announcement.leaving:
             self.forget(node.id)
             self._left.add(node.id)
@@ -144,8 +144,8 @@ class GraphBuilder:
             return  # it is on this bus itself
         if lag is not None and known is not None and known.lag is not None:
             lag = min(lag, known.lag)  # the quickest one shows the clocks' difference best
-        self._nodes[node.id] = replace(
-            node, sender=_own_sender(node, packet), last_announced=packet.time, lag=lag
+        self._nodes[node.id] = node._replace(
+            sender=_own_sender(node, packet), last_announced=packet.time, lag=lag
         )
 
     def _forget_behind(self, relay: str) -> None:
@@ -180,4 +180,4 @@ def _own_sender(node: Node, packet: Packet) -> Sender | None:
 def _aged(node: Node, now: int) -> Node:
     if now - node.last_announced <= STALE_AFTER:
         return node
-    return replace(node, stale=Staleness.SILENT)
+    return node._replace(stale=Staleness.SILENT)

@@ -34,8 +34,7 @@ class Staleness(str, Enum):
     __str__ = str.__str__
 
 
-@dataclass(frozen=True, slots=True)
-class Endpoint:
+class Endpoint(NamedTuple):
     """One publisher, subscription, service or client of a node."""
 
     topic: str  # the full name of the topic or service
@@ -76,15 +75,14 @@ class Endpoint:
         return self.types[0] if self.types else ""
 
 
-@dataclass(frozen=True, slots=True)
-class CallbackError:
+class CallbackError(NamedTuple):
     """An exception that a node's callback has raised, once or again and again."""
 
     callback: str  # "/odometry", "timer 0.1 s", "service /reset" or "parameters"
     exception: str  # "AttributeError"
     message: str  # the first line of its text, shortened
     place: str  # innermost line of the user's own code: "simple_controller.py:35"
-    count: int  # since the node's start
+    count: int  # type: ignore[assignment] # not tuple.count: calls since the node's start
     last_time: int  # nanoseconds since 1970
 
 
@@ -96,8 +94,7 @@ class RelayStep(NamedTuple):
     bus: str  # that it took the announcement from
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """A named participant of the bus; times are nanoseconds since 1970."""
 
     name: str  # in full: "/husky0/simple_controller"
@@ -155,8 +152,7 @@ class Node:
         return is_hidden(self.name)
 
 
-@dataclass(frozen=True, slots=True)
-class Traffic:
+class Traffic(NamedTuple):
     """One sender's observed messages on one channel; times are nanoseconds since 1970."""
 
     channel: str
@@ -179,8 +175,7 @@ Ends = tuple[tuple[Node, Endpoint], ...]
 """Endpoints with their nodes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Topic:
+class Topic(NamedTuple):
     """The known facts of one topic.
 
     ``foreign`` is the part of the traffic that no announced node has sent. Where the bus names no

@@ -8,7 +8,6 @@ report on RELAY_CHANNEL.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
@@ -58,7 +57,7 @@ class Announcement(NamedTuple):
 
     def sent_at(self, time: int) -> "Announcement":
         """The same, as it is sent at a time [ns since 1970]."""
-        return self._replace(node=replace(self.node, sent=time))
+        return self._replace(node=self.node._replace(sent=time))
 
 
 class Probe(NamedTuple):
@@ -199,13 +198,13 @@ def _decode_remote(payload: bytes) -> Announcement | None:
     if announcement is None:
         return None
     path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in message.steps)
-    return announcement._replace(node=replace(announcement.node, path=path, ports=()))
+    return announcement._replace(node=announcement.node._replace(path=path, ports=()))
 
 
 def _revision(node: Node) -> int:
     """Return a number that changes with anything of a node but what it counts."""
     zeros: dict[str, Any] = dict.fromkeys(_COUNTERS, 0)
-    plain = [replace(endpoint, **zeros) for endpoint in node.endpoints]
+    plain = [endpoint._replace(**zeros) for endpoint in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
     # of text, since Python's hash of some numbers is that of others; all by the node's own process
     return hash(repr((node.command, node.tool, node.ports, plain, errors)))

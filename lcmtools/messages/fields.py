@@ -4,9 +4,8 @@ Belongs here: names, types and array sizes of fields. Must not know values, byte
 """
 
 import importlib
-from dataclasses import dataclass
 from functools import cache
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from lcmtools.clock import join_stamp
 from lcmtools.messages.registry import Message, type_name
@@ -33,8 +32,7 @@ _TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
 MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
+class Field(NamedTuple):
     """One field of a message.
 
     Array sizes (``dimensions``) are from the outermost in: a number, or the name of the length

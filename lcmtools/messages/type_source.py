@@ -1,14 +1,14 @@
 """Sources of types as values: names, fingerprints, and the problems of files that lack them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
 
 
-@dataclass(frozen=True, slots=True)
-class Problem:
+class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""
 
     file: str  # its full path
@@ -33,16 +33,15 @@ class Problem:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class TypeSource:
+class TypeSource(NamedTuple):
     """A place that generated classes are imported from; its tables are by types' full names."""
 
     prefix: str  # the module above the packages, as given to lcm-gen ("lcmtools.types")
     fingerprints: Mapping[str, int]
     services: Sequence[str] = ()  # service pairs ("std_srvs/Trigger")
-    files: Mapping[str, str] = field(default_factory=dict)  # .lcm files, where they are known
+    files: Mapping[str, str] = MappingProxyType({})  # .lcm files, where they are known
     problems: Sequence[Problem] = ()  # types and files that cannot be used
-    notes: Mapping[str, str] = field(default_factory=dict)  # a sentence: another file has it too
+    notes: Mapping[str, str] = MappingProxyType({})  # a sentence: another file has it too
 
 
 def shown(path: str | Path) -> str:

@@ -6,7 +6,6 @@ import random
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError
@@ -139,8 +138,8 @@ class Announcer:
         for end in node.endpoints:
             key = (node.id, end.key)
             was = self._before.get(key) or self._latest.get(key)
-            rated.append(replace(end, rate=(was and end.rate_since(was)) or 0.0))
-        return replace(node, endpoints=tuple(rated))
+            rated.append(end._replace(rate=(was and end.rate_since(was)) or 0.0))
+        return node._replace(endpoints=tuple(rated))
 
     def _send(self, announcement: Announcement) -> None:
         # a failure is repaired by the announcement a second later; a closing bus takes none

@@ -5,7 +5,6 @@ import os
 import sys
 import time
 import uuid
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lcmtools import names
@@ -149,8 +148,7 @@ class Node(Parametric, Factory):
 
     def describe(self) -> model.Node:
         """Return the announced description of this node."""
-        return replace(
-            self.__identity,
+        return self.__identity._replace(
             ports=tuple(self.__context.bus.ports),
             endpoints=self.endpoints(),
             busy=self.__callbacks.busy(),

@@ -8,7 +8,6 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
@@ -121,8 +120,7 @@ class Service(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        return replace(
-            _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
+        return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)._replace(
             calls=self.stopwatch.calls,
             busy=self.stopwatch.busy(),
             longest=self.stopwatch.longest(),

@@ -2,7 +2,6 @@
 
 import socket
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 from lcmtools.bus.processes import Process, is_local
 from lcmtools.errors import LcmtoolsError
@@ -204,8 +203,7 @@ def _part(topic: Topic, name: str, computers: Computers) -> Topic:
 
     foreign = tuple(seen for seen in topic.foreign if computers.of_traffic(seen) == name)
     publishers = there(topic.publishers)
-    return replace(
-        topic,
+    return topic._replace(
         publishers=publishers,
         subscribers=there(topic.subscribers),
         traffic=topic.traffic if publishers else foreign,

@@ -3,7 +3,6 @@
 import socket
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
@@ -101,7 +100,7 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
         ],
         "up_time": None if node.stale else _up_time(node, now),
         "callback_time": node.busy,
-        "callback_errors": list(map(asdict, reversed(node.errors))),
+        "callback_errors": [error._asdict() for error in reversed(node.errors)],
         "user": user_name(taken.uid) if taken else None,
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,

@@ -8,7 +8,6 @@ import socket
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from lcmtools.bus.records import NodeRecords
 from lcmtools.errors import BusError
@@ -57,7 +56,7 @@ class Presence:
 
     def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
         """Announce other endpoints."""
-        self.node = replace(self.node, endpoints=tuple(endpoints))
+        self.node = self.node._replace(endpoints=tuple(endpoints))
         self.announce()
 
     def attend(self) -> None:

@@ -10,7 +10,7 @@ made of names that lead to ``lcmtools.types``.
 import importlib
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -214,7 +214,7 @@ def build(
         "fingerprints": {name: f"{number:016x}" for name, number in numbers.items()},
         "files": {name: str(making.types[name].file) for name in numbers},
         "services": [name for name in services if f"{name}_Request" in numbers],
-        "problems": [asdict(problem) for problem in making.problems],
+        "problems": [problem._asdict() for problem in making.problems],
         "notes": making.notes,
     }
 

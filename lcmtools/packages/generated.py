@@ -78,7 +78,7 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     copy.write_bytes(text)
     problem = run_lcm_gen(copy, ["--python", "--ppath", str(folder), "--package-prefix", prefix])
     if problem:
-        return [], [replace(problem, file=str(file))]
+        return [], [problem._replace(file=str(file))]
     found: list[Generated] = []
     problems: list[Problem] = []
     root = folder / prefix

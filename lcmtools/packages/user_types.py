@@ -7,7 +7,7 @@ not known otherwise, because finding them takes a moment.
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
@@ -131,7 +131,7 @@ class UserTypes:
         if not files:
             return TypeSource("", {}, problems=problems) if problems else None
         source = self._compiled(files)
-        return replace(source, problems=[*problems, *source.problems])
+        return source._replace(problems=[*problems, *source.problems])
 
     def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
         from lcmtools.packages.cache import cached_types

@@ -5,7 +5,6 @@ that they have come, so that nobody takes their process for one of the other bus
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 from lcmtools.graph.model import STALE_AFTER, Endpoint, RelayStep, Role
@@ -51,7 +50,7 @@ class Announced:
             return None
         path = (self._step, *node.path)
         passed = said._replace(
-            node=replace(node, name=name, endpoints=tuple(ends), path=path, ports=())
+            node=node._replace(name=name, endpoints=tuple(ends), path=path, ports=())
         )
         if said.leaving:
             self._kept.pop(node.id, None)
@@ -85,7 +84,7 @@ class Announced:
             name = self._onward.route(end.topic, end.types).name
         else:
             name = self._name_of_subscription(end, partial(self._back.route, obeyed=obeyed))
-        return None if isinstance(name, Reason) or not name else replace(end, topic=name)
+        return None if isinstance(name, Reason) or not name else end._replace(topic=name)
 
     def _name_of_subscription(self, end: Endpoint, route: Callable[..., Route]) -> str:
         """The topic on the other bus whose messages come to a subscription."""

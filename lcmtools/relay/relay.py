@@ -88,7 +88,7 @@ class Relay(AbstractContextManager["Relay"]):
         node = own_node(name or usual_name(), tool=False)
         check_node(node.name)
         identifier = f"{time.time_ns():016x}-{os.urandom(4).hex()}"
-        node = replace(node, id=identifier)
+        node = node._replace(id=identifier)
         self._notify, self._rules = notify, rules
         self._sides = self._open(identifier, urls, rules)
         here, there = self._sides
@@ -96,7 +96,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._known = KnownRelays(Link(identifier, node.name, node.host, ends))
         self._presences = tuple(
             Presence(
-                replace(node, ports=side.end.ports[1:]),
+                node._replace(ports=side.end.ports[1:]),
                 side.talk,
                 on_shutdown,
                 NodeRecords(url, os.environ),

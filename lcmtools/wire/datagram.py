@@ -11,7 +11,6 @@ fragment       "LC03" seqno:u32 message_size:u32 offset:u32 number:u16 count:u16
 
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 MAGIC_SHORT = b"LC02"
@@ -38,15 +37,14 @@ class ShortMessage(NamedTuple):
     payload: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Fragment:
+class Fragment(NamedTuple):
     """One part of a message that is too large for a datagram."""
 
     seqno: int  # the sender's number of the message
     message_size: int  # bytes of the whole payload
     offset: int  # place of this part in the payload [byte]
     number: int  # 0, 1, 2, ... below count
-    count: int  # fragments of the message
+    count: int  # type: ignore[assignment] # not tuple.count: fragments of the message
     channel: str | None  # in fragment 0 only
     part: bytes | memoryview  # of the datagram, which is not copied again
 

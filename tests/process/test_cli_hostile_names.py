@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import pytest
 
@@ -46,7 +45,7 @@ def stranger(bus_url: str) -> Iterator[Run]:
     bus.subscribe(PROBE_CHANNEL, answer)
     records = NodeRecords(parse_url(bus_url), os.environ)
     # who looks waits for it, however busy this process is
-    records.write(replace(node, host=socket.gethostname()))
+    records.write(node._replace(host=socket.gethostname()))
 
     def run(*words: str) -> subprocess.CompletedProcess[bytes]:
         command = [sys.executable, "-m", "lcmtools", *words, "--lcm-url", bus_url]

@@ -3,7 +3,6 @@
 import json
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -115,7 +114,7 @@ def test_a_node_with_very_many_endpoints_is_known(
     follower.graph()
     assert channel_socket()
     endpoints = tuple(Endpoint(f"/topic{n}", Role.SUBSCRIBER, ("a/B",)) for n in range(2000))
-    large = replace(follower.describe(), name="/large", id="1" * 32, endpoints=endpoints)
+    large = follower.describe()._replace(name="/large", id="1" * 32, endpoints=endpoints)
     payload = encode_announcement(Announcement(large))
     assert len(payload) > 66_000  # more than a datagram takes
 

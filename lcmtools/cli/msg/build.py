@@ -1,7 +1,6 @@
 """``lcmtools msg build`` and ``generate``."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -47,7 +46,7 @@ def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
         {"type": name, "fingerprint": f"{source.fingerprints[name]:#018x}", "file": file}
         for name, file in made.items()
     ]
-    record = {"types": types, "problems": [asdict(problem) for problem in problems]}
+    record = {"types": types, "problems": [problem._asdict() for problem in problems]}
     show(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
     build = click.get_current_context().meta.get(COMMAND, "lcmtools")
     for problem in problems:

@@ -1,7 +1,5 @@
 """Commands among the topics that are played: who would obey, and what stands at the end."""
 
-from dataclasses import replace
-
 import pytest
 
 from lcmtools.bag.commands import LastCommands, conflicts, is_command
@@ -24,7 +22,7 @@ def track(topic: str, kind: type[Message] | None = Twist) -> Track:
 
 
 def with_ends(node: Node, *ends: Endpoint) -> Node:
-    return replace(node, endpoints=ends)
+    return node._replace(endpoints=ends)
 
 
 def subscriber(topic: str, node: Node = HOST) -> Node:
@@ -70,9 +68,9 @@ def test_a_command_is_told_by_its_type_or_name(
         (subscriber("/a"), "/a commands /robot (elsewhere, pid 12)"),
         (SIMULATOR, "/a commands /robot (elsewhere, pid 12)"),
         (subscriber("/b"), None),
-        (replace(publisher("/a"), stale=Staleness.SILENT), None),
-        (replace(subscriber("/a"), stale=Staleness.SILENT), None),
-        (replace(subscriber("/a"), tool=True), None),
+        (publisher("/a")._replace(stale=Staleness.SILENT), None),
+        (subscriber("/a")._replace(stale=Staleness.SILENT), None),
+        (subscriber("/a")._replace(tool=True), None),
     ],
 )
 def test_reasons_not_to_play(node: Node, reason: str | None) -> None:
@@ -93,7 +91,7 @@ def test_a_program_that_is_no_node_publishes_too() -> None:
 
 
 def test_the_players_own_messages_do_not_count() -> None:
-    own = replace(publisher("/a"), name="/player", sender=SENDER)
+    own = publisher("/a")._replace(name="/player", sender=SENDER)
     seen = Traffic("/a", SENDER, (), 1, 8, 0, 0)
     assert conflicts(Graph((own,), (seen,)), [track("/a")], own="/player") == []
     assert len(conflicts(Graph((own,), (seen,)), [track("/a")])) == 1

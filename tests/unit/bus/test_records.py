@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -105,7 +104,7 @@ def test_a_node_that_is_started_again_takes_the_place_of_its_dead_self(
     _record_of(records, child.pid, tmp_path)
     child.kill()
     child.wait()
-    records.write(replace(_node(pid=os.getpid()), id="another"))
+    records.write(_node(pid=os.getpid())._replace(id="another"))
     assert [node.id for node in records.read()] == ["another"]
 
 

@@ -24,8 +24,7 @@ def ear(topic: str = "/scan", depth: int = 10, **values: int) -> Endpoint:
 
 def later(before: Endpoint, *, rate: int, calls: int, busy: int, drops: int = 0) -> Endpoint:
     """The same after a second, with so many messages and calls more."""
-    return replace(
-        before,
+    return before._replace(
         messages=before.messages + rate,
         last_time=before.last_time + SECOND,
         calls=before.calls + calls,
@@ -38,9 +37,9 @@ def look(*pairs: tuple[Endpoint, Endpoint], timers: int = 0, **values: object) -
     """Two looks at a node with these subscriptions, a second apart."""
     before, after = ((*endpoints, OF_PARAMETERS) for endpoints in zip(*pairs, strict=True))
     node = Node("/n", "n", "h", 1, endpoints=before, sent=START, **values)  # type: ignore[arg-type]
-    node = replace(node, busy=sum(e.busy for e in before))
+    node = node._replace(busy=sum(e.busy for e in before))
     busy = sum(e.busy for e in after) + timers
-    now = replace(node, endpoints=after, sent=START + SECOND, busy=busy)
+    now = node._replace(endpoints=after, sent=START + SECOND, busy=busy)
     return Evidence("udpm://x", before=Graph((node,)), graph=Graph((now,)), listened=1.0)
 
 
@@ -191,10 +190,10 @@ def test_work_that_takes_a_third_of_the_time_at_once_is_named() -> None:
     lost = " * /n lost 5 messages of /scan (depth 10): its node was in"
     assert finding.items == (f"{lost} the timers for 600 ms meanwhile",)
     assert finding.remedies == ("let the timers of /n do less, and never wait",)
-    slow = replace(later(image, rate=1, calls=1, busy=700 * MS), longest=700 * MS)
+    slow = later(image, rate=1, calls=1, busy=700 * MS)._replace(longest=700 * MS)
     finding = dropped(look(lossy, (image, slow)))
     assert finding.items == (f"{lost} the callback of /image for 700 ms meanwhile",)
-    many_short = replace(slow, longest=90 * MS)
+    many_short = slow._replace(longest=90 * MS)
     finding = dropped(look(lossy, (image, many_short)))
     assert finding.items[0].endswith("they come in bursts")
 
@@ -203,7 +202,7 @@ def test_a_look_goes_on_where_a_node_has_lost_many_messages_but_none_now() -> No
     scan = ear(drops=30)
     now = later(scan, rate=20, calls=20, busy=MS)
     assert callbacks.doubt(look((scan, now))) > 3.0
-    assert callbacks.doubt(look((scan, replace(now, drops=35)))) == 0.0  # it is told already
+    assert callbacks.doubt(look((scan, now._replace(drops=35)))) == 0.0  # it is told already
     once = ear(drops=30, messages=5000)
     assert callbacks.doubt(look((once, later(once, rate=20, calls=20, busy=MS)))) == 0.0
     assert callbacks.doubt(look((scan, now), tool=True)) == 0.0
@@ -253,10 +252,10 @@ def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
     assert finding.items == (" * /n has received 6 messages of /scan",)
     assert finding.remedies == ("let /n spin: lcmtools.spin(node), or often spin_once",)
     for quiet in (
-        replace(node, start_time=8 * SECOND),
-        replace(node, tool=True),
-        replace(node, busy=1),
-        replace(node, endpoints=(replace(fed, calls=1),)),
-        replace(node, endpoints=(replace(fed, messages=4),)),
+        node._replace(start_time=8 * SECOND),
+        node._replace(tool=True),
+        node._replace(busy=1),
+        node._replace(endpoints=(fed._replace(calls=1),)),
+        node._replace(endpoints=(fed._replace(messages=4),)),
     ):
         assert told(replace(evidence, graph=Graph((quiet,), time=10 * SECOND))) == []

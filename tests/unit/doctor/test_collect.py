@@ -2,7 +2,6 @@
 
 import os
 import socket
-from dataclasses import replace
 from typing import cast
 
 import pytest
@@ -67,7 +66,7 @@ class _LateNode(_Monitor):
 
     def graph(self) -> Graph:
         stale = Staleness.NOT if self.waited >= self.answered else Staleness.HANGS
-        return Graph((replace(self.node, stale=stale),))
+        return Graph((self.node._replace(stale=stale),))
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ NOW = 1_000_000 * SECOND
 ALICE, BOB = Sender("10.0.0.1", 4000), Sender("10.0.0.2", 5000)
 PRINT = fingerprint(message_class("std_msgs/String"))
 SPEAKS = Endpoint("/a", Role.PUBLISHER, ("std_msgs/String",), (PRINT,))
-TAKES = replace(SPEAKS, role=Role.SUBSCRIBER, depth=10)
+TAKES = SPEAKS._replace(role=Role.SUBSCRIBER, depth=10)
 TALKER = Node("/talker", "t", "here", 7, NOW - 100 * SECOND, "run talker", endpoints=(SPEAKS,))
 EAR = Node("/ear", "e", "here", 8, NOW - 100 * SECOND, "run ear", endpoints=(TAKES,), sent=1)
 GOOD = Evidence(
@@ -60,7 +60,7 @@ def host(**values: object) -> Evidence:
 
 
 def having(node: Node, **values: int) -> Node:
-    return replace(node, endpoints=(replace(node.endpoints[0], **values),), sent=1 + SECOND)
+    return node._replace(endpoints=(node.endpoints[0]._replace(**values),), sent=1 + SECOND)
 
 
 def sent(channel: str, number: int) -> tuple[Traffic, ...]:
@@ -72,15 +72,15 @@ def odd(kind: str) -> Evidence:
 
 
 SLOWED = replace(
-    graph(replace(TALKER, endpoints=(replace(OLDER, messages=9910, last_time=NOW),)), EAR),
-    before=Graph((replace(TALKER, endpoints=(OLDER,)), EAR)),
+    graph(TALKER._replace(endpoints=(OLDER._replace(messages=9910, last_time=NOW),)), EAR),
+    before=Graph((TALKER._replace(endpoints=(OLDER,)), EAR)),
 )
 BUSY = having(EAR, messages=10, calls=10, busy=SECOND, last_time=SECOND)
 EVIDENCE = {
     "bandwidth": replace(GOOD, streams=(replace(EVEN, bytes=90_000_000),)),
     "bus": replace(EMPTY, bus_problem="no route", bus_remedy="type: sudo ip route add x"),
     "callback-errors": graph(
-        replace(TALKER, errors=(CallbackError("/x", "KeyError", "'a'", "my.py:3", 2, NOW),)), EAR
+        TALKER._replace(errors=(CallbackError("/x", "KeyError", "'a'", "my.py:3", 2, NOW),)), EAR
     ),
     "clocks": replace(GOOD, clocks=(HostClock("h", "10.0.0.2", -3, ("/far",)),)),
     "competing-publishers": replace(
@@ -88,7 +88,7 @@ EVIDENCE = {
     ),
     "container": host(container="WSL"),
     "covariances": odd("covariance"),
-    "duplicate-names": graph(TALKER, replace(TALKER, id="u", pid=9), EAR),
+    "duplicate-names": graph(TALKER, TALKER._replace(id="u", pid=9), EAR),
     "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),
     "firewall": host(firewall="ufw"),
     "igmp-querier": host(bridge="br0"),
@@ -106,8 +106,7 @@ EVIDENCE = {
     "no-clock": graph(
         TALKER,
         EAR,
-        replace(
-            EAR,
+        EAR._replace(
             id="c",
             name="/c",
             endpoints=(Endpoint("/clock", Role.SUBSCRIBER, ("rosgraph_msgs/Clock",), (3,)),),
@@ -124,7 +123,7 @@ EVIDENCE = {
     "rp-filter": host(rp_filter=1, others=("wlan0",)),
     "sending": host(send_problem="sending is forbidden", send_remedy="type: sudo ufw allow out"),
     "silent": replace(GOOD, processes=(LcmProcess(9, "talker", state="T"),)),
-    "slow-callbacks": graph(TALKER, replace(BUSY, busy=SECOND)),
+    "slow-callbacks": graph(TALKER, BUSY._replace(busy=SECOND)),
     "slow-rate": SLOWED,
     "slow-simulator": replace(GOOD, clock=SimulatedClock("/sim", 0.5, busy=0.99)),
     "small-buffer": replace(
@@ -132,7 +131,7 @@ EVIDENCE = {
         streams=(replace(EVEN, largest=300_000),),
         listeners=(Listener("l", 1, 0, buffer_bytes=200_000, is_node=True),),
     ),
-    "stale-nodes": graph(TALKER, EAR, replace(TALKER, id="u", name="/s", stale=Staleness.HANGS)),
+    "stale-nodes": graph(TALKER, EAR, TALKER._replace(id="u", name="/s", stale=Staleness.HANGS)),
     "stamps": odd("future"),
     "stuck-listeners": replace(GOOD, listeners=(Listener("l", 1, 0, state="T", is_node=True),)),
     "ttl": replace(GOOD, senders=(SenderFacts(ALICE, "alice", ttl=7),)),

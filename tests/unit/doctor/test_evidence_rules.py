@@ -223,7 +223,7 @@ def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
 
 def test_a_rate_that_has_fallen_is_a_note() -> None:
     before = Endpoint("/a", Role.PUBLISHER, messages=9900, last_time=NOW - SECOND)
-    after = replace(before, messages=9910, last_time=NOW)
+    after = before._replace(messages=9910, last_time=NOW)
     finding = only(_graphs(before, after))
     assert finding.rule == "slow-rate"
     assert finding.items == (" * /mouth: /a, 10 Hz in place of 100 Hz",)
@@ -309,7 +309,7 @@ def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
 
 def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> None:
     clock = Endpoint("/clock", Role.PUBLISHER, messages=9, last_time=NOW - 9 * SECOND)
-    scan = replace(clock, topic="/scan")
+    scan = clock._replace(topic="/scan")
     ends = (clock, scan, Endpoint("/sim/set_rate", Role.SERVICE))
     sim = Node("/sim", "s", "h", 1, endpoints=ends)
     out = Endpoint("/a", Role.PUBLISHER, messages=500, last_time=NOW - 50 * SECOND)
@@ -323,7 +323,7 @@ def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> 
     assert note.remedies == ("if that was not intended: lcmtools sim resume",)
     tick = Stream("/clock", ALICE, "/sim", (NOW,))
     assert found(replace(evidence, streams=(tick,))).keys() == {"silent"}
-    ticked = replace(sim, endpoints=(replace(clock, last_time=NOW), scan, ends[2]))
+    ticked = sim._replace(endpoints=(clock._replace(last_time=NOW), scan, ends[2]))
     missed = replace(evidence, graph=Graph((ticked, driver, ear), time=NOW), own_drops=99)
     assert found(missed) == {}, "wtf has missed the ticks"
 
@@ -381,7 +381,7 @@ def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
     assert {"silent", "irregular"} <= rules(simulator, ear).keys()
     assert {"silent", "irregular"} <= rules().keys()  # a plain program's
     assert not {"silent", "irregular"} & rules(simulator).keys()
-    assert not {"silent", "irregular"} & rules(simulator, replace(ear, tool=True)).keys()
+    assert not {"silent", "irregular"} & rules(simulator, ear._replace(tool=True)).keys()
 
 
 def test_a_long_list_ends_with_the_number_of_the_others() -> None:

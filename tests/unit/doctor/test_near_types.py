@@ -1,7 +1,5 @@
 """Unknown types that are nearly known ones."""
 
-from dataclasses import replace
-
 import pytest
 
 from lcmtools.doctor.near_types import NearType, fingerprint_of, nearest_type
@@ -30,13 +28,13 @@ def test_a_field_less_is_recognised_without_any_expectation() -> None:
     ("parts", "difference"),
     [
         ([X, Y], "without the field theta"),
-        ([X, Y, replace(THETA, type="float32")], "theta is float32, not float64"),
-        ([X, Y, replace(THETA, type="int64")], "theta is int64, not float64"),
+        ([X, Y, THETA._replace(type="float32")], "theta is float32, not float64"),
+        ([X, Y, THETA._replace(type="int64")], "theta is int64, not float64"),
         ([Y, X, THETA], "x and y exchanged"),
         ([THETA, X, Y], "its fields in the order theta, x, y"),
-        ([replace(part, type="float32") for part in (X, Y, THETA)], "every float64 is float32"),
-        ([X, Y, THETA, replace(X, name="id", type="int32")], "with id (int32) at the end"),
-        ([replace(X, name="utime", type="int64"), X, Y, THETA], "with utime (int64) before"),
+        ([part._replace(type="float32") for part in (X, Y, THETA)], "every float64 is float32"),
+        ([X, Y, THETA, X._replace(name="id", type="int32")], "with id (int32) at the end"),
+        ([X._replace(name="utime", type="int64"), X, Y, THETA], "with utime (int64) before"),
     ],
 )
 def test_an_edit_of_the_expected_type_is_recognised(parts: list[object], difference: str) -> None:

@@ -157,7 +157,7 @@ def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulato
     alone = Evidence("udpm://", graph=Graph((mouth,), time=NOW), listened=1.0)
     assert "silent" in {one.rule for one in judge(alone)}
     clock = Endpoint("/clock", Role.PUBLISHER)
-    simulator = replace(mouth, endpoints=(*mouth.endpoints, clock))
+    simulator = mouth._replace(endpoints=(*mouth.endpoints, clock))
     tick = Stream("/clock", ALICE, "/mouth", (NOW,))
     resting = replace(alone, graph=Graph((simulator,), time=NOW), streams=(tick,))
     assert "silent" not in {one.rule for one in judge(resting)}

@@ -1,7 +1,5 @@
 """The flag that connects what is not connected."""
 
-from dataclasses import replace
-
 import pytest
 from fixtures.judging import Judged, judge
 
@@ -97,7 +95,7 @@ PAIRS = {
 @pytest.mark.parametrize("sentence", PAIRS)
 def test_a_publisher_and_a_subscriber_are_connected(sentence: str) -> None:
     (name, *publishes), (listener, *subscribes), remedy = PAIRS[sentence]
-    publisher = replace(node(name, Role.PUBLISHER, *publishes), tool=name.startswith("/_"))
+    publisher = node(name, Role.PUBLISHER, *publishes)._replace(tool=name.startswith("/_"))
     assert remedies(publisher, node(listener, Role.SUBSCRIBER, *subscribes)) == (remedy,)
 
 
@@ -105,7 +103,7 @@ def test_a_command_that_listens_to_all_topics_changes_no_remedy() -> None:
     sensor = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
     output = Endpoint("/wheel_cmd", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     driver = node("/driver", Role.SUBSCRIBER, "/odometry")
-    driver = replace(driver, endpoints=(*driver.endpoints, output))
+    driver = driver._replace(endpoints=(*driver.endpoints, output))
     watching = tuple(
         Endpoint(topic, Role.SUBSCRIBER) for topic in ("/robot/odometry", "/wheel_cmd")
     )
@@ -272,7 +270,7 @@ def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
             " /husky0"
         ),
     )
-    mapped = replace(controller, command="run controller __ns:=/husky0 odometry:=/odometry")
+    mapped = controller._replace(command="run controller __ns:=/husky0 odometry:=/odometry")
     assert remedies(robot, mapped) == (
         "/husky0/odometry is published: start /husky0/controller without odometry:=/odometry",
     )
@@ -282,8 +280,8 @@ def test_a_node_with_another_topic_connected_is_in_the_right_namespace() -> None
     robot = node("/husky0/robot", Role.PUBLISHER, "/husky0/odometry")
     pilot = node("/husky/pilot", Role.PUBLISHER, "/husky/desired_velocity")
     controller = node("/husky0/controller", Role.SUBSCRIBER, "/husky0/desired_velocity")
-    odometry = replace(controller.endpoints[0], topic="/husky0/odometry")
-    controller = replace(controller, endpoints=(*controller.endpoints, odometry))
+    odometry = controller.endpoints[0]._replace(topic="/husky0/odometry")
+    controller = controller._replace(endpoints=(*controller.endpoints, odometry))
     assert said_of(robot, pilot, controller)["unconnected-subscriptions"].remedies == (
         "/husky/pilot publishes /husky/desired_velocity: start /husky/pilot with __ns:=/husky0",
     )
@@ -306,18 +304,18 @@ def test_a_second_publisher_with_a_slip_is_led_to_the_subscriber() -> None:
 
 
 def test_a_publication_whose_subscriber_was_killed_is_not_reported_twice() -> None:
-    killed = replace(node("/ear", Role.SUBSCRIBER, "/speed"), stale=Staleness.ENDED)
-    killed = replace(killed, endpoints=())
+    killed = node("/ear", Role.SUBSCRIBER, "/speed")._replace(stale=Staleness.ENDED)
+    killed = killed._replace(endpoints=())
     talker = node("/talker", Role.PUBLISHER, "/speed")
     assert list(said_of(talker, killed, stale_subscribed=frozenset({"/speed"}))) == ["stale-nodes"]
 
 
 def test_who_publishes_where_a_node_is_moved_to_is_left_alone() -> None:
     robot = node("/morse", Role.PUBLISHER, "/husky0/odometry")
-    command = replace(node("/_pub", Role.PUBLISHER, "/husky0/wish"), tool=True)
+    command = node("/_pub", Role.PUBLISHER, "/husky0/wish")._replace(tool=True)
     controller = node("/husky/controller", Role.SUBSCRIBER, "/husky/odometry")
-    wish = replace(controller.endpoints[0], topic="/husky/wish")
-    controller = replace(controller, endpoints=(*controller.endpoints, wish))
+    wish = controller.endpoints[0]._replace(topic="/husky/wish")
+    controller = controller._replace(endpoints=(*controller.endpoints, wish))
     assert said_of(robot, command, controller)["unconnected-subscriptions"].remedies == (
         "/husky0/odometry is published: start /husky/controller with __ns:=/husky0",
     )

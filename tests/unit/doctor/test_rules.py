@@ -114,7 +114,7 @@ def test_everybodys_topics_and_hidden_ones_are_not_reported(topic: str) -> None:
 
 def raising(last_time: int) -> Evidence:
     error = CallbackError("/odometry", "AttributeError", "no 'pos'", "mine.py:35", 340, last_time)
-    controller = replace(node("/husky0/controller"), errors=(error,))
+    controller = node("/husky0/controller")._replace(errors=(error,))
     graph = Graph((controller,), time=100_000_000_000)
     line = LogLine("/husky0/controller", "error", "callback raised AttributeError: no 'pos'")
     return Evidence("udpm://x", graph=graph, logs=(line,))
@@ -200,7 +200,7 @@ def test_on_a_computer_that_is_too_busy_a_node_that_does_not_answer_is_a_note() 
 
 
 def test_of_a_stale_node_elsewhere_no_process_of_this_computer_is_meant() -> None:
-    far = replace(node("/talker", pid=7, stale=Staleness.SILENT), sender=Sender("10.0.0.2", 40000))
+    far = node("/talker", pid=7, stale=Staleness.SILENT)._replace(sender=Sender("10.0.0.2", 40000))
     evidence = Evidence(url="udpm://x", graph=Graph((far,)), remote=frozenset({far.id}))
     (finding,) = [found for found in judge(evidence) if found.rule == "stale-nodes"]
     assert finding.items == (f" * /talker (pid 7 on husky at 10.0.0.2): {far.stale.value}",)

@@ -29,7 +29,7 @@ from lcmtools.wire.packet import Sender
 ALICE = Sender("10.0.0.1", 4000)
 TAKES = Endpoint("/a", Role.SUBSCRIBER, ("std_msgs/String",), (1 << 63,), "g", 10, 1, 2, 3, 4, 5)
 NODE = Node("/n", "id", "h", 7, 1, "run n", tool=True, ports=(5,), endpoints=(TAKES,), sender=ALICE)
-NODE = replace(NODE, last_announced=9, stale=Staleness.HANGS, busy=1, sent=2)
+NODE = NODE._replace(last_announced=9, stale=Staleness.HANGS, busy=1, sent=2)
 LISTENER = Listener("l", None, 0, 1, 2, 3, 4, "T", is_tool=True, is_node=True)
 STREAM = Stream("A", ALICE, "alice", (1, 2), 3, 4, is_cut=True, pid=5)
 EVERYTHING = Evidence(
@@ -37,7 +37,7 @@ EVERYTHING = Evidence(
     bus_problem="none",
     bus_remedy="none",
     ttl=1,
-    graph=Graph((replace(NODE, lag=-5),), (Traffic("\udcff\n", None, (1, 2), 3, 4, 5, 6),), 7),
+    graph=Graph((NODE._replace(lag=-5),), (Traffic("\udcff\n", None, (1, 2), 3, 4, 5, 6),), 7),
     before=Graph((NODE,), (), 6),
     listened=0.25,
     malformed=(("10.0.0.1:4000", "bad"),),

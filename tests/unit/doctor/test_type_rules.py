@@ -1,7 +1,5 @@
 """The rules of wtf about types: mismatches, versions, and data that is no LCM message."""
 
-from dataclasses import replace
-
 import pytest
 from fixtures.judging import JOINTS, ODOMETRY, STRING, TWIST, findings, judge, node, pub, sub
 
@@ -131,7 +129,7 @@ def test_an_unknown_type_that_a_node_announces_has_its_name() -> None:
     state = Endpoint("/state", Role.PUBLISHER, ("my_msgs/State",), (0x1021324354657687,))
     sender = Sender("10.0.0.1", 4000)
     seen = Traffic("/state", sender, state.fingerprints, 5, 500, 0, 1)
-    finding = findings(replace(node("/n", state), sender=sender), traffic=[seen])["unknown-type"]
+    finding = findings(node("/n", state)._replace(sender=sender), traffic=[seen])["unknown-type"]
     assert finding.items == (" * /state from 10.0.0.1:4000: my_msgs/State (0x1021324354657687)",)
 
 

@@ -1,7 +1,5 @@
 """Following announcements without decoding those of which only the counters changed."""
 
-from dataclasses import replace
-
 import pytest
 
 from lcmtools.graph import builder
@@ -41,7 +39,7 @@ def _hear(graph: GraphBuilder, node: Node, time: int, *, leaving: bool = False) 
 
 
 def _counted(messages: int) -> Node:
-    return replace(_NODE, endpoints=(replace(_NODE.endpoints[0], messages=messages),))
+    return _NODE._replace(endpoints=(_NODE.endpoints[0]._replace(messages=messages),))
 
 
 def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded: list[bytes]) -> None:
@@ -57,7 +55,7 @@ def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded: li
 def test_a_new_endpoint_is_learnt_at_once(decoded: list[bytes]) -> None:
     graph = GraphBuilder()
     _hear(graph, _NODE, 1)
-    _hear(graph, replace(_NODE, endpoints=(Endpoint("/u", Role.SUBSCRIBER),)), 2)
+    _hear(graph, _NODE._replace(endpoints=(Endpoint("/u", Role.SUBSCRIBER),)), 2)
     assert len(decoded) == 2
     assert graph.snapshot(3).topic_names() == ["/u"]
 

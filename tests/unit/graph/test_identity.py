@@ -1,7 +1,5 @@
 """Identities tell one node's announcements from another's without decoding them."""
 
-from dataclasses import replace
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -29,7 +27,7 @@ def test_it_ends_with_the_id_and_the_state() -> None:
 
 
 @pytest.mark.parametrize(
-    "node", [replace(NODE, endpoints=()), replace(NODE, ports=(1, 2)), replace(NODE, command="x")]
+    "node", [NODE._replace(endpoints=()), NODE._replace(ports=(1, 2)), NODE._replace(command="x")]
 )
 def test_what_changes_in_a_nodes_life_does_not_change_it(node: Node) -> None:
     assert identity(node) == identity()
@@ -40,7 +38,7 @@ def test_an_answer_to_a_probe_has_the_same() -> None:
 
 
 @pytest.mark.parametrize(
-    "node", [replace(NODE, id="other"), replace(NODE, name="/driver"), replace(NODE, pid=1)]
+    "node", [NODE._replace(id="other"), NODE._replace(name="/driver"), NODE._replace(pid=1)]
 )
 def test_another_node_has_another(node: Node) -> None:
     assert identity(node) != identity()
@@ -67,8 +65,8 @@ def revision(node: Node, *, leaving: bool = False, answers: int = 0) -> bytes:
 def counted(node: Node) -> Node:
     """The node after some messages."""
     (endpoint,) = node.endpoints
-    later = replace(endpoint, messages=7, bytes=700, drops=1, last_time=9)
-    return replace(node, endpoints=(later,))
+    later = endpoint._replace(messages=7, bytes=700, drops=1, last_time=9)
+    return node._replace(endpoints=(later,))
 
 
 def test_counters_leave_the_revision_as_it_is() -> None:
@@ -79,11 +77,11 @@ def test_counters_leave_the_revision_as_it_is() -> None:
 @pytest.mark.parametrize(
     "node",
     [
-        replace(NODE, endpoints=()),
-        replace(NODE, endpoints=NODE.endpoints * 2),
-        replace(NODE, endpoints=(replace(NODE.endpoints[0], depth=2),)),
-        replace(NODE, endpoints=(replace(NODE.endpoints[0], types=("a/B",)),)),
-        replace(NODE, ports=(40_000,)),
+        NODE._replace(endpoints=()),
+        NODE._replace(endpoints=NODE.endpoints * 2),
+        NODE._replace(endpoints=(NODE.endpoints[0]._replace(depth=2),)),
+        NODE._replace(endpoints=(NODE.endpoints[0]._replace(types=("a/B",)),)),
+        NODE._replace(ports=(40_000,)),
     ],
 )
 def test_whatever_else_changes_makes_a_new_revision(node: Node) -> None:

@@ -1,7 +1,6 @@
 """Announcements and probes: there and back, and nothing hostile raises."""
 
 import struct
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -158,10 +157,10 @@ def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
         return head_of(encode_announcement(Announcement(node, leaving, answers))).identity
 
     assert identity(_NODE)
-    changed = replace(_NODE, endpoints=(), ports=(1,), command="")
+    changed = _NODE._replace(endpoints=(), ports=(1,), command="")
     assert identity(changed, answers=9) == identity(_NODE)
     assert identity(_NODE, leaving=True) != identity(_NODE)
-    for other in (replace(_NODE, name="/b"), replace(_NODE, id="x"), replace(_NODE, host="h2")):
+    for other in (_NODE._replace(name="/b"), _NODE._replace(id="x"), _NODE._replace(host="h2")):
         assert identity(other) != identity(_NODE)
 
 
@@ -170,32 +169,32 @@ def _revision(node: Node) -> bytes:
 
 
 def test_counters_and_clocks_change_no_revision() -> None:
-    counted = replace(
-        _NODE.endpoints[1], messages=9, bytes=9, drops=9, last_time=9, calls=9, busy=9, longest=9
+    counted = _NODE.endpoints[1]._replace(
+        messages=9, bytes=9, drops=9, last_time=9, calls=9, busy=9, longest=9
     )
     endpoints = (_NODE.endpoints[0], counted, *_NODE.endpoints[2:])
-    assert _revision(replace(_NODE, endpoints=endpoints, sent=9, busy=9)) == _revision(_NODE)
-    changed = (_NODE.endpoints[0], replace(counted, depth=9), *_NODE.endpoints[2:])
-    assert _revision(replace(_NODE, endpoints=changed)) != _revision(_NODE)
+    assert _revision(_NODE._replace(endpoints=endpoints, sent=9, busy=9)) == _revision(_NODE)
+    changed = (_NODE.endpoints[0], counted._replace(depth=9), *_NODE.endpoints[2:])
+    assert _revision(_NODE._replace(endpoints=changed)) != _revision(_NODE)
 
 
 def test_another_error_of_a_callback_changes_the_revision_and_its_count_does_not() -> None:
     first, second = _NODE.errors
-    counted = replace(first, message="'r'", count=341, last_time=9)
-    assert _revision(replace(_NODE, errors=(second, counted))) == _revision(_NODE)
-    assert _revision(replace(_NODE, errors=(first,))) != _revision(_NODE)
+    counted = first._replace(message="'r'", count=341, last_time=9)
+    assert _revision(_NODE._replace(errors=(second, counted))) == _revision(_NODE)
+    assert _revision(_NODE._replace(errors=(first,))) != _revision(_NODE)
 
 
 def test_no_more_than_the_newest_five_errors_are_announced() -> None:
-    errors = tuple(replace(_NODE.errors[0], place=f"a.py:{line}") for line in range(9))
-    got = decode_announcement(encode_announcement(Announcement(replace(_NODE, errors=errors))))
+    errors = tuple(_NODE.errors[0]._replace(place=f"a.py:{line}") for line in range(9))
+    got = decode_announcement(encode_announcement(Announcement(_NODE._replace(errors=errors))))
     assert got is not None
     assert got.node.errors == errors[-5:]
 
 
 def test_an_announcement_is_sent_at_a_time() -> None:
     announcement = Announcement(_NODE, leaving=True, answers=3)
-    assert announcement.sent_at(5) == Announcement(replace(_NODE, sent=5), leaving=True, answers=3)
+    assert announcement.sent_at(5) == Announcement(_NODE._replace(sent=5), leaving=True, answers=3)
 
 
 @given(st.binary(max_size=120))

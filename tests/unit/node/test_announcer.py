@@ -4,7 +4,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import pytest
 from fixtures.fake_bus import FakeBus
@@ -47,7 +46,7 @@ def test_a_new_node_is_announced_at_once_with_all_that_it_is(
     wait_until(lambda: _announced(bus) and len(_announced(bus)[-1].node.endpoints) == 3)
     announced = _announced(bus)[-1].node
     assert 0 <= time.time_ns() - announced.sent < 60_000_000_000
-    assert replace(announced, sent=0) == node.describe()
+    assert announced._replace(sent=0) == node.describe()
     assert announced.name == "/husky0/driver"
     assert [(e.topic, e.type, e.depth) for e in announced.endpoints] == [
         ("/rosout", "rosgraph_msgs/Log", 100),

@@ -1,7 +1,5 @@
 """Rates and durations of callbacks, from two looks at the counters."""
 
-from dataclasses import replace
-
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
@@ -25,7 +23,7 @@ NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
 def test_a_callback_takes_what_it_took_between_two_looks(
     calls: int, busy: int, mean: float | None
 ) -> None:
-    assert callback_time(ENDPOINT, replace(ENDPOINT, calls=calls, busy=busy)) == mean
+    assert callback_time(ENDPOINT, ENDPOINT._replace(calls=calls, busy=busy)) == mean
 
 
 @pytest.mark.parametrize(
@@ -35,18 +33,18 @@ def test_a_callback_takes_what_it_took_between_two_looks(
 def test_a_node_is_busy_for_a_part_of_the_time_between_its_announcements(
     span: float, busy: float, share: float | None
 ) -> None:
-    later = replace(
-        NODE, sent=NODE.sent + round(span * SECOND), busy=NODE.busy + round(busy * SECOND)
+    later = NODE._replace(
+        sent=NODE.sent + round(span * SECOND), busy=NODE.busy + round(busy * SECOND)
     )
     assert busy_share(NODE, later) == share
 
 
 def test_only_some_callbacks_may_count() -> None:
-    assert busy_share(NODE, replace(NODE, sent=7 * SECOND), SECOND) == 0.5
+    assert busy_share(NODE, NODE._replace(sent=7 * SECOND), SECOND) == 0.5
 
 
 def test_a_node_that_does_not_say_when_it_sent_is_not_judged() -> None:
-    assert busy_share(replace(NODE, sent=0), NODE) is None
+    assert busy_share(NODE._replace(sent=0), NODE) is None
 
 
 @pytest.mark.parametrize(
@@ -89,8 +87,8 @@ def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
 
 
 def test_the_announced_rate_counts_where_one_look_has_to_do() -> None:
-    known = replace(_counted(7, 100.0), rate=2.5)
-    node = Node("/a", "id", "host", 1, endpoints=(known, replace(known, topic="/b", rate=0.0)))
+    known = _counted(7, 100.0)._replace(rate=2.5)
+    node = Node("/a", "id", "host", 1, endpoints=(known, known._replace(topic="/b", rate=0.0)))
     counters = Counters(Graph((node,)), Graph((node,)))
     assert counters.record(node, known)["rate"] == 2.5
     assert counters.record(node, node.endpoints[1])["rate"] is None

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 
 import pytest
 
@@ -27,7 +26,7 @@ FOLLOWER = Node(
     2,
     endpoints=(Endpoint("/sim_husky2/step", Role.SERVICE, ("sim_msgs/Step",)),),
 )
-LATE = replace(LEADER, stale=Staleness.HANGS, endpoints=())
+LATE = LEADER._replace(stale=Staleness.HANGS, endpoints=())
 
 
 Ask = Callable[..., list[str]]
