@@ -1,6 +1,6 @@
 """The interface of a bus for nodes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
 Handler = Callable[[bytes, int], None]
@@ -28,6 +28,13 @@ class Bus(Protocol):
             payload: Fingerprint and encoded struct, or any other bytes.
             type_name: The type "package/Name", for a bus whose keys name it; "" if unknown.
             latched: It is state, that may be late; on Zenoh other messages are dropped then.
+        """
+        ...
+
+    def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
+        """Send those of these messages that cost less together, perhaps in another order.
+
+        Returns the places of the others, which are to be sent one by one. Safe from any thread.
         """
         ...
 

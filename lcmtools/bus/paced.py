@@ -1,19 +1,24 @@
-"""Sending large messages so that they arrive.
+"""Sending large messages so that they arrive, and many small ones with few calls.
 
 liblcm sends all fragments of a message in one burst, and with a system's stock receive buffers
 nothing above 190 kB gets through. Here the fragments go out in the same wire format, with a pause
 after each that lets receivers empty their buffers. A plain LCM program receives them as it is.
+
+Small ones of one size, as a fleet has them, pass through the system together: one by one, that
+takes longer than computing them.
 """
 
 import contextlib
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 
+from lcmtools.bus.kernel import cuts_datagrams, send_cut
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams
+from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams, short_message
 
 PACED_ABOVE_BYTES = 120_000
 """Payloads up to this size fit stock receive buffers in one burst."""
@@ -22,6 +27,8 @@ MAX_WAITING_BYTES = 64 << 20
 """A publisher that is faster than the pace waits once this much is queued."""
 
 _PAUSE = 0.0002  # [s] after each fragment; three fragments fit stock buffers (212 992 bytes)
+_MOST_TOGETHER = 32  # messages; a stock receive buffer holds three times as many
+_MOST_BYTES_TOGETHER = 65_000  # on their way they are one datagram
 _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
@@ -32,6 +39,7 @@ class PacedSender:
         self._address = (url.host, url.port)
         self._socket = sending_socket(url)
         self._socket.bind(("", 0))  # so that the port is known before the first message
+        self._cuts = cuts_datagrams(self._socket)
         self._seqno = 0
         self._waiting: deque[tuple[str, bytes]] = deque()
         self._waiting_bytes = 0
@@ -64,6 +72,38 @@ class PacedSender:
             self._waiting.append((channel, payload))
             self._waiting_bytes += len(payload)
             self._changed.notify_all()
+
+    def send_together(self, messages: Sequence[tuple[str, bytes]]) -> list[int]:
+        """Send messages that are short and of one size with one call, in their order.
+
+        Returns the places of those that are to be sent otherwise.
+        """
+        sizes: dict[int, list[int]] = {}
+        for place, (channel, payload) in enumerate(messages):
+            sizes.setdefault(len(channel.encode()) + len(payload), []).append(place)
+        left: list[int] = []
+        for size, places in sizes.items():
+            most = max(1, min(_MOST_TOGETHER, _MOST_BYTES_TOGETHER // size))
+            for start in range(0, len(places), most):
+                part = places[start : start + most]
+                if len(part) == 1 or not self._send_alike([messages[place] for place in part]):
+                    left += part
+        return left
+
+    def _send_alike(self, messages: Sequence[tuple[str, bytes]]) -> bool:
+        """Send short messages of one size with one call; return False if none could be sent."""
+        with self._changed:
+            # a large one that is being sent has the newest number
+            if not self._cuts or self._waiting or self._closed:
+                return False
+            numbered = enumerate(messages, self._seqno + 1)
+            datagrams = [short_message(number, *message) for number, message in numbered]
+            try:
+                send_cut(self._socket, datagrams, self._address)
+            except OSError:
+                return False
+            self._seqno += len(messages)
+            return True
 
     def has_waiting(self, channel: str) -> bool:
         """Return whether a message of this channel waits or is being sent: none may overtake it."""

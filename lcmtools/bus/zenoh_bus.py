@@ -7,7 +7,7 @@ calls the handlers (see ``bus.receiving``).
 import contextlib
 import select
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 
 from lcmtools.bus.base import Handler
 from lcmtools.bus.receiving import Receiving
@@ -58,6 +58,10 @@ class ZenohBus:
         if self._closed:
             raise BusError("the bus is closed")
         self._session.publish(channel, payload, type_name, latched=latched)
+
+    def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
+        """Send none together (see ``Bus``)."""
+        return range(len(messages))
 
     def subscribe(self, channel: str, handler: Handler) -> None:
         """Call ``handler`` for each message on this channel.

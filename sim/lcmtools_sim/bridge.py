@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from lcmtools import Node, spin_once
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.registry import Message
-from lcmtools.node.publisher import Publisher
+from lcmtools.node.publisher import Publisher, publish_together
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -79,10 +79,13 @@ class Bridge:
 
     def publish(self, samples: list[Sample]) -> None:
         """Publish a step's messages."""
-        for sample in samples:
-            self._publishers[sample.topic].publish_payload(sample.payload)
+        publishers = self._publishers
         if samples and samples[0].topic == CLOCK_TOPIC:
+            clock, *samples = samples
+            publishers[CLOCK_TOPIC].publish_payload(clock.payload)
             self._published_time = self._simulation.time
+        messages = [(publishers[sample.topic], sample.payload) for sample in samples]
+        publish_together(self._node.context.bus, messages)
 
     def publish_clock(self) -> None:
         """Publish the clock, if its last message shows another time."""

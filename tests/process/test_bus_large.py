@@ -13,18 +13,21 @@ from typing import Any
 import lcm
 import pytest
 
+from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.processes import udp_sockets
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.errors import BusError
-from lcmtools.wire.datagram import FRAGMENT_MAX, MESSAGE_MAX, fragments
+from lcmtools.wire.datagram import FRAGMENT_MAX, MESSAGE_MAX, ShortMessage, fragments, parse
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.reader import Reader
 
 _SO_RCVBUFFORCE = 33  # Linux's number; the socket module has no name for it
 WaitUntil = Callable[..., None]
+_PATIENCE = 40.0  # [s]
+_LARGE = "/large", bytes(65_499)
 _URL = "udpm://239.255.76.67:7667?ttl=0"
 _SIZES = (
     PACED_ABOVE_BYTES,
@@ -219,6 +222,38 @@ def test_a_closed_sender_takes_nothing(bus_url: str) -> None:
     sender.close()
     with pytest.raises(BusError, match="closed"):
         sender.send("BIG", bytes(300_000))
+    assert sender.send_together([("/a", b"1"), ("/a", b"2")]) == [0, 1]
+
+
+@pytest.mark.skipif(not IS_LINUX, reason="UDP_SEGMENT is Linux's")
+def test_messages_of_one_size_leave_together_and_the_others_are_left(bus_url: str) -> None:
+    url = parse_url(bus_url)
+    small = [
+        (f"/r{n}", bytes([n]) * 100) for n in range(3, 60)
+    ]  # two sizes, with one and two calls
+    messages = [*small, ("/alone", bytes(50)), ("/é", b"12345"), ("/ee", b"12345"), *2 * [_LARGE]]
+    with receiving_socket(url) as receiver, closing(PacedSender(url)) as sender:
+        receiver.settimeout(_PATIENCE)
+        assert sender.send_together(messages) == [57, 60, 61]
+        sent = [parse(receiver.recv(65_536)) for _ in range(59)]
+    in_calls = [*small, *messages[58:60]]
+    assert sent == [ShortMessage(n, *message) for n, message in enumerate(in_calls, 1)]
+
+
+@pytest.mark.usefixtures("private_network")
+def test_what_the_network_does_not_take_together_is_left(ip: Callable[..., None]) -> None:
+    ip("link", "set", "lo", "mtu", "1500")
+    with closing(PacedSender(parse_url(_URL))) as sender:
+        assert sender.send_together(2 * [("/a", bytes(2000))]) == [0, 1]
+
+
+def test_nothing_is_sent_together_while_a_large_message_leaves(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PacedSender, "_run", lambda _: None)  # it leaves for ever
+    with closing(PacedSender(parse_url(bus_url))) as sender:
+        sender.send("BIG", bytes(300_000))
+        assert sender.send_together([("/a", b"1"), ("/a", b"2")]) == [0, 1]
 
 
 def _datagrams(receiver: socket.socket, count: int) -> list[bytes]:

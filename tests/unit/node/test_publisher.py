@@ -1,6 +1,6 @@
 """Publishers: what they send, what they refuse, and who can hear them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 
 import pytest
 from fixtures.fake_bus import FakeBus
@@ -8,12 +8,13 @@ from fixtures.fake_bus import FakeBus
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import BusError, InvalidName, ValueMismatch
-from lcmtools.graph.model import Endpoint, Role
+from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.graph.model import Node as GraphNode
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import fingerprint
 from lcmtools.node.context import Context
+from lcmtools.node.publisher import PayloadPublisher, publish_together
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import Int32, String
 
@@ -36,6 +37,23 @@ def test_a_message_goes_out_encoded_on_its_topic(begin: Begin, bus: FakeBus) -> 
     )
     assert (endpoint.messages, endpoint.bytes) == (1, len(sent[0]))
     assert endpoint.last_time > 0
+
+
+def test_messages_are_counted_whether_the_bus_sends_them_together_or_not() -> None:
+    class HalfBus(FakeBus):
+        def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
+            for message in messages[::2]:
+                self.deliver(*message)
+            return range(1, len(messages), 2)
+
+    bus = HalfBus()
+    publishers = [PayloadPublisher(bus, ("", None), f"/{n}", 10, Graph) for n in range(10)]
+    messages = [(one, b"x" * place) for place, one in enumerate(publishers)]
+    publish_together(bus, messages)
+    assert bus.published == [(f"/{n}", b"x" * n) for n in (0, 2, 4, 6, 8, 1, 3, 5, 7, 9)]
+    ends = [publisher.endpoint() for publisher in publishers]
+    assert [(end.messages, end.bytes) for end in ends] == [(1, n) for n in range(10)]
+    assert all(end.last_time > 0 for end in ends)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
@@ -45,6 +47,7 @@ class FakeNode:
     """The part of Node that the bridge uses; it is its own logger."""
 
     def __init__(self) -> None:
+        self.context = SimpleNamespace(bus=FakeBus())
         self.publishers: dict[str, FakePublisher] = {}
         self.subscriptions: dict[str, FakeSubscription] = {}
         self.warnings: list[str] = []
