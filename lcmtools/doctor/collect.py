@@ -167,6 +167,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),
         remote=frozenset(node.id for node in after.nodes if not is_here(node)),
+        relays=listening.relays.ends(),
     )
 
 

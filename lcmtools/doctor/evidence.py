@@ -167,6 +167,19 @@ class LcmProcess:
     is_guess: bool = False  # the bus is the one that its code names
 
 
+@dataclass(frozen=True, slots=True)
+class RelayEnd:
+    """One of the two ends of a relay, as it reports itself."""
+
+    relay: str
+    host: str
+    bus: str  # as a person calls it
+    trouble: str = ""  # the reason why the bus cannot be reached; "" for none
+    dropped: int = 0  # messages for the bus that were dropped during the look
+    commands: tuple[str, ...] = ()  # of this bus, that do not pass and that a node there waits for
+    stands_by: bool = False
+
+
 @dataclass(frozen=True)
 class Evidence:
     """Everything that the rules may look at. It has no slots: ``derived`` keeps values in it."""
@@ -195,6 +208,7 @@ class Evidence:
     users: Mapping[int, str] = field(default_factory=dict)  # names by number
     clocks: Sequence[HostClock] = ()  # of other computers
     remote: AbstractSet[str] = frozenset()  # ids of the nodes on other computers
+    relays: Sequence[RelayEnd] = ()
 
     def own_nodes(self) -> list[Node]:
         """The nodes of this computer: only their process numbers mean anything here."""

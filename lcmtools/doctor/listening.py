@@ -15,7 +15,9 @@ from itertools import pairwise
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import LogLine, Oddity, Stream
+from lcmtools.doctor.relays import RelayReports
 from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message
@@ -70,10 +72,13 @@ class Listening:
         """Arrival and simulated time of the messages on ``/clock`` [ns]."""
         self.clock_sender: Sender | None = None
         self._clocks: set[Sender | None] = set()
+        self.relays = RelayReports()
 
     def take(self, packet: Packet) -> None:
         """Take note of a message."""
         if is_hidden(packet.channel):
+            if packet.channel == RELAY_CHANNEL:
+                self.relays.take(packet.payload)
             return
         key = (packet.channel, packet.sender)
         if key not in self._streams and len(self._streams) >= _MOST_STREAMS:

@@ -59,6 +59,10 @@ TITLES = {
     "queue-drops": "The following nodes are too slow for the messages they receive:",
     "never-called": "The following nodes do not run their callbacks:",
     "reassembly": "{datagrams} datagrams came without some of their fragments",
+    "relay-bus": "The following relays do not reach one of their buses:",
+    "relay-commands": "Commands do not pass a relay, and a node behind it waits for them:",
+    "relay-losses": "The following relays drop messages:",
+    "relay-standby": "The following relays stand by, as others join their buses:",
     "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
     "replayed": "Stamps are old and advance as the clock does, as in a log that is played again:",
     "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another interface"
@@ -133,6 +137,10 @@ FACTS = {
     "publishes": "{node} publishes {type}",
     "raised": "{node} raised {exception} {count:times}, {place}: {message} (in {callback:call})",
     "received": "{node} has received {messages} messages of {topic}",
+    "relay-bus": "{relay} on {host}: {trouble}",
+    "relay-command": "{topic}, at {relay} on {host}",
+    "relay-dropped": "{relay} on {host}: {count} messages for {bus}",
+    "relay-standby": "{relay} on {host}",
     "sender-reason": "{sender}: {reason}",
     "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
@@ -161,11 +169,15 @@ REMEDIES = {
     "allow-by-iptables": "`sudo iptables -I {chain} -d 224.0.0.0/4 -j ACCEPT`",
     "allow-by-nftables": "`sudo nft insert rule {chain} ip daddr 224.0.0.0/4 accept`",
     "allow-by-ufw": "`sudo ufw allow in proto udp to 224.0.0.0/4`",
+    "allow-command": "if they should pass: start {relay} with --allow {topic} (and --allow '**', if"
+    " it has no other); else with --deny {topic}",
     "busiest-less": "let {busiest:work} of {node} do less, and never wait",
     "callback-less": "let the callback of {topic} do less",
     "callback-less-or-depth": "let the callback of {topic} do less, or give a greater queue depth",
     "callback-less-or-rate": "let the callback of {topic} do less, or publish it every"
     " {seconds:time} only",
+    "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
+    " '/camera/**', or --deny",
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
     "close-files": "close what is not needed, or start them again; more than 1024 do not help, as"
     " liblcm waits with select",
@@ -181,6 +193,7 @@ REMEDIES = {
     "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
     "end-one-or-remap": "end one of them{pids:kills}, or start it with {topic}:={topic}_2",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
+    "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
     "end-or-rename": "end one of them, or start it with __name:={name}",
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
@@ -196,6 +209,7 @@ REMEDIES = {
     "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
     "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
     "mend-bus": "{hint}",
+    "mend-line": "start what the relay joins, or mend the line: it is tried again until it works",
     "mirrored-network": "write networkingMode=mirrored under [wsl2] into %UserProfile%\\.wslconfig",
     "namespace": "start {node} with __ns:={namespace}",
     "never-wait-or-depth": "let the callback of {topic} never wait, or give a greater queue depth",

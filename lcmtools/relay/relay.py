@@ -186,7 +186,7 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _states(self) -> tuple[End, End]:
         here, there = self._sides
-        return here.state(), there.state()
+        return here.state(there), there.state(here)
 
     def _receive(self, index: int) -> None:
         """Receive from one bus, until the end."""

@@ -4,7 +4,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from lcmtools.bus.paced import PACED_ABOVE_BYTES
@@ -21,7 +21,7 @@ from lcmtools.relay.topology import End
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
-_MOST_ROUTES = 10_000
+_MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
 _WAIT = 0.1  # [s]
 
 
@@ -37,7 +37,7 @@ class Side:
     Attributes:
         outbox: What waits to be sent to the bus.
         idle: Senders on this bus that are relays which are not to carry messages.
-        left: Topics that do not pass, with the reasons.
+        commands: Topics that do not pass for want of being named, with their names there.
     """
 
     def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
@@ -45,7 +45,7 @@ class Side:
         self.direction = direction
         self.outbox = LineQueue()
         self.idle: frozenset[Sender] = frozenset()
-        self.left: dict[str, Reason] = {}
+        self.commands: dict[str, str] = {}
         self._builder = GraphBuilder()
         self._graph: Graph | None = None
         self._own_nodes: dict[str, int] = {}  # with their last announcements
@@ -68,18 +68,18 @@ class Side:
             channel, payload = packet.channel, packet.payload
             if channel in TALK_CHANNELS:
                 talk.append(packet)
-            elif passes and not (idle and packet.sender in idle):
+            elif not (idle and packet.sender in idle):
                 route = routes.get((channel, payload[:8])) or self._route(packet, other)
                 if route.reason or (route.period and self._is_too_soon(packet, route.period)):
-                    left_out += 1
+                    left_out += passes
                 else:
                     origin = origin_of(packet) if takes_origin else None
                     until = math.inf if route.latched else due
                     message = LineMessage(route.name, payload, route.newest, origin, until)
                     passed.append(message)
-                    self._last[channel, packet.sender] = message
+                    self._last[channel, packet.sender] = message  # also for when it takes over
         self._left_out += left_out
-        return talk, passed
+        return talk, passed if passes else []
 
     def learn(self, packet: Packet) -> Announcement | None:
         """Learn from an announcement; return it."""
@@ -168,8 +168,16 @@ class Side:
         except LcmtoolsError:
             self._failed += 1
 
-    def state(self) -> End:
-        """Return the state of the end, with its counts."""
+    def awaited(self, commands: Mapping[str, str]) -> tuple[str, ...]:
+        """Return those of the other bus's commands that a node of this one subscribes to."""
+        return tuple(
+            topic
+            for topic, name in list(commands.items())
+            if any(not node.tool for node, _ in self.graph().topic(name).subscribers)
+        )
+
+    def state(self, other: "Side | None" = None) -> End:
+        """Return the state of the end, with its counts; ``other`` is where its messages go."""
         trouble = self.end.trouble
         return End(
             self.identifier,
@@ -182,6 +190,7 @@ class Side:
             left_out=self._left_out,
             dropped=self._failed + self.outbox.dropped,
             lost=sum(loss.lost for loss in self.end.losses().values()),
+            commands=other.awaited(self.commands) if other and self.commands else (),
         )
 
     def _route(self, packet: Packet, other: "Side") -> Route:
@@ -193,8 +202,8 @@ class Side:
             self._routes.clear()
             self._last.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
-        if route.reason and len(self.left) < _MOST_ROUTES:
-            self.left.setdefault(packet.channel, route.reason)
+        if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:
+            self.commands[packet.channel] = str(name)
         return route
 
     def _is_latched(self, channel: str) -> bool:

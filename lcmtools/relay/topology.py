@@ -49,6 +49,7 @@ class End:
     left_out: int = 0  # messages of this bus
     dropped: int = 0  # messages for this bus
     lost: int = 0  # messages of this bus that did not arrive
+    commands: tuple[str, ...] = ()  # of this bus, left out though a node of the other one waits
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,6 +219,7 @@ def decode_report(payload: bytes) -> Knowledge | None:
 
 
 _OF_END = ("id", "bus", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "lost")
+_LISTS_OF_END = ("heard", "ports", "commands")
 
 
 def _link_message(link: Link) -> RelayLink:
@@ -232,7 +234,8 @@ def _end_message(end: End) -> RelayEnd:
     message = RelayEnd()
     for name in _OF_END:
         setattr(message, name, getattr(end, name))
-    message.heard, message.ports = list(end.heard), list(end.ports)
+    for name in _LISTS_OF_END:
+        setattr(message, name, list(getattr(end, name)))
     return message
 
 
@@ -246,4 +249,5 @@ def _link(message: RelayLink) -> Link:
 
 def _end(message: RelayEnd) -> End:
     known = {name: getattr(message, name) for name in _OF_END}
-    return End(**known, heard=tuple(message.heard), ports=tuple(message.ports))
+    known |= {name: tuple(getattr(message, name)) for name in _LISTS_OF_END}
+    return End(**known)

@@ -341,11 +341,15 @@ def test_a_slash_is_removed(world: Any) -> None:
 
 
 ELSEWHERE = {  # the tests that do them
+    "allow-command": "test_a_command_that_a_relay_does_not_let_pass",
+    "carry-less": "test_a_relay_that_drops_what_its_line_does_not_take",
     "close-files": "test_a_program_with_nearly_all_files_open",
     "connect": "test_a_link_is_connected_or_the_route_led_elsewhere",
     "correct-environment": "test_a_variable_is_corrected",
+    "end-standby": "test_a_relay_beside_another_one",
     "export": "test_a_program_on_another_bus",
     "mend-bus": "test_a_bus_without_a_route",
+    "mend-line": "test_a_relay_whose_server_has_ended",
     "name-here": "test_a_bus_in_the_code_is_left_out",
     "own-domain": "test_another_user_on_the_same_bus",
     "remap-one": "test_of_two_types_one_moves_to_another_topic",

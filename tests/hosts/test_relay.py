@@ -67,6 +67,13 @@ print("listens", flush=True)
 while True:
     bus.handle()
 """
+IMAGES = """
+import lcm, sys, time
+bus = lcm.LCM(sys.argv[1])
+while True:  # several times what the line takes
+    bus.publish("/camera/image", bytes(100_000))
+    time.sleep(0.005)
+"""
 HOSTILE = """
 import os, socket, struct, sys
 sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -108,11 +115,11 @@ class Line:
         self.receiver = self.third.python(RECEIVER)
         self.receiver.wait_for("listens")
 
-    def relay(self, state: str) -> Any:
+    def relay(self, state: str, *words: str) -> Any:
         """One more relay on the robot, which carries or stands by."""
         port = 7700 if self.meeting == "tcpq" else 7447
         there = f"{self.meeting}://{self.office.address}:{port}"
-        relay = self.robot.start(self.path, "relay", ROBOT, there)
+        relay = self.robot.start(self.path, "relay", ROBOT, there, *words)
         relay.wait_for(state)
         return relay
 
@@ -203,6 +210,21 @@ def _lost(line: Line) -> int:
         *json.loads(line.office.out("relay", "--status", "--json", LCM_DEFAULT_URL=OFFICE)),
     ]
     return sum(end["lost"] + end["dropped"] for link in shown for end in link["ends"])
+
+
+def test_a_relay_that_drops_what_its_line_does_not_take(
+    network: Callable[..., Any], lcmtools_path: str
+) -> None:
+    line = Line(network("robot", "office", "third"), lcmtools_path, "tcpq")
+    line.robot.python(IMAGES, ROBOT)
+    look = ("wtf", "--rule", "relay-losses", "--json", "--wait", "4s")
+    found = line.robot.lcmtools(*look, LCM_DEFAULT_URL=ROBOT)
+    assert found.returncode == 1
+    assert "messages for tcpq://10.76.0.2:7700" in found.stdout
+    for relay in line.relays:
+        relay.end()
+    line.relay("carries", "--rate", "/camera/**=1")
+    assert line.robot.lcmtools(*look, LCM_DEFAULT_URL=ROBOT).stdout == "[]\n"
 
 
 def test_hostile_datagrams_on_both_sides_change_nothing(line: Line) -> None:

@@ -14,18 +14,22 @@ from lcmtools.doctor.rules import (
     network,
     nodes,
     pace,
+    relays,
     reports,
     traffic,
     types,
 )
 
 _FAMILIES = (
-    *(bus, network, nodes, reports, callbacks, types, connections, pace, traffic, listeners),
-    content,
+    *(bus, network, relays, nodes, reports, callbacks, types, connections, pace, traffic),
+    *(listeners, content),
 )
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
-_EXPLAINED_BY = {"no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"}}
+_EXPLAINED_BY = {
+    "no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"},
+    "relay-losses": {"relay-bus"},
+}
 
 
 def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:

@@ -10,11 +10,11 @@ import struct
 class RelayEnd(object):
     """ One of the two ends of a relay: its connection to a bus. """
 
-    __slots__ = ["heard_length", "ports_length", "id", "bus", "heard", "ports", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "lost"]
+    __slots__ = ["heard_length", "ports_length", "commands_length", "id", "bus", "heard", "ports", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "commands", "lost"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "string", "string", "int32_t", "boolean", "string", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t"]
+    __typenames__ = ["int32_t", "int32_t", "int32_t", "string", "string", "string", "int32_t", "boolean", "string", "int64_t", "int64_t", "int64_t", "int64_t", "string", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, ["heard_length"], ["ports_length"], None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, None, ["heard_length"], ["ports_length"], None, None, None, None, None, None, ["commands_length"], None]
 
     def __init__(self):
         self.heard_length = 0
@@ -26,6 +26,12 @@ class RelayEnd(object):
         self.ports_length = 0
         """
         number of elements of ports
+        LCM Type: int32_t
+        """
+
+        self.commands_length = 0
+        """
+        number of elements of commands
         LCM Type: int32_t
         """
 
@@ -89,6 +95,12 @@ class RelayEnd(object):
         LCM Type: int64_t
         """
 
+        self.commands = []
+        """
+        commands of this bus that do not pass, and that a node of the other bus waits for
+        LCM Type: string[commands_length]
+        """
+
         self.lost = 0
         """
         [messages] of this bus that did not arrive at the relay, by their senders' numbers
@@ -103,7 +115,7 @@ class RelayEnd(object):
         return buf.getvalue()
 
     def _encode_one(self, buf):
-        buf.write(struct.pack(">ii", self.heard_length, self.ports_length))
+        buf.write(struct.pack(">iii", self.heard_length, self.ports_length, self.commands_length))
         __id_encoded = self.id.encode('utf-8')
         buf.write(struct.pack('>I', len(__id_encoded)+1))
         buf.write(__id_encoded)
@@ -123,7 +135,13 @@ class RelayEnd(object):
         buf.write(struct.pack('>I', len(__trouble_encoded)+1))
         buf.write(__trouble_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">qqqqq", self.messages, self.bytes, self.left_out, self.dropped, self.lost))
+        buf.write(struct.pack(">qqqq", self.messages, self.bytes, self.left_out, self.dropped))
+        for i0 in range(self.commands_length):
+            __commands_encoded = self.commands[i0].encode('utf-8')
+            buf.write(struct.pack('>I', len(__commands_encoded)+1))
+            buf.write(__commands_encoded)
+            buf.write(b"\0")
+        buf.write(struct.pack(">q", self.lost))
 
     @staticmethod
     def decode(data: bytes):
@@ -138,7 +156,7 @@ class RelayEnd(object):
     @staticmethod
     def _decode_one(buf):
         self = RelayEnd()
-        self.heard_length, self.ports_length = struct.unpack(">ii", buf.read(8))
+        self.heard_length, self.ports_length, self.commands_length = struct.unpack(">iii", buf.read(12))
         __id_len = struct.unpack('>I', buf.read(4))[0]
         self.id = buf.read(__id_len)[:-1].decode('utf-8', 'replace')
         __bus_len = struct.unpack('>I', buf.read(4))[0]
@@ -151,13 +169,18 @@ class RelayEnd(object):
         self.is_up = bool(struct.unpack('b', buf.read(1))[0])
         __trouble_len = struct.unpack('>I', buf.read(4))[0]
         self.trouble = buf.read(__trouble_len)[:-1].decode('utf-8', 'replace')
-        self.messages, self.bytes, self.left_out, self.dropped, self.lost = struct.unpack(">qqqqq", buf.read(40))
+        self.messages, self.bytes, self.left_out, self.dropped = struct.unpack(">qqqq", buf.read(32))
+        self.commands = []
+        for i0 in range(self.commands_length):
+            __commands_len = struct.unpack('>I', buf.read(4))[0]
+            self.commands.append(buf.read(__commands_len)[:-1].decode('utf-8', 'replace'))
+        self.lost = struct.unpack(">q", buf.read(8))[0]
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if RelayEnd in parents: return 0
-        tmphash = (0x10afb41fea59b038) & 0xffffffffffffffff
+        tmphash = (0xeee154ab17831645) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

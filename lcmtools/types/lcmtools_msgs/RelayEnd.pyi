@@ -10,6 +10,7 @@ class RelayEnd:
     __dimensions__: ClassVar[list[list[int | str] | None]]
     heard_length: int
     ports_length: int
+    commands_length: int
     id: str
     bus: str
     heard: list[str]
@@ -20,6 +21,7 @@ class RelayEnd:
     bytes: int
     left_out: int
     dropped: int
+    commands: list[str]
     lost: int
     def __init__(self) -> None: ...
     def encode(self) -> builtins.bytes: ...

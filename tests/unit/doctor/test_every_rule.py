@@ -14,6 +14,7 @@ from lcmtools.doctor.evidence import (
     Listener,
     LogLine,
     Oddity,
+    RelayEnd,
     SenderFacts,
     SimulatedClock,
     Stream,
@@ -114,6 +115,12 @@ EVIDENCE = {
     ),
     "no-traffic": EMPTY,
     "not-finite": odd("not-finite"),
+    "relay-bus": replace(GOOD, relays=(RelayEnd("/relay", "here", "tcpq://office", "is lost"),)),
+    "relay-losses": replace(GOOD, relays=(RelayEnd("/relay", "here", "tcpq://office", dropped=3),)),
+    "relay-commands": replace(
+        GOOD, relays=(RelayEnd("/relay", "here", "tcpq://office", commands=("/a",)),)
+    ),
+    "relay-standby": replace(GOOD, relays=(RelayEnd("/relay", "here", "0", stands_by=True),)),
     "open-files": replace(GOOD, processes=(LcmProcess(9, "leak", open_files=950),)),
     "other-buses": replace(EMPTY, processes=(LcmProcess(9, "t", "239.255.76.67:7670"),)),
     "other-users": replace(GOOD, listeners=(Listener("?", 5, 4711, is_node=True),)),

@@ -17,6 +17,7 @@ from lcmtools.doctor.evidence import (
     LogLine,
     Oddity,
     Publication,
+    RelayEnd,
     SenderFacts,
     SimulatedClock,
     Stream,
@@ -59,6 +60,7 @@ EVERYTHING = Evidence(
     users={1000: "alice"},
     clocks=(HostClock("h", "10.0.0.1", -0.5, ("/n",)),),
     remote=frozenset({"id"}),
+    relays=(RelayEnd("/r", "h", "tcpq://office", "is lost", 3, ("/cmd_vel",), stands_by=True),),
 )
 
 

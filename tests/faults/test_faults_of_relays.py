@@ -1,0 +1,63 @@
+"""Faults of relays: what they say of themselves, and what is to be done."""
+
+from typing import Any
+
+_SUBSCRIBES = """
+import lcmtools
+from lcmtools.types.geometry_msgs import Twist
+lcmtools.init()
+node = lcmtools.Node("base")
+node.create_subscription(Twist, "/cmd_vel", lambda _: None)
+lcmtools.spin(node)
+"""
+_THERE = {"LCMTOOLS_DOMAIN": "1"}
+_WAIT = "1.5s"  # a relay reports each second
+
+
+def _found(world: Any, rule: str) -> list[Any]:
+    found: list[Any] = world.look("--rule", rule, wait=_WAIT)
+    return found
+
+
+def _relay(world: Any, *words: str) -> Any:
+    relay = world.tool("relay", *words)
+    relay.wait_for("carries messages")
+    return relay
+
+
+def test_a_relay_whose_server_has_ended(world: Any) -> None:
+    server = world.start(world.command, "relay", "--serve", "tcpq://127.0.0.1:7700")
+    server.wait_for("serves")
+    relay = _relay(world, "tcpq://127.0.0.1:7700")
+    world.end(server)
+    relay.wait_for("is lost")
+    (found,) = _found(world, "relay-bus")
+    assert "the connection to tcpq://127.0.0.1:7700 is lost" in found.items[0]
+    assert [action["kind"] for action in found.actions] == ["mend-line"]
+    world.start(world.command, "relay", "--serve", "tcpq://127.0.0.1:7700")
+    relay.wait_for("is back")
+    assert _found(world, "relay-bus") == []
+
+
+def test_a_command_that_a_relay_does_not_let_pass(world: Any) -> None:
+    node = world.script(_SUBSCRIBES, **_THERE)
+    world.until(lambda: node.pid in world.pids(**_THERE))
+    relay = _relay(world, "0", "1")
+    world.sends("bus.publish('/cmd_vel', Twist().encode())")
+    world.until(lambda: node.pid in world.pids())  # the relay knows what it subscribes to
+    (found,) = _found(world, "relay-commands")
+    assert found.items[0].strip(" *").startswith("/cmd_vel, at /relay_")
+    assert [action["kind"] for action in found.actions] == ["allow-command"]
+    world.again(relay, "--allow", found.actions[0]["topic"], "--allow", "**").wait_for("carries")
+    assert _found(world, "relay-commands") == []
+
+
+def test_a_relay_beside_another_one(world: Any) -> None:
+    _relay(world, "0", "1")
+    second = world.tool("relay", "0", "1")
+    second.wait_for("stands by")
+    (found,) = _found(world, "relay-standby")
+    assert found.severity == "note"
+    world.obey(found, "end-standby")
+    second.wait()
+    assert _found(world, "relay-standby") == []
