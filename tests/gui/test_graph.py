@@ -28,7 +28,7 @@ def graph(page: Any, serve: Callable[..., tuple[Program, str]]) -> Any:
 
 def test_a_fault_is_marked_at_its_node_and_shows_its_remedy(graph: Any) -> None:
     graph.wait_for_selector('g[data-key="node:/morse"]')
-    graph.wait_for_selector('text="50.0 Hz" >> nth=0')
+    graph.wait_for_selector("text=/^[1-9][0-9.]* Hz$/ >> nth=0")
     graph.wait_for_selector(f"{CONTROLLER} .sign.is-warning")
     graph.click(".graph-findings >> text=subscriptions are unconnected")
     assert "__ns:=/husky0" in graph.inner_text(".graph-about .remedy >> nth=0")

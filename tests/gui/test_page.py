@@ -290,3 +290,20 @@ def test_a_narrow_screen_has_the_panels_below_each_other(topics: Any) -> None:
     assert [round(box["x"]) for box in boxes] == [8, 8]
     assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
     assert topics.evaluate("() => document.documentElement.scrollWidth") <= 380
+
+
+def test_a_panel_is_shown_when_its_styles_are_there(
+    serve: Callable[..., tuple[Program, str]], page: Any
+) -> None:
+    held: list[Any] = []
+
+    def hold(route: Any) -> None:
+        held.append(route)
+
+    page.route("**/steer.css", hold)
+    with page.expect_request("**/steer.css"):
+        page.goto(serve("steer", "/v")[1])
+    page.wait_for_function("() => document.querySelector('.panel-body')")
+    assert page.locator(".pad").count() == 0  # it would move under the pointer
+    held[0].continue_()
+    page.locator(".pad").wait_for()

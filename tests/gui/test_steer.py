@@ -80,6 +80,7 @@ def hold_joystick(page: Any) -> None:
     page.mouse.move(*middle)
     page.mouse.down()
     page.mouse.move(middle[0], box["y"] + box["height"] * 0.25)
+    page.locator(".steer.is-held").wait_for()
 
 
 def test_the_joystick_drives_until_it_is_let_go(

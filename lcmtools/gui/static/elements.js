@@ -111,7 +111,7 @@ export function icon(name) {
 
 /**
  * Make a button with a text.
- * @param {Child} label
+ * @param {Child | Child[]} label
  * @param {(event: Event) => void} onclick
  * @param {Record<string, any>} [attributes]
  */

@@ -3,6 +3,7 @@
 import { Context } from "./context.js";
 import { element, iconButton, openMenu, set, write, fill, icon } from "./elements.js";
 import { PANELS } from "./panels/index.js";
+import { styled } from "./panels/stylesheet.js";
 
 const LATER = 400; // [ms]
 
@@ -67,6 +68,7 @@ export class Frame {
       const { default: PanelClass } = await this.kind.module();
       if (this.context.signal.aborted) return;
       this.panel = new PanelClass(this.context, this.leaf.settings ?? {});
+      await styled();
       this.body.append(this.panel.element);
       this.showTitle();
     } catch (error) {

@@ -1,12 +1,11 @@
 // The arrangement of panels on the page: rows, columns and dividers between them.
 
+import { divider, resize } from "./divider.js";
 import { element } from "./elements.js";
 import { Frame } from "./frame.js";
 import { PANELS } from "./panels/index.js";
 import { beside, checked, isSplit, leaves, without } from "./tree.js";
 
-const STEP = 0.02; // of a split, by an arrow key
-const LEAST = 0.05; // of a split, of a part
 const FAR = 6; // [px] before a press becomes a drag
 
 /**
@@ -191,70 +190,12 @@ export class Layout {
     if (!isSplit(tree)) return /** @type {Frame} */ (this.frames.get(tree)).element;
     const box = element("div", { class: `split ${tree.split}` });
     tree.parts.forEach((part, index) => {
-      if (index) box.append(this.divider(tree, index - 1, box));
+      if (index) box.append(divider(tree, index - 1, box, this.page.changed));
       const cell = element("div", { class: "cell" }, this.draw(part));
       box.append(cell);
     });
-    size(tree, box);
+    resize(tree, box);
     return box;
-  }
-
-  /**
-   * @param {Split} tree
-   * @param {number} index of the part before it
-   * @param {HTMLElement} box
-   */
-  divider(tree, index, box) {
-    const isRow = tree.split === "row";
-    const divider = element("div", {
-      class: "divider",
-      role: "separator",
-      tabindex: 0,
-      "aria-orientation": isRow ? "vertical" : "horizontal",
-      "aria-label": "Divider",
-      "aria-valuemin": 0,
-      "aria-valuemax": 100,
-    });
-    /** @param {number} change as a part of the split */
-    const shift = (change) => {
-      const sum = tree.sizes.reduce((one, other) => one + other, 0);
-      const [before = 0, after = 0] = tree.sizes.slice(index, index + 2);
-      const least = LEAST * sum;
-      const moved = Math.max(least - before, Math.min(after - least, change * sum));
-      tree.sizes[index] = before + moved;
-      tree.sizes[index + 1] = after - moved;
-      size(tree, box);
-      this.page.changed();
-    };
-    divider.addEventListener("keydown", (event) => {
-      const [back, forth] = isRow ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
-      const step = event.key === forth ? 1 : event.key === back ? -1 : 0;
-      if (!step) return;
-      event.preventDefault();
-      shift(step * STEP);
-    });
-    divider.addEventListener("pointerdown", (event) => {
-      divider.setPointerCapture(event.pointerId);
-      let last = isRow ? event.clientX : event.clientY;
-      /** @param {PointerEvent} moved */
-      const follow = (moved) => {
-        const now = isRow ? moved.clientX : moved.clientY;
-        shift((now - last) / (isRow ? box.clientWidth : box.clientHeight));
-        last = now;
-      };
-      divider.addEventListener("pointermove", follow);
-      divider.addEventListener(
-        "lostpointercapture",
-        () => divider.removeEventListener("pointermove", follow),
-        { once: true },
-      );
-    });
-    divider.addEventListener("dblclick", () => {
-      const sum = (tree.sizes[index] ?? 1) + (tree.sizes[index + 1] ?? 1);
-      tree.sizes[index] = tree.sizes[index + 1] = sum / 2;
-      shift(0);
-    });
-    return divider;
   }
 
   /**
@@ -333,25 +274,6 @@ export class Layout {
       width: `${width}px`,
       height: `${height}px`,
     });
-  }
-}
-
-/**
- * Give the parts of a split their sizes.
- * @param {Split} tree
- * @param {HTMLElement} box
- */
-function size(tree, box) {
-  const sum = tree.sizes.reduce((one, other) => one + other, 0);
-  let place = 0;
-  let until = 0;
-  for (const child of box.children) {
-    if (!(child instanceof HTMLElement)) continue;
-    if (child.className === "cell") {
-      const share = (tree.sizes[place++] ?? 1) / sum;
-      child.style.flexGrow = String(share * 100);
-      until += share;
-    } else child.setAttribute("aria-valuenow", String(Math.round(until * 100)));
   }
 }
 

@@ -7,11 +7,11 @@ about that line.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lcmtools.names import did_you_mean
-from lcmtools_sim.geometry import Vector, axes, rotate, scaled
-from lcmtools_sim.robots.model import Body, Drive, RobotModel
+from lcmtools_sim.geometry import Vector, axes, rotate, scaled, subtract
+from lcmtools_sim.robots.model import Body, Drive, Look, RobotModel, Wheel, detailed_wheel
 from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Cylinder, Part, Sphere, centre_of_mass, moments
 from lcmtools_sim.world_file.urdf import Joint, Urdf
@@ -42,11 +42,13 @@ _SENSORS = (
 
 @dataclass(frozen=True, slots=True)
 class _Wheel:
-    """A driven wheel: its centre in base_link, and its radius [m]; 0 if it is not round."""
+    """A driven wheel: its centre in base_link, its radius [m] (0 if it is not round), its tyre."""
 
     joint: str
+    link: str
     centre: Vector
-    radius: float
+    radius: float = 0.0
+    tyre: Part | None = None
 
 
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
@@ -65,7 +67,7 @@ def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
     track = value(keys, "track", length, _mean(left, 1) - _mean(right, 1))
     model = RobotModel(
         name=urdf.name,
-        body=_body(urdf, contacts, middle, radius),
+        body=replace(_body(urdf, contacts, middle, radius), look=_look(urdf, wheels, middle)),
         drive=Drive(
             wheel_radius=radius,
             track=track,
@@ -115,13 +117,13 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     round_parts = [p for p in link.parts if isinstance(p.shape, Cylinder | Sphere)]
     largest = max(round_parts, key=_radius, default=None)
     if largest is None:
-        return _Wheel(name, link.frame.position, 0.0)
+        return _Wheel(name, joint.child, link.frame.position)
     if isinstance(largest.shape, Cylinder) and abs(axes(largest.rotation)[2][1]) < _PARALLEL:
         raise link.element.error(
             f"the cylinder of the wheel '{joint.child}' does not lie along its axle",
             'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y',
         )
-    return _Wheel(name, largest.position, _radius(largest))
+    return _Wheel(name, joint.child, largest.position, _radius(largest), largest)
 
 
 def _check_axis(urdf: Urdf, joint: Joint) -> None:
@@ -203,6 +205,31 @@ def _body(
         feet=_feet([*contacts, *supports], reach),
         foot_radius=min(0.05, radius / 2),
     )
+
+
+def _look(urdf: Urdf, wheels: Sequence[_Wheel], middle: Vector) -> Look:
+    """The robot for viewers: its wheels turn."""
+    turning = {wheel.link for wheel in wheels}
+    parts = [
+        part.placed(scaled(middle, -1.0))
+        for name, link in urdf.links.items()
+        for part in link.parts
+        if name not in turning
+    ]
+    if not parts:
+        return Look()  # as its body
+    return Look(tuple(parts), tuple(_turning(urdf, wheel, middle) for wheel in wheels))
+
+
+def _turning(urdf: Urdf, wheel: _Wheel, middle: Vector) -> Wheel:
+    """A wheel for viewers: a cylinder gets spokes, which show that it turns."""
+    centre, parts = subtract(wheel.centre, middle), list(urdf.links[wheel.link].parts)
+    about = [part.placed(scaled(wheel.centre, -1.0)) for part in parts]
+    if wheel.tyre and isinstance(wheel.tyre.shape, Cylinder):
+        shape = wheel.tyre.shape
+        spoked = detailed_wheel(shape.radius, shape.length, centre, wheel.tyre.color)
+        about[(at := parts.index(wheel.tyre)) : at + 1] = spoked.parts
+    return Wheel(centre, tuple(about))
 
 
 def _lowest(part: Part) -> float:

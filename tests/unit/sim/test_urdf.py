@@ -82,6 +82,19 @@ def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path: Path)
     ]
 
 
+def test_viewers_see_wheels_with_spokes_that_turn(tmp_path: Path) -> None:
+    look = model(tmp_path).body.look
+
+    assert [type(part.shape) for part in look.parts] == [Cuboid, Sphere]
+    assert [wheel.centre for wheel in look.wheels] == [
+        pytest.approx((0, 0.15, 0.1)),
+        pytest.approx((0, -0.15, 0.1)),
+    ]
+    tyre, _, *spokes, _ = look.wheels[0].parts
+    assert tyre.shape == Cylinder(0.1, 0.04)
+    assert len(spokes) == 3
+
+
 def test_what_the_drive_says_wins_over_the_geometry(tmp_path: Path) -> None:
     drive = (
         "{left: [left_joint], right: [right_joint], wheel_radius: 0.11, track: 0.4,"

@@ -1,18 +1,17 @@
 // The graph: nodes, programs and topics as they are connected, with wtf's findings in it.
 
 import { button, element, fill, iconButton, write } from "../elements.js";
-import { GraphDrawing } from "./drawing.js";
+import { GraphDrawing } from "./graph/drawing.js";
+import { SIGNS, findingText, isMeant, sentence, sides } from "./graph/words.js";
 import { stylesheet } from "./stylesheet.js";
 
 /**
- * @typedef {import("./drawing.js").Graph} Graph
- * @typedef {import("./drawing.js").Vertex} Vertex
- * @typedef {{rule: string, severity: "error" | "warning" | "note", text: string, items: string[],
- *   remedies: string[], subjects: {kind: string, name: string, pid: number | null}[]}} Finding
+ * @typedef {import("./graph/drawing.js").Graph} Graph
+ * @typedef {import("./graph/drawing.js").Vertex} Vertex
+ * @typedef {import("./graph/words.js").Finding} Finding
  */
 
 const GRAVEST = ["error", "warning", "note"];
-const SIGNS = { error: "✖", warning: "▲", note: "●" };
 
 /** What can be drawn or not: the parameter, the button, and how it begins. */
 const CHOICES = [
@@ -32,7 +31,7 @@ export default class GraphPanel {
    * @param {any} settings
    */
   constructor(context, settings) {
-    stylesheet("./graph.css");
+    stylesheet("./graph/graph.css");
     this.context = context;
     this.title = "Graph";
     /** @type {Record<string, boolean>} */
@@ -44,6 +43,7 @@ export default class GraphPanel {
     this.graph = null;
     /** @type {Finding[]} */
     this.findings = [];
+    this.hasLooked = false;
     /** @type {string | null} */
     this.selected = null;
     /** @type {Finding | null} */
@@ -73,7 +73,7 @@ export default class GraphPanel {
         this.search,
         this.choosers,
         this.outliner,
-        iconButton("larger", "Fit into the panel (0)", () => this.drawing.fit()),
+        iconButton("larger", "Fit into the panel (0)", () => this.drawing.view.fit()),
         iconButton("save", "Save the drawing as SVG", () => this.drawing.save("graph.svg")),
         this.counted,
       ),
@@ -89,6 +89,7 @@ export default class GraphPanel {
     });
     context.open("findings", {}, (data) => {
       this.findings = data.findings;
+      this.hasLooked = true;
       this.findings.sort((a, b) => GRAVEST.indexOf(a.severity) - GRAVEST.indexOf(b.severity));
       this.chosen = this.findings.find(({ text }) => text === this.chosen?.text) ?? null;
       this.show();
@@ -108,7 +109,7 @@ export default class GraphPanel {
   choose(name) {
     this.choices[name] = !this.choices[name];
     this.showChoices();
-    this.drawing.isFitted = true;
+    this.drawing.view.isFitted = true;
     this.stream.change(this.choices);
     this.context.changed();
   }
@@ -152,7 +153,7 @@ export default class GraphPanel {
     });
     write(this.counted, graph.counted);
     this.counted.title = graph.leftOut;
-    this.showFindings(graph, marks);
+    this.showFindings(marks);
     this.showAbout(graph, marks);
     this.showOutline(graph, marks);
   }
@@ -192,38 +193,40 @@ export default class GraphPanel {
     return null;
   }
 
-  /**
-   * @param {Graph} graph
-   * @param {Map<string, Finding[]>} marks
-   */
-  showFindings(graph, marks) {
-    const rows = this.findings.map((finding) => {
-      const isShown = [...marks.values()].some((found) => found.includes(finding));
-      return element(
-        "li",
-        {},
-        element(
-          "button",
-          {
-            type: "button",
-            class: `finding is-${finding.severity}`,
-            "aria-pressed": String(finding === this.chosen),
-            title: isShown ? "Show where, and what to do" : "What to do",
-            onclick: () => this.chooseFinding(finding),
-          },
-          element("span", { class: "sign", "aria-hidden": "true" }, SIGNS[finding.severity]),
-          element("span", { class: "spoken" }, `${finding.severity}: `),
-          element("span", {}, sentence(finding.text)),
-          element("small", {}, finding.subjects.map(({ name }) => name).join(", ")),
-        ),
-      );
-    });
+  /** @param {Map<string, Finding[]>} marks */
+  showFindings(marks) {
+    const none = this.hasLooked ? "wtf finds nothing" : "wtf is looking …";
+    const found = this.findings.map((finding) => this.findingButton(marks, finding));
+    const rows = (found.length ? found : [none]).map((one) => element("li", { class: found.length ? null : "muted" }, one));
     if (rowsText(rows) === rowsText([...this.list.children]) && !this.chosenChanged()) return;
     const place = [...this.list.querySelectorAll("button")].indexOf(
       /** @type {HTMLButtonElement} */ (document.activeElement),
     );
     fill(this.list, rows);
     if (place >= 0) this.list.querySelectorAll("button")[place]?.focus();
+  }
+
+  /**
+   * @param {Map<string, Finding[]>} marks
+   * @param {Finding} finding
+   */
+  findingButton(marks, finding) {
+    const { severity, text, subjects } = finding;
+    const isShown = [...marks.values()].some((found) => found.includes(finding));
+    return button(
+      [
+        element("span", { class: "sign", "aria-hidden": "true" }, SIGNS[severity]),
+        element("span", { class: "spoken" }, `${severity}: `),
+        element("span", {}, sentence(text)),
+        element("small", {}, subjects.map(({ name }) => name).join(", ")),
+      ],
+      () => this.chooseFinding(finding),
+      {
+        class: `finding is-${severity}`,
+        "aria-pressed": String(finding === this.chosen),
+        title: isShown ? "Show where, and what to do" : "What to do",
+      },
+    );
   }
 
   chosenChanged() {
@@ -293,57 +296,4 @@ export default class GraphPanel {
 /** @param {Element[]} rows */
 function rowsText(rows) {
   return rows.map((row) => row.textContent).join("\n");
-}
-
-/**
- * Return whether a finding's subject is this vertex.
- * @param {Vertex} vertex
- * @param {{kind: string, name: string, pid: number | null}} subject
- */
-function isMeant(vertex, { kind, name, pid }) {
-  if (kind === "topic") return vertex.kind === "topic" && vertex.name === name;
-  if (vertex.kind === "node") return vertex.name === name;
-  return vertex.kind === "program" && pid !== null && vertex.pid === pid;
-}
-
-/**
- * Return what goes into a vertex and out of it, a line each.
- * @param {Graph} graph
- * @param {Vertex} vertex
- */
-function sides(graph, vertex) {
-  const names = new Map(graph.vertices.map(({ key, rows }) => [key, rows[0] ?? ""]));
-  const words = /** @type {Record<string, [string, string]>} */ ({
-    publishes: ["publishes", "published by"],
-    subscribes: ["subscribes to", "subscribed to by"],
-    calls: ["calls", "called by"],
-    serves: ["serves", "served by"],
-    feeds: ["feeds", "fed by"],
-  });
-  return graph.edges.flatMap(({ source, target, relation, rate, topics }) => {
-    if (source !== vertex.key && target !== vertex.key) return [];
-    const isMember = vertex.kind === "node" || vertex.kind === "program";
-    const isOwn = relation === "feeds" ? source === vertex.key : isMember;
-    const other = names.get(source === vertex.key ? target : source);
-    const [own, others] = words[relation] ?? [relation, relation];
-    const flow = rate === null ? "" : `, ${rate ? `${rate} Hz` : "silent"}`;
-    const over = topics.length ? ` over ${topics.join(", ")}` : "";
-    return [`${isOwn ? own : others} ${other}${flow}${over}`];
-  });
-}
-
-/** @param {string} text */
-function sentence(text) {
-  return text.replace(/:$/, "");
-}
-
-/** @param {Finding} finding */
-function findingText({ severity, text, items, remedies }) {
-  return element(
-    "section",
-    { class: `finding is-${severity}` },
-    element("h3", {}, element("span", { class: "sign", "aria-hidden": "true" }, SIGNS[severity]), ` ${severity}: ${sentence(text)}`),
-    items.length ? element("ul", {}, items.map((item) => element("li", { class: item.endsWith(":") ? "is-head" : null }, item))) : null,
-    remedies.map((remedy) => element("p", { class: "remedy" }, `→ ${remedy}`)),
-  );
 }

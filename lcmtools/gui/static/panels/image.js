@@ -102,8 +102,8 @@ export default class ImagePanel {
         choice,
         element("span", { class: "space" }),
         this.pauseButton,
-        iconButton("smaller", "Fit the picture into the panel (0)", () => this.viewport.fit()),
-        button("1:1", () => this.viewport.zoomTo(1), { title: "One pixel of the picture as one of the screen (1)" }),
+        iconButton("smaller", "Fit the picture into the panel (0)", () => this.viewport.view.fit()),
+        button("1:1", () => this.viewport.view.zoomTo(1), { title: "One pixel of the picture as one of the screen (1)" }),
         iconButton("save", "Save as PNG", () => this.save()),
       ),
       this.viewport.element,
@@ -134,7 +134,7 @@ export default class ImagePanel {
   /** The stream's parameters: no more pixels than can be seen. */
   wanted() {
     const { width, height } = this.size;
-    const step = Math.max(1, Math.floor(1 / this.viewport.scale));
+    const step = Math.max(1, Math.floor(1 / this.viewport.view.scale));
     const room = this.viewport.room();
     this.pixels = width ? Math.ceil((width * height) / step ** 2) : room;
     return { topic: this.topic, pixels: Math.max(1000, this.pixels) };
@@ -174,7 +174,7 @@ export default class ImagePanel {
       const isFirst = !this.picture;
       this.picture?.bitmap?.close();
       this.picture = await readPicture(header, payload);
-      if (isFirst) this.viewport.fit();
+      if (isFirst) this.viewport.view.fit();
       this.context.tell(this, "");
     } catch (error) {
       this.context.tell(this, `the image cannot be read: ${mistakeText(error)}`);

@@ -1,12 +1,13 @@
 // Steering: a joystick, sliders, keys and a gamepad, which drive while they are held.
 
-import { button, drawing, element, set, write } from "../elements.js";
+import { button, element, set, write } from "../elements.js";
 import { choiceField } from "./choice.js";
-import { HeldKeys, gamepadShare, joystickShare, together } from "./held.js";
+import { cross, heldSlider, limitField, partField, positive, signed } from "./steer/controls.js";
+import { HeldKeys, gamepadShare, joystickShare, together } from "./steer/held.js";
 import { stylesheet } from "./stylesheet.js";
 
 /**
- * @typedef {import("./held.js").Share} Share
+ * @typedef {import("./steer/held.js").Share} Share
  * @typedef {{topic?: string, type?: string, listeners?: string[], others?: string[],
  *   refused?: string}} State
  */
@@ -24,7 +25,7 @@ export default class Steer {
    * @param {any} settings
    */
   constructor(context, settings) {
-    stylesheet("./steer.css");
+    stylesheet("./steer/steer.css");
     this.context = context;
     this.topic = text(settings.topic);
     this.linear = positive(settings.linear, 1);
@@ -69,8 +70,8 @@ export default class Steer {
       cross(),
       this.knob,
     );
-    this.forward = this.slider("forward", "Forward speed, held", "forward");
-    this.turn = this.slider("turn", "Turn rate, held; left is positive", "turn");
+    this.forward = this.slider("forward", "Forward speed, held", (value) => ({ forward: value, turn: 0 }));
+    this.turn = this.slider("turn", "Turn rate, held; left is positive", (value) => ({ forward: 0, turn: -value }));
     this.speed = element("output", { class: "mono" });
     this.rate = element("output", { class: "mono" });
     this.status = element("p", { class: "steer-status", role: "status" });
@@ -136,9 +137,9 @@ export default class Steer {
           element(
             "div",
             { class: "limits" },
-            this.limit("Max speed", "linear", 0.1, "m/s"),
-            this.limit("Max turn", "angular", 0.1, "rad/s"),
-            this.keyPart(),
+            limitField("Max speed", "Largest forward speed", "m/s", this.linear, (value) => this.limit({ linear: value })),
+            limitField("Max turn", "Largest turn rate", "rad/s", this.angular, (value) => this.limit({ angular: value })),
+            partField(this.part, (part) => this.limit({ part })),
             element("label", {}, this.gamepad, this.gamepadName),
           ),
           element("small", { class: "steer-help" }, HELP),
@@ -151,86 +152,21 @@ export default class Steer {
   /**
    * @param {"forward" | "turn"} name
    * @param {string} label
-   * @param {string} kind
+   * @param {(value: number) => Share} shareOf
    */
-  slider(name, label, kind) {
-    const isTurn = name === "turn";
-    const let_go = () => {
-      slider.value = "0";
-      this.hold(name, null);
-    };
-    const slider = element("input", {
-      type: "range",
-      class: `hold ${kind}`,
-      min: -1,
-      max: 1,
-      step: 0.05,
-      value: 0,
-      "aria-label": label,
-      title: label,
-      onpointerdown: () => (this.isEnded.slider = false),
-      onkeydown: (/** @type {KeyboardEvent} */ event) => (this.isEnded.slider &&= event.repeat),
-      oninput: () => {
-        if (this.isEnded.slider) {
-          slider.value = "0";
-          return;
-        }
-        const value = Number(slider.value);
-        this.hold(name, isTurn ? { forward: 0, turn: -value } : { forward: value, turn: 0 });
-      },
-      onchange: (/** @type {Event} */ event) => {
-        if (!slider.matches(":focus-visible")) let_go();
-        event.stopPropagation();
-      },
-      onpointerup: let_go,
-      onpointercancel: let_go,
-      onkeyup: let_go,
-      onblur: let_go,
+  slider(name, label, shareOf) {
+    return heldSlider(name, label, {
+      isEnded: () => this.isEnded.slider,
+      begin: () => (this.isEnded.slider = false),
+      hold: (value) => this.hold(name, value === null ? null : shareOf(value)),
     });
-    return slider;
   }
 
-  /**
-   * @param {string} label
-   * @param {"linear" | "angular"} name
-   * @param {number} least
-   * @param {string} unit
-   */
-  limit(label, name, least, unit) {
-    const about = name === "linear" ? "Largest forward speed" : "Largest turn rate";
-    const input = element("input", {
-      type: "number",
-      min: least,
-      step: least,
-      value: this[name],
-      "aria-label": `${about} [${unit}]`,
-      title: `${about} [${unit}]`,
-      onchange: () => {
-        this[name] = positive(Number(input.value), this[name]);
-        input.value = String(this[name]);
-        this.show();
-        this.context.changed();
-      },
-    });
-    return element("label", {}, element("span", {}, label), input, element("small", {}, unit));
-  }
-
-  keyPart() {
-    const value = element("small", {}, `${Math.round(this.part * 100)} %`);
-    const input = element("input", {
-      type: "range",
-      min: 0.1,
-      max: 1,
-      step: 0.1,
-      value: this.part,
-      "aria-label": "Speed by keys, in parts of the limits",
-      oninput: () => {
-        this.part = Number(input.value);
-        write(value, `${Math.round(this.part * 100)} %`);
-        this.context.changed();
-      },
-    });
-    return element("label", {}, element("span", {}, "Keys"), input, value);
+  /** @param {{linear?: number, angular?: number, part?: number}} limits */
+  limit(limits) {
+    Object.assign(this, limits);
+    this.show();
+    this.context.changed();
   }
 
   /** @param {string} topic */
@@ -410,33 +346,7 @@ export default class Steer {
   }
 }
 
-/** The lines of the joystick. */
-function cross() {
-  const arrows = ["M50 9l5 7H45z", "M50 91l5-7H45z", "M9 50l7-5v10z", "M91 50l-7-5v10z"];
-  return drawing(
-    "svg",
-    { viewBox: "0 0 100 100", "aria-hidden": "true" },
-    drawing("circle", { cx: 50, cy: 50, r: 25 }),
-    drawing("path", { d: "M50 22V78M22 50H78", class: "axes" }),
-    arrows.map((d) => drawing("path", { d, class: "arrow" })),
-  );
-}
-
-/** @param {number} value */
-function signed(value) {
-  const shown = value.toFixed(2);
-  return Number(shown) > 0 ? `+${shown}` : Number(shown) < 0 ? shown.replace("-", "\u2212") : "0.00";
-}
-
 /** @param {any} value */
 function text(value) {
   return typeof value === "string" ? value : "";
-}
-
-/**
- * @param {any} value
- * @param {number} usual
- */
-function positive(value, usual) {
-  return typeof value === "number" && Number.isFinite(value) && value > 0 ? value : usual;
 }

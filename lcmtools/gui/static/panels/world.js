@@ -4,8 +4,10 @@ import { button, element, fill, iconButton, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
 import { hexColor, isDark, onTheme } from "../theme.js";
 import { stylesheet } from "./stylesheet.js";
+import { Bodies } from "./world/bodies.js";
+import { Camera } from "./world/camera.js";
 import { Display, TYPES } from "./world/displays.js";
-import { Frames, product } from "./world/frames.js";
+import { Frames } from "./world/frames.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
 import { Simulator } from "./world/simulator.js";
@@ -14,7 +16,6 @@ import { View } from "./world/view.js";
 /**
  * @typedef {import("./world/frames.js").Pose} Pose
  * @typedef {{topic: string, type: string, rate: number | null, silent: boolean}} Topic
- * @typedef {{name: string, frame: string, at?: Pose}} Body
  * @typedef {"look" | "move" | "pose"} Tool
  */
 
@@ -44,10 +45,7 @@ export default class World {
     /** @type {Topic[]} */
     this.topics = [];
     this.tool = /** @type {Tool} */ ("look");
-    this.fixed = "world";
-    this.hasLooked = Boolean(this.kept.camera);
-    /** @type {Pose | null} */
-    this.followed = null;
+    this.bodies = new Bodies(this.displays, this.frames);
     this.listed = "";
     this.message = element("p", { class: "world-message", role: "status", hidden: true });
     this.stage = element("div", {
@@ -55,7 +53,7 @@ export default class World {
       tabindex: 0,
       role: "application",
       "aria-label": "World in 3D: arrow keys turn the view, plus and minus change the distance, the list has the poses",
-      onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => this.camera?.press(event),
     });
     this.simulator = new Simulator(context, (text) => this.tell(text));
     this.sidebar = new Sidebar({
@@ -63,7 +61,7 @@ export default class World {
       color: (topic) => this.colorOf(topic),
       show: (topic, isShown) => this.show(topic, isShown),
       paint: (topic, chosen) => this.paint(topic, chosen),
-      look: (name) => this.lookAt(name),
+      look: (name) => this.camera?.lookAt(name),
     });
     this.element = element("div", { class: "world" }, this.tools(), element("div", { class: "world-room" }, this.stage, this.sidebar.element));
     this.stage.append(this.message);
@@ -85,15 +83,14 @@ export default class World {
     }
     const { view } = this;
     view.beforeDrawing = (now) => this.place(now);
-    view.controls.addEventListener("end", () => this.keepCamera());
-    if (this.kept.camera) view.look(this.kept.camera.position, this.kept.camera.target);
+    this.camera = new Camera(view, this.bodies, this.kept, () => this.context.changed());
     const theme = () => view.setTheme(isDark());
     onTheme(theme, this.context.signal);
     theme();
     this.pointing = new Pointing({
       view,
       tool: () => (this.context.canCommand ? this.tool : "look"),
-      bodyAt: (hit) => this.bodyAt(hit.object),
+      bodyAt: (hit) => this.bodies.ofMesh(hit.object, this.simulator.nodes),
       poseOf: (frame) => this.frames.pose(frame, "world", performance.now()),
       hold: (frame, pose) => this.frames.hold(frame, pose),
       put: ({ node, name }, [x, y, , , , qz, qw]) => this.simulator.call("set_pose", { name, x, y, qz, qw }, node),
@@ -121,7 +118,7 @@ export default class World {
     });
     this.goal.value = this.kept.goal;
     this.fixedChoice = element("select", { "aria-label": "Fixed frame", title: "Fixed frame", onchange: () => this.setFixed() });
-    this.followChoice = element("select", { "aria-label": "Follow", title: "The camera follows", onchange: () => this.setFollow() });
+    this.followChoice = element("select", { "aria-label": "Follow", title: "The camera follows", onchange: () => this.camera?.setFollowed(this.followChoice?.value ?? "") });
     this.side = iconButton("settings", "Displays and poses", () => {
       this.kept.side = !this.kept.side;
       this.showTools();
@@ -133,8 +130,8 @@ export default class World {
       element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, [...this.toolButtons.values()], this.goal),
       this.fixedChoice,
       this.followChoice,
-      button("Reset view", () => this.resetView(), { title: "Back to where the view began" }),
-      button("Top", () => this.lookFromAbove(), { title: "Look from above" }),
+      button("Reset view", () => this.camera?.reset(), { title: "Back to where the view began" }),
+      button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
       this.simulator.element,
       element("span", { class: "space" }),
       this.side,
@@ -247,7 +244,7 @@ export default class World {
         this.frames.take(display.topic, data.frame, data.child, data.pose, now, true);
       }
       display.take(data, payload);
-      display.leaveTrail(this.frames, this.fixed, now);
+      display.leaveTrail(this.frames, this.bodies.fixed, now);
     }
     this.view?.invalidate(SMOOTH);
   }
@@ -270,54 +267,11 @@ export default class World {
 
   offerFrames() {
     const names = this.frames.names();
-    this.fixed = names.includes(this.kept.fixed) ? this.kept.fixed : this.frames.root();
-    const shown = names.filter((name) => !name.startsWith("ground_truth/") || name === this.fixed);
-    offer(this.fixedChoice, shown.length ? shown : ["world"], this.fixed);
-    offer(this.followChoice, ["", ...this.bodies().map(({ name }) => name)], this.kept.follow, "follow nothing");
-  }
-
-  /**
-   * The bodies that move, by their names, each with its frame, or its pose in one.
-   * @returns {Body[]}
-   */
-  bodies() {
-    /** @type {Map<string, {frame: string, at?: Pose}>} */
-    const found = new Map();
-    for (const { display } of this.displays.values()) {
-      for (const { frame, ns } of display.parts) {
-        if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, { frame });
-      }
-      const { latest } = display;
-      if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
-        // transforms may say of the same frame what another odometry measures
-        const isSame = this.frames.frames.get(latest.child)?.parent === latest.frame;
-        found.set(display.topic, isSame ? { frame: latest.child } : { frame: latest.frame, at: latest.pose });
-      }
-    }
-    /** @param {string} name */
-    const rank = (name) => (this.displays.has(name) ? 2 : name.startsWith("/") ? 0 : 1);
-    return [...found]
-      .map(([name, where]) => ({ name, ...where }))
-      .sort((a, b) => rank(a.name) - rank(b.name) || a.name.localeCompare(b.name, undefined, { numeric: true }));
-  }
-
-  /**
-   * A frame that is known, for a sensor's that may not be: that of the odometry in its namespace.
-   * @param {string} frame
-   * @param {string} topic
-   */
-  frameOf(frame, topic) {
-    if (this.frames.frames.has(frame) || frame === this.fixed || this.frames.names().includes(frame)) return frame;
-    let best = "";
-    let found = frame;
-    for (const [name, { display }] of this.displays) {
-      const space = name.slice(0, name.lastIndexOf("/") + 1);
-      if (display.latest?.kind === "odometry" && topic.startsWith(space) && space.length > best.length) {
-        best = space;
-        found = display.latest.child;
-      }
-    }
-    return found;
+    const fixed = names.includes(this.kept.fixed) ? this.kept.fixed : this.frames.root();
+    this.bodies.fixed = fixed;
+    const shown = names.filter((name) => !name.startsWith("ground_truth/") || name === fixed);
+    offer(this.fixedChoice, shown.length ? shown : ["world"], fixed);
+    offer(this.followChoice, ["", ...this.bodies.list().map(({ name }) => name)], this.kept.follow, "follow nothing");
   }
 
   /**
@@ -328,37 +282,16 @@ export default class World {
     const { view } = this;
     if (!view) return;
     for (const { display } of this.displays.values()) {
-      display.place(view.content, this.frames, this.fixed, now, (frame, topic) => this.frameOf(frame, topic));
+      display.place(view.content, this.frames, this.bodies, now);
     }
     view.ground.visible = !view.content.children.some((/** @type {any} */ one) => one.userData.isGround);
-    this.follow(now);
-  }
-
-  /** @param {number} now */
-  follow(now) {
-    const body = this.bodies().find(({ name }) => name === this.kept.follow);
-    const pose = body ? this.poseOf(body, now) : null;
-    if (pose && this.followed) {
-      this.view?.shift(pose[0] - this.followed[0], pose[1] - this.followed[1], pose[2] - this.followed[2]);
-    }
-    this.followed = pose;
-  }
-
-  /**
-   * A body's pose in the fixed frame; null where nothing connects them.
-   * @param {Body} body
-   * @param {number} now [ms]
-   * @returns {Pose | null}
-   */
-  poseOf({ frame, at }, now) {
-    const pose = this.frames.pose(frame, this.fixed, now);
-    return pose && at ? product(pose, at) : pose;
+    this.camera?.follow(now);
   }
 
   /** @param {number} now */
   listPoses(now) {
-    const bodies = this.bodies().flatMap((body) => {
-      const pose = this.poseOf(body, now);
+    const bodies = this.bodies.list().flatMap((body) => {
+      const pose = this.bodies.poseOf(body, now);
       return pose ? [{ name: body.name, pose }] : [];
     });
     this.sidebar.setBodies(bodies);
@@ -367,71 +300,20 @@ export default class World {
       if (text) this.sidebar.setStatus(topic, text, Boolean(display.lost));
     }
     if (this.followChoice && this.followChoice.options.length !== bodies.length + 1) this.offerFrames();
-    if (!this.hasLooked && bodies.length) this.resetView();
-  }
-
-  resetView() {
-    const body = this.bodies().find(({ name }) => name === this.kept.follow) ?? this.bodies()[0];
-    const pose = body ? this.poseOf(body, performance.now()) : null;
-    this.hasLooked = true;
-    this.view?.lookFromBehind(pose ? [pose[0], pose[1], 0.3] : [0, 0, 0.3]);
-    this.keepCamera();
-  }
-
-  lookFromAbove() {
-    this.view?.lookFromAbove();
-    this.keepCamera();
-  }
-
-  /** @param {string} name */
-  lookAt(name) {
-    const body = this.bodies().find((one) => one.name === name);
-    const pose = body ? this.poseOf(body, performance.now()) : null;
-    if (!pose || !this.view) return;
-    const { target } = this.view.controls;
-    this.view.shift(pose[0] - target.x, pose[1] - target.y, 0.2 - target.z);
-    this.keepCamera();
-  }
-
-  keepCamera() {
-    if (!this.view) return;
-    this.kept.camera = {
-      position: this.view.camera.position.toArray().map(rounded),
-      target: this.view.controls.target.toArray().map(rounded),
-    };
-    this.context.changed();
+    if (this.camera && !this.camera.hasLooked && bodies.length) this.camera.reset();
   }
 
   setFixed() {
-    this.kept.fixed = this.fixed = this.fixedChoice?.value ?? "world";
+    this.kept.fixed = this.bodies.fixed = this.fixedChoice?.value ?? "world";
     this.view?.invalidate();
     this.context.changed();
-  }
-
-  setFollow() {
-    this.kept.follow = this.followChoice?.value ?? "";
-    this.followed = null;
-    if (this.kept.follow) this.lookAt(this.kept.follow);
-    this.context.changed();
-  }
-
-  /**
-   * The body that a mesh belongs to, where a simulator can move it.
-   * @param {any} object
-   */
-  bodyAt(object) {
-    while (object && !object.userData.topic) object = object.parent;
-    const { topic, ns } = object?.userData ?? {};
-    const node = this.simulator.nodes.find((name) => topic === `${name}/world`);
-    const body = this.bodies().find(({ name }) => name === ns);
-    return node && body ? { node, name: ns, frame: body.frame } : null;
   }
 
   /** @param {Pose} pose */
   async sendPose([x, y, , , , qz, qw]) {
     const topic = this.kept.goal;
     try {
-      await this.context.do("send-pose", { topic, frame: this.fixed, x, y, qz, qw });
+      await this.context.do("send-pose", { topic, frame: this.bodies.fixed, x, y, qz, qw });
       this.tell(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
     } catch (error) {
       this.tell(mistakeText(error));
@@ -448,26 +330,6 @@ export default class World {
     }, 4000);
   }
 
-  /** @param {KeyboardEvent} event */
-  press(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || !this.view) return;
-    const turn = /** @type {Record<string, [number, number, number]>} */ ({
-      ArrowLeft: [-0.1, 0, 1],
-      ArrowRight: [0.1, 0, 1],
-      ArrowUp: [0, 0.07, 1],
-      ArrowDown: [0, -0.07, 1],
-      "+": [0, 0, 0.9],
-      "=": [0, 0, 0.9],
-      "-": [0, 0, 1 / 0.9],
-    })[event.key];
-    if (turn) this.view.move(...turn);
-    else if (event.key === "Home") this.resetView();
-    else if (event.key === "t") this.lookFromAbove();
-    else return;
-    event.preventDefault();
-    this.keepCamera();
-  }
-
   settings() {
     return this.kept;
   }
@@ -479,9 +341,6 @@ export default class World {
     this.view?.close();
   }
 }
-
-/** @param {number} value */
-const rounded = (value) => Math.round(value * 1000) / 1000;
 
 /**
  * @param {HTMLSelectElement | undefined} select

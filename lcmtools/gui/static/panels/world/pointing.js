@@ -1,8 +1,8 @@
 // The pointer on the world: bodies are moved, poses are sent.
 
-import { dispose } from "./shapes.js";
-import { pointer } from "./displays.js";
+import { pointer } from "./drawings.js";
 import { heading } from "./frames.js";
+import { dispose } from "./geometry.js";
 
 const PERIOD = 70; // [ms] between two poses while a body is dragged
 const TURN = 0.01; // [rad] for each pixel with Shift

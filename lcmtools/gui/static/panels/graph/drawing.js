@@ -1,8 +1,9 @@
 // A graph as SVG: places come from the server; here are its look, panning, zooming and walking.
 
-import { drawing, element, set, write } from "../elements.js";
-import { rateText } from "../texts.js";
-import { saveFile } from "./save.js";
+import { drawing, element, set, write } from "../../elements.js";
+import { rateText } from "../../texts.js";
+import { PanZoom } from "../panzoom.js";
+import { arrow, curve, saveDrawing } from "./svg.js";
 
 /**
  * @typedef {"node" | "program" | "topic" | "service"} Kind
@@ -16,16 +17,13 @@ import { saveFile } from "./save.js";
  * @typedef {{marks: Map<string, Severity>, lit: Set<string> | null, selected: string | null}} Look
  */
 
-const LARGEST = 2.5;
-const SMALLEST = 0.08;
+const LIMITS = /** @type {[number, number]} */ ([0.08, 2.5]); // of the scale
 /** Shapes of the signs, 16 wide around their middle: each severity has another one. */
 const SHAPES = {
   error: "M-4 -9H4L9 -4V4L4 9H-4L-9 4V-4Z",
   warning: "M0 -9L10 8H-10Z",
   note: "M0 -8A8 8 0 0 1 0 8A8 8 0 0 1 0 -8",
 };
-/** What a saved drawing takes along of the style sheet. */
-const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "text-anchor", "paint-order"];
 
 /** A drawing of a graph. */
 export class GraphDrawing {
@@ -34,14 +32,6 @@ export class GraphDrawing {
     this.onSelect = onSelect;
     /** @type {Graph | null} */
     this.graph = null;
-    /** True while the drawing follows the size of the panel. */
-    this.isFitted = true;
-    this.scale = 1;
-    this.x = 0;
-    this.y = 0;
-    /** @type {Map<number, {x: number, y: number}>} */
-    this.pointers = new Map();
-    this.moved = 0;
     /** @type {string | null} */
     this.hovered = null;
     /** @type {Look} */
@@ -53,17 +43,7 @@ export class GraphDrawing {
     this.svg = drawing(
       "svg",
       { class: "graph-drawing", role: "group", "aria-label": "The graph; arrow keys walk along the edges" },
-      drawing(
-        "defs",
-        {},
-        ["plain", "lit"].map((name) =>
-          drawing(
-            "marker",
-            { id: `arrow-${name}`, viewBox: "0 0 10 10", refX: 9, refY: 5, markerWidth: 8, markerHeight: 8, orient: "auto", markerUnits: "userSpaceOnUse" },
-            drawing("path", { d: "M0 1L9 5L0 9Z", class: `arrow is-${name}` }),
-          ),
-        ),
-      ),
+      drawing("defs", {}, arrow("plain"), arrow("lit")),
       this.all,
     );
     this.element = element("div", { class: "graph-view" });
@@ -72,13 +52,17 @@ export class GraphDrawing {
     this.vertices = new Map();
     /** @type {Map<string, SVGGElement>} */
     this.edges = new Map();
+    this.view = new PanZoom(this.svg, {
+      size: () => ({ width: this.graph?.size[0] ?? 0, height: this.graph?.size[1] ?? 0 }),
+      limits: () => LIMITS,
+      changed: () => this.place(),
+      largestFit: 1.15,
+    });
     this.listen();
-    this.observer = new ResizeObserver(() => this.isFitted && this.fit());
-    this.observer.observe(this.element);
   }
 
   close() {
-    this.observer.disconnect();
+    this.view.close();
   }
 
   /**
@@ -96,7 +80,7 @@ export class GraphDrawing {
     for (const edge of graph.edges) this.showEdge(edge);
     this.light();
     this.makeWalkable();
-    if (isResized && this.isFitted) this.fit();
+    if (isResized && this.view.isFitted) this.view.fit();
   }
 
   /** @param {Graph} graph */
@@ -221,20 +205,8 @@ export class GraphDrawing {
 
   listen() {
     const { svg } = this;
-    svg.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), event.offsetX, event.offsetY);
-    }, { passive: false });
-    svg.addEventListener("pointerdown", (event) => {
-      this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-      this.moved = 0;
-    });
-    svg.addEventListener("pointermove", (event) => this.move(event));
-    for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) {
-      svg.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
-    }
     svg.addEventListener("click", (event) => {
-      if (this.moved < 5) this.onSelect(keyOf(event.target));
+      if (!this.view.isDragged) this.onSelect(keyOf(event.target));
     });
     svg.addEventListener("pointerover", (event) => this.hover(keyOf(event.target)));
     svg.addEventListener("pointerleave", () => this.hover(null));
@@ -250,86 +222,29 @@ export class GraphDrawing {
 
   /** @param {string | null} key */
   hover(key) {
-    if (key === this.hovered || this.pointers.size) return;
+    if (key === this.hovered || this.view.pointers.size) return;
     this.hovered = key;
     this.light();
   }
 
-  /** @param {PointerEvent} event */
-  move(event) {
-    const before = this.pointers.get(event.pointerId);
-    if (!before || !(event.buttons & 1)) {
-      this.pointers.delete(event.pointerId);
-      return;
-    }
-    const now = { x: event.clientX, y: event.clientY };
-    const others = [...this.pointers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
-    this.pointers.set(event.pointerId, now);
-    this.moved += Math.abs(now.x - before.x) + Math.abs(now.y - before.y);
-    if (this.moved < 5) return;
-    if (!this.svg.hasPointerCapture(event.pointerId)) this.svg.setPointerCapture(event.pointerId);
-    const [other] = others;
-    if (other) {
-      const bounds = this.svg.getBoundingClientRect();
-      const ratio = Math.hypot(now.x - other.x, now.y - other.y) / Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
-      this.zoom(ratio, (now.x + other.x) / 2 - bounds.left, (now.y + other.y) / 2 - bounds.top);
-      return;
-    }
-    this.isFitted = false;
-    this.x += now.x - before.x;
-    this.y += now.y - before.y;
-    this.place();
-  }
-
-  /**
-   * @param {number} factor
-   * @param {number} x
-   * @param {number} y
-   */
-  zoom(factor, x, y) {
-    const scale = Math.min(LARGEST, Math.max(SMALLEST, this.scale * factor));
-    this.x = x - ((x - this.x) * scale) / this.scale;
-    this.y = y - ((y - this.y) * scale) / this.scale;
-    this.scale = scale;
-    this.isFitted = false;
-    this.place();
-  }
-
-  /** Show all of it, at most in its own size. */
-  fit() {
-    const { clientWidth: width, clientHeight: height } = this.element;
-    if (!this.graph || !width || !height) return;
-    const [wide, high] = this.graph.size;
-    this.scale = Math.min(1.15, width / Math.max(wide, 1), height / Math.max(high, 1));
-    this.x = (width - wide * this.scale) / 2;
-    this.y = (height - high * this.scale) / 2;
-    this.isFitted = true;
-    this.place();
-  }
-
   place() {
-    set(this.all, "transform", `translate(${this.x.toFixed(1)} ${this.y.toFixed(1)}) scale(${this.scale.toFixed(4)})`);
-    this.svg.classList.toggle("is-small", this.scale < 0.45);
+    const { left, top, scale } = this.view;
+    set(this.all, "transform", `translate(${left.toFixed(1)} ${top.toFixed(1)}) scale(${scale.toFixed(4)})`);
+    this.svg.classList.toggle("is-small", scale < 0.45);
   }
 
   /** @param {SVGGElement} group */
   reveal(group) {
     const [box, view] = [group.getBoundingClientRect(), this.svg.getBoundingClientRect()];
-    const right = Math.max(0, box.right - view.right + 10);
-    const low = Math.max(0, box.bottom - view.bottom + 10);
-    this.x -= right || Math.min(0, box.left - view.left - 10);
-    this.y -= low || Math.min(0, box.top - view.top - 10);
-    this.place();
+    const right = Math.max(0, box.right - view.right + 10) || Math.min(0, box.left - view.left - 10);
+    const low = Math.max(0, box.bottom - view.bottom + 10) || Math.min(0, box.top - view.top - 10);
+    if (right || low) this.view.shift(-right, -low);
   }
 
   /** @param {KeyboardEvent} event */
   press(event) {
-    const { clientWidth: width, clientHeight: height } = this.element;
     const key = keyOf(event.target);
-    if (event.key === "+" || event.key === "=") this.zoom(1.25, width / 2, height / 2);
-    else if (event.key === "-") this.zoom(0.8, width / 2, height / 2);
-    else if (event.key === "0") this.fit();
-    else if (key && (event.key === "Enter" || event.key === " ")) this.onSelect(key);
+    if (key && (event.key === "Enter" || event.key === " ")) this.onSelect(key);
     else if (key && event.key.startsWith("Arrow")) this.walk(key, event.key.slice(5));
     else return;
     event.preventDefault();
@@ -369,26 +284,7 @@ export class GraphDrawing {
    * @param {string} name
    */
   save(name) {
-    if (!this.graph) return;
-    const [width, height] = this.graph.size;
-    const copy = /** @type {SVGSVGElement} */ (this.svg.cloneNode(true));
-    const [originals, copies] = [this.svg.querySelectorAll("*"), copy.querySelectorAll("*")];
-    originals.forEach((original, index) => {
-      const style = getComputedStyle(original);
-      for (const property of KEPT) {
-        if (original instanceof SVGGraphicsElement || original.closest("marker")) {
-          copies[index]?.setAttribute(property, style.getPropertyValue(property));
-        }
-      }
-    });
-    copy.querySelector("g")?.removeAttribute("transform");
-    for (const [attribute, value] of Object.entries({ xmlns: "http://www.w3.org/2000/svg", viewBox: `0 0 ${width} ${height}`, width, height })) {
-      set(copy, attribute, value);
-    }
-    const background = drawing("rect", { width: "100%", height: "100%", fill: getComputedStyle(this.element).backgroundColor });
-    copy.insertBefore(background, copy.querySelector("g"));
-    const text = new XMLSerializer().serializeToString(copy);
-    saveFile(name, new Blob([text], { type: "image/svg+xml" }));
+    if (this.graph) saveDrawing(this.svg, this.graph.size, getComputedStyle(this.element).backgroundColor, name);
   }
 }
 
@@ -419,23 +315,6 @@ function keyOf(target) {
 /** @param {Vertex["box"]} box */
 function middle([x, y, width, height]) {
   return /** @type {[number, number]} */ ([x + width / 2, y + height / 2]);
-}
-
-/**
- * Return a smooth line through points, level at each of them.
- * @param {[number, number][]} way
- */
-function curve(way) {
-  const [first, ...others] = way;
-  if (!first) return "";
-  let [x, y] = first;
-  let path = `M${x} ${y}`;
-  others.forEach(([u, v], index) => {
-    const bend = (u - x) / 2;
-    path += index % 2 && others.length > 1 && v === y ? `L${u} ${v}` : `C${x + bend} ${y} ${u - bend} ${v} ${u} ${v}`;
-    [x, y] = [u, v];
-  });
-  return path;
 }
 
 /** @param {string[]} topics */

@@ -1,0 +1,87 @@
+// The lines between panels, and the sizes on both sides of them.
+
+import { element } from "./elements.js";
+
+/** @typedef {import("./tree.js").Split} Split */
+
+const STEP = 0.02; // of a split, by an arrow key
+const LEAST = 0.05; // of a split, of a part
+
+/**
+ * Make the line between two parts of a split, which is dragged, or moved by the arrow keys.
+ * @param {Split} tree
+ * @param {number} index of the part before it
+ * @param {HTMLElement} box
+ * @param {() => void} changed
+ */
+export function divider(tree, index, box, changed) {
+  const isRow = tree.split === "row";
+  const line = element("div", {
+    class: "divider",
+    role: "separator",
+    tabindex: 0,
+    "aria-orientation": isRow ? "vertical" : "horizontal",
+    "aria-label": "Divider",
+    "aria-valuemin": 0,
+    "aria-valuemax": 100,
+  });
+  /** @param {number} change as a part of the split */
+  const shift = (change) => {
+    const sum = tree.sizes.reduce((one, other) => one + other, 0);
+    const [before = 0, after = 0] = tree.sizes.slice(index, index + 2);
+    const least = LEAST * sum;
+    const moved = Math.max(least - before, Math.min(after - least, change * sum));
+    tree.sizes[index] = before + moved;
+    tree.sizes[index + 1] = after - moved;
+    resize(tree, box);
+    changed();
+  };
+  line.addEventListener("keydown", (event) => {
+    const [back, forth] = isRow ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
+    const step = event.key === forth ? 1 : event.key === back ? -1 : 0;
+    if (!step) return;
+    event.preventDefault();
+    shift(step * STEP);
+  });
+  line.addEventListener("pointerdown", (event) => {
+    line.setPointerCapture(event.pointerId);
+    let last = isRow ? event.clientX : event.clientY;
+    /** @param {PointerEvent} moved */
+    const follow = (moved) => {
+      const now = isRow ? moved.clientX : moved.clientY;
+      shift((now - last) / (isRow ? box.clientWidth : box.clientHeight));
+      last = now;
+    };
+    line.addEventListener("pointermove", follow);
+    line.addEventListener(
+      "lostpointercapture",
+      () => line.removeEventListener("pointermove", follow),
+      { once: true },
+    );
+  });
+  line.addEventListener("dblclick", () => {
+    const sum = (tree.sizes[index] ?? 1) + (tree.sizes[index + 1] ?? 1);
+    tree.sizes[index] = tree.sizes[index + 1] = sum / 2;
+    shift(0);
+  });
+  return line;
+}
+
+/**
+ * Give the parts of a split their sizes.
+ * @param {Split} tree
+ * @param {HTMLElement} box
+ */
+export function resize(tree, box) {
+  const sum = tree.sizes.reduce((one, other) => one + other, 0);
+  let place = 0;
+  let until = 0;
+  for (const child of box.children) {
+    if (!(child instanceof HTMLElement)) continue;
+    if (child.className === "cell") {
+      const share = (tree.sizes[place++] ?? 1) / sum;
+      child.style.flexGrow = String(share * 100);
+      until += share;
+    } else child.setAttribute("aria-valuenow", String(Math.round(until * 100)));
+  }
+}

@@ -1,0 +1,99 @@
+// The bodies of the world that move: robots, objects and odometries, and where they are.
+
+import { product } from "./frames.js";
+
+/**
+ * @typedef {import("./frames.js").Pose} Pose
+ * @typedef {{name: string, frame: string, at?: Pose}} Body with its frame, or its pose in one
+ */
+
+/** The bodies that the displays show. */
+export class Bodies {
+  /**
+   * @param {Map<string, {display: import("./displays.js").Display}>} displays by topic
+   * @param {import("./frames.js").Frames} frames
+   */
+  constructor(displays, frames) {
+    this.displays = displays;
+    this.frames = frames;
+    /** The frame that poses are given in. */
+    this.fixed = "world";
+  }
+
+  /**
+   * The bodies by their names: robots, objects, odometries.
+   * @returns {Body[]}
+   */
+  list() {
+    /** @type {Map<string, {frame: string, at?: Pose}>} */
+    const found = new Map();
+    for (const { display } of this.displays.values()) {
+      for (const { frame, ns } of display.parts) {
+        if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, { frame });
+      }
+      const { latest } = display;
+      if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
+        // transforms may say of the same frame what another odometry measures
+        const isSame = this.frames.frames.get(latest.child)?.parent === latest.frame;
+        found.set(display.topic, isSame ? { frame: latest.child } : { frame: latest.frame, at: latest.pose });
+      }
+    }
+    /** @param {string} name */
+    const rank = (name) => (this.displays.has(name) ? 2 : name.startsWith("/") ? 0 : 1);
+    return [...found]
+      .map(([name, where]) => ({ name, ...where }))
+      .sort((a, b) => rank(a.name) - rank(b.name) || a.name.localeCompare(b.name, undefined, { numeric: true }));
+  }
+
+  /**
+   * A body's pose in the fixed frame; null where nothing connects them.
+   * @param {Body | undefined} body
+   * @param {number} now [ms]
+   * @returns {Pose | null}
+   */
+  poseOf(body, now) {
+    const pose = body ? this.frames.pose(body.frame, this.fixed, now) : null;
+    return pose && body?.at ? product(pose, body.at) : pose;
+  }
+
+  /**
+   * The pose of the body of a name; null for none.
+   * @param {string} name
+   * @param {number} now [ms]
+   */
+  poseNamed(name, now) {
+    return this.poseOf(this.list().find((one) => one.name === name), now);
+  }
+
+  /**
+   * A frame that is known, for a sensor's that may not be: that of the odometry in its namespace.
+   * @param {string} frame
+   * @param {string} topic
+   */
+  frameOf(frame, topic) {
+    if (this.frames.frames.has(frame) || frame === this.fixed || this.frames.names().includes(frame)) return frame;
+    let best = "";
+    let found = frame;
+    for (const [name, { display }] of this.displays) {
+      const space = name.slice(0, name.lastIndexOf("/") + 1);
+      if (display.latest?.kind === "odometry" && topic.startsWith(space) && space.length > best.length) {
+        best = space;
+        found = display.latest.child;
+      }
+    }
+    return found;
+  }
+
+  /**
+   * The body that a mesh belongs to, where one of these simulators can move it.
+   * @param {any} object
+   * @param {string[]} simulators
+   */
+  ofMesh(object, simulators) {
+    while (object && !object.userData.topic) object = object.parent;
+    const { topic, ns } = object?.userData ?? {};
+    const node = simulators.find((name) => topic === `${name}/world`);
+    const body = this.list().find(({ name }) => name === ns);
+    return node && body ? { node, name: body.name, frame: body.frame } : null;
+  }
+}
