@@ -83,7 +83,7 @@ def judged_rules(named: Sequence[Rule]) -> Sequence[Rule]:
 
 
 def look_once(
-    listen: float, *, as_json: bool, at_least: float = 0.0, memory: Memory | None = None
+    listen: float | None, *, as_json: bool, at_least: float = 0.0, memory: Memory | None = None
 ) -> Evidence:
     """Return the evidence; in JSON a bus that the environment names wrongly is a finding too."""
     if (log := chosen_log()) is not None:

@@ -21,6 +21,7 @@ from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_optio
 from lcmtools.cli.output import data, lines, show, talk
 from lcmtools.color import stream_wants_color
 from lcmtools.doctor import report, saved
+from lcmtools.doctor.brief import WHOLE
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
@@ -39,7 +40,9 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "wtf --from evidence.json",
     "wtf --bag ride.lcmlog",
 )
-@option("--wait", type=duration, default=1.0, help="Observe the traffic for this long (else 1s).")
+@option(
+    "--wait", type=duration, help="Observe for this long (else 1s, or less where that is enough)."
+)
 @rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
 @rule_option("--ignore", text="All but this rule; repeatable.", multiple=True)
 @flag("--list", "list_rules", help="List the rules.")
@@ -49,7 +52,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 @option("--from", "load_from", type=_FILE, help="Apply the rules to evidence from a file.")
 def command(
     *,
-    wait: float,
+    wait: float | None,
     only: Sequence[Rule],
     ignore: Sequence[Rule],
     list_rules: bool,
@@ -78,7 +81,8 @@ def command(
     if watch:
         if save_to or load_from or bus_choice().log:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
-        look = partial(look_once, wait, as_json=as_json, at_least=wait, memory=Memory())
+        every = WHOLE if wait is None else wait
+        look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())
         _watch(look, rules, as_json=as_json)
     evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)
     if save_to:

@@ -17,8 +17,8 @@ from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
+from lcmtools.doctor import brief, programs
 from lcmtools.doctor import host as computer
-from lcmtools.doctor import programs
 from lcmtools.doctor.drops import BufferDrops
 from lcmtools.doctor.evidence import (
     Evidence,
@@ -44,10 +44,11 @@ _LONG_ENOUGH = 0.3  # [s] of a look that may last longer than was wanted
 
 
 def collect(
-    url: BusUrl, environment: Mapping[str, str], listen: float, memory: Memory | None = None
+    url: BusUrl, environment: Mapping[str, str], listen: float | None, memory: Memory | None = None
 ) -> Evidence:
     """Look at a bus for ``listen`` seconds, or longer where that leaves doubts.
 
+    None is a second, or less where less is enough (``brief``).
     A bus that does not work is evidence, not an error. ``memory`` is that of earlier looks.
     """
     here = computer.host(url, environment)
@@ -78,10 +79,18 @@ def unusable(error: UsageError) -> Evidence:
     return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
 
 
-def _look(monitor: BusMonitor, evidence: Evidence, listen: float, memory: Memory) -> Evidence:
-    begin = _Begin.now(monitor)
+def _look(
+    monitor: BusMonitor, evidence: Evidence, wanted: float | None, memory: Memory
+) -> Evidence:
+    begin, taken = _Begin.now(monitor), 0.0
     evidence = replace(evidence, before=begin.graph)
-    _take(monitor, begin.listening, listen)
+    if wanted is None:
+        _take(monitor, begin.listening, taken := brief.BRIEF)
+        found = _gathered(monitor, evidence, begin, taken)
+        if brief.is_enough(found):
+            return found
+    listen = brief.WHOLE if wanted is None else wanted
+    _take(monitor, begin.listening, listen - taken)
     found = memory.recall(_gathered(monitor, evidence, begin, listen))
     doubts = (rules.doubt(found) for rules in (callbacks, pace, traffic))
     longer = max(doubts) if listen >= _LONG_ENOUGH else 0.0

@@ -21,15 +21,16 @@ _PERIODS = 10  # without a message are silence
 _ENOUGH = 10  # messages to speak of a usual rate
 _SURE = 8  # messages that should have come, to say that a rate has fallen
 _FALLEN = 0.5
+_FEW = 2  # messages that should have come in a brief look: 3 in a whole one
 _LATE = 3  # periods without a message are a reason to look longer
 _BURSTS = 3.0  # [s] between two bursts that are no silence
 _LONGEST = 5.0  # [s] of a look that goes on to be sure
 _AGE = 5.0  # [s] of a process whose average rate means something
 _BURST = 4  # times the median interval on average
 _AT_ONCE = 500_000  # [ns] between messages that are sent one after another
-_UNEVEN = 8  # times the usual interval
+UNEVEN = 8  # times the usual interval
 _BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
-_SHORTEST = 0.1  # [s] an interval that is worth reporting
+SHORTEST = 0.1  # [s] an interval that is worth reporting
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +154,11 @@ def doubt(evidence: Evidence) -> float:
     return max(_BURSTS if stops else 0.0, *(pace.doubt() for pace in _paces(evidence)), 0.0)
 
 
+def may_have_fallen(evidence: Evidence) -> bool:
+    """Return whether a rate may have fallen, so that a whole look could leave a doubt."""
+    return any(one.has_fallen and one.expected >= _FEW for one in _paces(evidence))
+
+
 @rule(
     "irregular",
     "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
@@ -167,7 +173,7 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
             # a program that had to wait for a processor is not to blame
             is_late = longest * _BLAME > evidence.processor_wait
-            if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
+            if is_late and longest > max(SHORTEST, UNEVEN * interval):
                 times = {"longest": longest, "usual": interval}
                 facts.append(state("gap", sender=stream, topic=stream.channel, **times))
     return found("irregular", facts)

@@ -2,12 +2,17 @@
 
 import os
 import socket
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import cast
 
 import pytest
 
+from lcmtools.doctor import brief, collect
 from lcmtools.doctor.collect import _counted_again
+from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
+from lcmtools.doctor.memory import Memory
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Sender
@@ -82,3 +87,25 @@ def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, wai
     monitor = _LateNode(pid, answered)
     _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
     assert monitor.waited == pytest.approx(waited)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "is_enough", "taken"),
+    [
+        pytest.param(None, 1, [0.7], id="brief"),
+        pytest.param(None, 0, [0.7, 0.3], id="goes on to the whole second"),
+        pytest.param(2.0, 1, [2.0], id="as long as was chosen"),
+    ],
+)
+def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
+    wanted: float | None, is_enough: int, taken: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts: list[float] = []
+    begin = SimpleNamespace(graph=Graph(), listening=None)
+    monkeypatch.setattr(collect._Begin, "now", lambda _: begin)
+    monkeypatch.setattr(collect, "_take", lambda _, __, seconds: parts.append(seconds))
+    monkeypatch.setattr(collect, "_gathered", lambda _, found, __, s: replace(found, listened=s))
+    monkeypatch.setattr(brief, "is_enough", lambda _: is_enough)
+    found = collect._look(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
+    assert parts == pytest.approx(taken)
+    assert found.listened == pytest.approx(sum(taken))
