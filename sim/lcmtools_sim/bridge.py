@@ -50,7 +50,8 @@ class Bridge:
         """By topic, and the text of a command that is ignored, or "" for one beyond the limits."""
         self._publishers: dict[str, Publisher[Message]] = {}
         self._subscriptions: dict[Robot, list[Subscription]] = {}
-        self._subscribed: tuple[frozenset[str], bool] = frozenset(), True
+        # asks the nodes, whose answers have come by the first look
+        self._subscribed: tuple[frozenset[str], bool] = node.subscribed_topics(), True
         self._next_update = 0.0
         self._published_time = simulation.time
         self.refresh()

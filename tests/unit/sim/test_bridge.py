@@ -297,6 +297,18 @@ def test_the_simulation_gets_the_state_of_subscribers(
     assert simulation.interest("/clock") is interest
 
 
+def test_the_nodes_are_asked_before_the_first_look(
+    node: FakeNode, simulation: FakeSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = iter([frozenset(), frozenset({"/clock"})])
+    monkeypatch.setattr(node, "subscribed_topics", lambda: next(answers))
+    bridge = Bridge(node, simulation)  # type: ignore[arg-type] # fakes
+
+    bridge.receive()
+
+    assert simulation.interest("/clock") is Subscribers.KNOWN
+
+
 def test_finding_subscribers_at_once_counts_those_that_have_just_started(
     node: FakeNode, simulation: FakeSimulation, bridge: Bridge
 ) -> None:
