@@ -5,10 +5,12 @@ All are measured in one run. Commands run on a bus of 20 nodes, a talker and a l
 ``wtf`` looks at a talker and a listener only; ``pub -1`` is timed until its message has arrived at
 a tap. Commands that go on, and a node that follows the graph of a bus with 199 others, are given in
 percent of a core: beside a plain LCM program in Python that decodes the same messages, or beside
-the same node alone; ``spy`` runs in a terminal. Messages between processes and codecs are beside
-plain ``lcm`` with lcm-gen's code. A ratio is ours by the anchor's; a goal is one of ours or, with
-an "x", of the ratio. ``echo``'s is a third of rostopic's, where that is installed, else of the
-10.1 % that it took elsewhere. ``--write`` keeps the table in RESULTS.md, with machine and versions.
+the same node alone; ``spy`` runs in a terminal. The window's server with a page of odometry,
+curves, laser and camera is beside itself without one, and so is the simulator. Messages between
+processes and codecs are beside plain ``lcm`` with lcm-gen's code. A ratio is ours by the anchor's;
+a goal is one of ours or, with an "x", of the ratio. ``echo``'s is a third of rostopic's, where that
+is installed, else of the 10.1 % that it took elsewhere. ``--write`` keeps the table in RESULTS.md,
+with machine and versions.
 """
 
 import os
@@ -27,6 +29,7 @@ from statistics import median
 import announce
 import completion
 import graph
+import gui
 import transport
 from codec import measure, samples
 from commands import TOOL, Environment, child_environment, end, in_turn, run, start, talking
@@ -147,6 +150,13 @@ def following() -> Row:
     return row("following 199 nodes, % of a core more", busy - alone, alone, 0.5)
 
 
+def viewed() -> Iterator[Row]:
+    """The window's server with a page, and what a page costs the simulator."""
+    yield row("gui at 30 Hz with a page, % of a core", *gui.with_a_page(), 15)
+    shown, alone = gui.simulated()
+    yield row("run sim with a page, % of a core more", shown - alone, alone, 10)
+
+
 def travelling(rounds: int) -> Iterator[Row]:
     """Messages from process to process at 1 kHz."""
     for kind in (Twist, Odometry):
@@ -210,7 +220,7 @@ def main() -> None:
         environment = {**child_environment(cache, _GRAPH_PORT), "XDG_CACHE_HOME": f"{cache}/user"}
         rows = [*ended(environment, rounds)]
         rows += going_on({**environment, "LCM_DEFAULT_URL": bus(PORT)}, cache, few)
-    rows += [following(), *travelling(few), *coding(few)]
+    rows += [following(), *viewed(), *travelling(few), *coding(few)]
     title = f"Medians of {rounds} runs, {few} of what goes on or is sent"
     show(title, _COLUMNS, rows)
     if arguments.write:

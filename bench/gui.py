@@ -4,7 +4,8 @@ A robot sends its odometry, frames, a laser scan of 640 beams and a raw camera i
 30 Hz. One page after the other is added until there are ten; each has what a view has open: the
 topics, three curves, the image, the scan and the frames. Shown are the share of a core that the
 server takes beside its share without a page, the frames that a page gets a second, and how long it
-takes from the connection to the first rows of the topics. The goal is 15 % with one page.
+takes from the connection to the first rows of the topics. The goal is 15 % with one page. Then the
+share of a core that the lab's simulator takes more while a page shows its world; the goal is 10 %.
 """
 
 import json
@@ -14,7 +15,7 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from multiprocessing.connection import Connection
 
@@ -39,6 +40,12 @@ _STREAMS = (
     ("newest", {"topic": "/scan"}),
     ("frames", {"topic": "/tf"}),
 )
+_WORLD = (
+    ("drawable", {}),
+    ("frames", {"topic": "/morse/poses"}),
+    ("markers", {"topic": "/morse/world"}),
+    ("newest", {"topic": "/husky0/odometry"}),
+)
 
 
 def robot(connection: Connection) -> None:
@@ -62,15 +69,18 @@ def robot(connection: Connection) -> None:
             instance.publish(channel, payload)
 
 
+Streams = Sequence[tuple[str, Mapping[str, object]]]
+
+
 class Viewer:
     """A page that reads what comes, on a thread of its own."""
 
-    def __init__(self, socket: ClientConnection) -> None:
+    def __init__(self, socket: ClientConnection, streams: Streams) -> None:
         self.frames: Counter[int] = Counter()
         self.first_picture = 0.0
         self._socket = socket
         self._start = time.monotonic()
-        for number, (stream, parameters) in enumerate(_STREAMS):
+        for number, (stream, parameters) in enumerate(streams):
             request = {"op": "open", "id": number, "stream": stream, **parameters}
             socket.send(json.dumps(request))
         threading.Thread(target=self._read, daemon=True).start()
@@ -87,16 +97,41 @@ class Viewer:
 
 
 @contextmanager
+def view(address: str, streams: Streams) -> Iterator[Viewer]:
+    """A page at a window's address, for a moment already."""
+    target = address.replace("http", "ws", 1) + "socket"
+    with connect(
+        target,
+        origin=address.rstrip("/"),  # type: ignore[arg-type] # a str by another name
+        subprotocols=["lcmtools.1"],  # type: ignore[list-item]
+        compression=None,
+        max_size=None,
+        close_timeout=0.1,
+    ) as socket:
+        viewer = Viewer(socket, streams)
+        time.sleep(1.0)
+        yield viewer
+
+
+@contextmanager
 def server() -> Iterator[tuple[int, str]]:
     """The window's process, and its address."""
-    command = (sys.executable, "-m", "lcmtools", "gui", "--port", "0", "--no-open", "--json")
-    process = subprocess.Popen([*command, "--lcm-url", _URL], stdout=subprocess.PIPE, text=True)
+    with _running("gui", "--port", "0", "--no-open", "--json", until="}") as (pid, text):
+        yield pid, json.loads(text)["command"]
+
+
+@contextmanager
+def _running(*words: str, until: str) -> Iterator[tuple[int, str]]:
+    """A command on the bus, and what it has written until it is ready."""
+    command = (sys.executable, "-m", "lcmtools", *words, "--lcm-url", _URL)
+    piped, errors = subprocess.PIPE, subprocess.STDOUT
+    process = subprocess.Popen(command, stdout=piped, stderr=errors, text=True)
     try:
         text = ""
-        while "}" not in text:
+        while until not in text:
             assert process.stdout is not None
             text += process.stdout.readline()
-        yield process.pid, json.loads(text)["command"]
+        yield process.pid, text
     finally:
         process.terminate()
         process.wait(10)
@@ -107,6 +142,23 @@ def share(pid: int) -> float:
     start, used = time.monotonic(), processor_time(pid)
     time.sleep(_SECONDS)
     return 100 * (processor_time(pid) - used) / (time.monotonic() - start)
+
+
+def with_a_page() -> tuple[float, float]:
+    """The server's share with one page of the robot, and without [%]."""
+    with child(robot) as sender, server() as (pid, address):
+        sender.wait()
+        alone = share(pid)
+        with view(address, _STREAMS):
+            return share(pid), alone
+
+
+def simulated() -> tuple[float, float]:
+    """The simulator's share while a page shows its world, and without [%]."""
+    with _running("run", "sim", until="simulating") as (pid, _), server() as (_, address):
+        alone = share(pid)
+        with view(address, _WORLD):
+            return share(pid), alone
 
 
 def main() -> None:
@@ -120,19 +172,7 @@ def main() -> None:
         viewers: list[Viewer] = []
         for count in (1, 2, 5, 10):
             while len(viewers) < count:
-                target = address.replace("http", "ws", 1) + "socket"
-                socket = stack.enter_context(
-                    connect(
-                        target,
-                        origin=address.rstrip("/"),  # type: ignore[arg-type] # a str by another name
-                        subprotocols=["lcmtools.1"],  # type: ignore[list-item]
-                        compression=None,
-                        max_size=None,
-                        close_timeout=0.1,
-                    )
-                )
-                viewers.append(Viewer(socket))
-            time.sleep(1.0)
+                viewers.append(stack.enter_context(view(address, _STREAMS)))
             viewers[0].frames.clear()
             taken = share(pid)
             frames = "/".join(
@@ -144,6 +184,8 @@ def main() -> None:
     show(
         f"lcmtools gui at {_RATE:g} Hz", ["", "% of a core", f"Hz of {streams}", "first [s]"], rows
     )
+    shown, alone = simulated()
+    show("The simulator", ["", "% of a core"], [["alone", alone], ["with a page", shown]])
 
 
 if __name__ == "__main__":

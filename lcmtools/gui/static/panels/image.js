@@ -34,6 +34,8 @@ export default class ImagePanel {
     this.picture = null;
     this.isPaused = false;
     this.isReading = false;
+    /** The newest image, until it is read. @type {{header: any, payload: ArrayBuffer} | null} */
+    this.waiting = null;
     /** @type {{count: number, time: number}[]} */
     this.arrivals = [];
     /** The pixel whose value is shown. @type {{x: number, y: number} | null} */
@@ -149,7 +151,7 @@ export default class ImagePanel {
   /** @param {string} topic */
   choose(topic) {
     this.topic = topic;
-    this.picture = null;
+    this.picture = this.waiting = null;
     this.mark = null;
     this.arrivals = [];
     this.pause(false);
@@ -163,24 +165,36 @@ export default class ImagePanel {
    * @param {any} header
    * @param {ArrayBuffer} [payload]
    */
-  async take(header, payload) {
+  take(header, payload) {
     if (header.topic !== this.topic) return; // it was on its way when the topic was changed
     this.arrivals.push({ count: header.count, time: header.time });
     const oldest = header.time - RATE_TIME;
     while (this.arrivals.length > 2 && (this.arrivals[0]?.time ?? 0) < oldest) this.arrivals.shift();
-    if (!payload || this.isPaused || this.isReading) return;
+    if (!payload || this.isPaused) return;
+    this.waiting = { header, payload };
+    if (!this.isReading) this.read();
+  }
+
+  /** Read the newest image when the screen shows a new picture: a slow page is not kept busy. */
+  async read() {
     this.isReading = true;
+    await new Promise(requestAnimationFrame);
+    const { waiting } = this;
+    this.waiting = null;
     try {
       const isFirst = !this.picture;
-      this.picture?.bitmap?.close();
-      this.picture = await readPicture(header, payload);
-      if (isFirst) this.viewport.view.fit();
-      this.context.tell(this, "");
+      if (waiting) {
+        this.picture?.bitmap?.close();
+        this.picture = await readPicture(waiting.header, waiting.payload);
+        if (isFirst) this.viewport.view.fit();
+        this.context.tell(this, "");
+      }
     } catch (error) {
       this.context.tell(this, `the image cannot be read: ${mistakeText(error)}`);
     }
-    this.isReading = false;
     this.show();
+    this.isReading = false;
+    if (this.waiting) this.read();
   }
 
   /** @param {Record<string, number[][]>} maps */

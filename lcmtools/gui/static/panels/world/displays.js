@@ -49,6 +49,8 @@ export class Display {
     this.latest = null;
     /** @type {ArrayBuffer} */
     this.payload = new ArrayBuffer(0);
+    /** The latest message is made when the view is drawn, which may be seldom. */
+    this.isStale = false;
     /** @type {{fixed: string, places: [number, number, number][]}} */
     this.trail = { fixed: "", places: [] };
   }
@@ -60,10 +62,12 @@ export class Display {
   take(data, payload = new ArrayBuffer(0)) {
     this.latest = data;
     this.payload = payload;
-    this.make();
+    this.isStale = true;
+    if (data.kind === "markers") this.make(); // they have the names of bodies
   }
 
   make() {
+    this.isStale = false;
     if (!this.latest) return;
     const { kind, frame } = this.latest;
     if (kind === "markers") this.makeBodies(this.latest.markers);
@@ -115,6 +119,7 @@ export class Display {
    */
   place(content, frames, bodies, now) {
     let lost = "";
+    if (this.isStale) this.make();
     for (const { frame, group } of this.parts) {
       const pose = frames.pose(bodies.frameOf(frame, this.topic), bodies.fixed, now);
       group.visible = pose !== null;
