@@ -15,8 +15,10 @@ from fixtures.programs import Program
 from lcmtools.observe.received import messages
 from lcmtools.types.geometry_msgs import PoseStamped
 from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.tf2_msgs import TFMessage
 
 _LONG = 40.0  # [s] for what comes
+_MOST = 900  # messages, thirty seconds of them
 WORLD = """\
 node: yard
 objects:
@@ -137,6 +139,27 @@ def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
         [before[0], before[1]],
     )
     assert math.hypot(*pose(page, "/husky0")[:2]) < 10
+
+
+def test_a_crate_is_dragged_and_the_robot_stays(world: str, page: Any, bus_url: str) -> None:
+    page.goto(world)
+    is_at(page, "crate", 1.5, -1)
+    page.get_by_role("button", name="Move").click()
+    page.get_by_role("button", name="Top").click()
+    page.get_by_role("button", name="crate", exact=True).click()
+    box = page.locator(".world-stage canvas").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    drag(page, middle, (middle[0] + 0.2 * box["height"], middle[1]))
+    with closing(messages("/yard/poses", url=bus_url, wall_time=True, timeout=_LONG)) as arrivals:
+        for count, arrival in enumerate(arrivals):
+            assert isinstance(arrival.message, TFMessage)
+            frames = {one.child_frame_id: one.transform for one in arrival.message.transforms}
+            place = frames["ground_truth/crate"].translation
+            if math.hypot(place.x - 1.5, place.y + 1) > 0.3:
+                break
+            assert count < _MOST, f"the crate is at {place.x}, {place.y}"
+    is_at(page, "crate", place.x, place.y)
+    is_at(page, "/husky0", 0, 0)
 
 
 def test_a_click_sends_a_pose(world: str, page: Any, bus_url: str) -> None:

@@ -42,6 +42,7 @@ export class Pointing {
   begin(event) {
     if (event.button !== 0 || !event.isPrimary) return;
     const tool = this.owner.tool();
+    if (tool !== "look") this.owner.view.refresh();
     const started = tool === "move" ? this.drag(event) : tool === "pose" ? this.aim(event) : false;
     if (!started) return;
     const { view } = this.owner;

@@ -90,6 +90,13 @@ export class View {
     this.until = Math.max(this.until, performance.now() + time);
   }
 
+  /** Put all in its place, where the pointer does not wait for the next picture. */
+  refresh() {
+    this.beforeDrawing(performance.now());
+    this.camera.updateMatrixWorld();
+    this.scene.updateMatrixWorld();
+  }
+
   /** @param {boolean} isDark */
   setTheme(isDark) {
     const look = isDark ? DARK : LIGHT;
