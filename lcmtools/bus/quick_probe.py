@@ -21,9 +21,9 @@ if TYPE_CHECKING:  # imported while the answers are on their way
     from lcmtools.graph.builder import GraphBuilder
     from lcmtools.graph.model import Graph
 
-PROBE = (
-    b"LC02\0\0\0\0/_lcmtools/probe\0\x36\xa8\xcc\x66\xfe\xbe\x4d\xc8\0\0\0\x01\0\0\0\0\0\0\0\0\0"
-)
+PROBE_CHANNEL = "/_lcmtools/probe"
+PROBE_PAYLOAD = b"\x36\xa8\xcc\x66\xfe\xbe\x4d\xc8\0\0\0\x01\0\0\0\0\0\0\0\0\0"
+PROBE = b"LC02\0\0\0\0" + PROBE_CHANNEL.encode() + b"\0" + PROBE_PAYLOAD
 """The datagram that requests all nodes' announcements, as ``graph.protocol`` encodes it.
 
 A constant, because importing the encoder takes longer than the answers.

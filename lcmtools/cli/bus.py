@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from typing import TYPE_CHECKING
 
 import click
@@ -13,6 +14,7 @@ from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, s
 from lcmtools.settings import read_user_file, usual_namespace
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
+    from lcmtools.bus.tap import Tap
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph
     from lcmtools.observe.monitor import BusMonitor
@@ -43,30 +45,52 @@ def chosen_log() -> str | None:
 
 
 def open_monitor(
-    tool: str, *, whole: bool = False, plays: bool = False, log: str | None = None
+    tool: str,
+    *,
+    whole: bool = False,
+    plays: bool = False,
+    log: str | None = None,
+    asks: bool = False,
 ) -> "BusMonitor":
     """Open the bus or the log that the command line selects, for the command ``tool``.
 
     Large messages come as a whole, or only their heads; a log is played at its own speed, or read
     at once, as ``log`` and that of ``--bag`` are. A request to shut down ends the command as
-    SIGTERM does.
+    SIGTERM does. ``asks`` is for commands that wait for all nodes: these answer while the rest is
+    imported.
     """
-    from lcmtools.observe.monitor import BusMonitor
-
     if (log := log or chosen_log()) is not None:
         from lcmtools.bus.url import BusUrl
+        from lcmtools.observe.monitor import BusMonitor
         from lcmtools.observe.sources import LogObserver
 
         return BusMonitor(BusUrl("file", log), tool, os.environ, LogObserver(log))
+    url = chosen_url()
+    observer = _asking(url) if asks and url.is_multicast else None
+    asked = time.monotonic() if observer else 0.0
+    from lcmtools.observe.monitor import BusMonitor
+
     return BusMonitor(
-        chosen_url(),
+        url,
         tool,
         os.environ,
+        observer,
         whole=whole,
         plays=plays,
         on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
         on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
+        asked=asked,
     )
+
+
+def _asking(url: "BusUrl") -> "Tap":
+    """Return a tap that has requested all nodes to announce themselves."""
+    from lcmtools.bus.quick_probe import PROBE_CHANNEL, PROBE_PAYLOAD
+    from lcmtools.bus.tap import Tap
+
+    tap = Tap(url)
+    tap.send(PROBE_CHANNEL, PROBE_PAYLOAD)
+    return tap
 
 
 def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
@@ -74,7 +98,7 @@ def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
 
     ``foreign``: wait for programs that are no nodes, too.
     """
-    with open_monitor(tool) as monitor:
+    with open_monitor(tool, asks=True) as monitor:
         return monitor.settle(foreign=foreign), monitor.url
 
 

@@ -41,6 +41,7 @@ if TYPE_CHECKING:  # a bus does without logs
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
+_AHEAD = 0.025  # [s] before a look that count as waiting, where the request was sent so early
 _AGAIN = 0.02  # [s] after which a second request is sent, where datagrams may be lost
 _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
@@ -58,6 +59,8 @@ class BusMonitor:
         plays: Play a log at its own speed; else it is read at once.
         on_outage: Called with what happened when the connection to a server is lost or back.
         on_shutdown: Called when another program requests this one to end; None to ignore that.
+        asked: The moment at which ``observer`` has requested all nodes to announce themselves [s of
+            ``time.monotonic``]; 0 for not yet.
 
     Attributes:
         trouble: The trouble with the connection; "" for none.
@@ -79,8 +82,10 @@ class BusMonitor:
         plays: bool = True,
         on_outage: Callable[[str], None] = lambda _: None,
         on_shutdown: Callable[[], None] | None = None,
+        asked: float = 0.0,
     ) -> None:
         self.url = url
+        self._asked = asked
         self.trouble = ""
         self._on_outage = on_outage
         self._observer = observer or open_observer(
@@ -185,10 +190,13 @@ class BusMonitor:
         return self.graph()
 
     def _await_nodes(self, *, foreign: bool) -> None:
+        asked, self._asked = self._asked, 0.0
+        if not asked:
+            self.probe()
+        now = time.monotonic()
+        start = changed = max(asked, now - _AHEAD) if asked else now
         here = socket.gethostname()
         self._builder.recall(node for node in self._records.read() if node.host == here)
-        self.probe()
-        start = changed = time.monotonic()
         # between computers the request, or an answer, may be lost: two are seldom lost
         probe_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
         with contextlib.suppress(EOFError):  # a log that has ended is complete

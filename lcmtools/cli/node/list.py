@@ -33,13 +33,13 @@ def list_nodes(
     characters but /, ** any characters, ? one. A pattern without / may match a node's last part:
     "*arm*".
     """
-    from lcmtools.observe.describe import listed_node, node_record  # the others do without
+    with open_monitor("node_list", asks=True) as monitor:
+        from lcmtools.observe.describe import listed_node, node_record  # while the nodes answer
 
-    if show_all:
-        from lcmtools.observe.node_report import listed, listed_program, program_record
-        from lcmtools.observe.senders import programs
+        if show_all:
+            from lcmtools.observe.node_report import listed, listed_program, program_record
+            from lcmtools.observe.senders import programs
 
-    with open_monitor("node_list") as monitor:
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]

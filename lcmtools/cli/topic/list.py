@@ -5,8 +5,6 @@ from lcmtools.cli.declare import argument, duration, examples, flag, option, sub
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import data, show
 from lcmtools.errors import UsageError
-from lcmtools.observe.activity import settled
-from lcmtools.observe.topic_list import TopicList
 
 
 @subcommand("list", all_option, json_option, looking_options)
@@ -41,7 +39,10 @@ def command(
     """
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
-    with open_monitor("list") as monitor:
+    with open_monitor("list", asks=True) as monitor:
+        from lcmtools.observe.activity import settled  # while the nodes answer
+        from lcmtools.observe.topic_list import TopicList
+
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
     pattern = looking_pattern(namespace, hidden=show_all)
     listed = TopicList(not subscribed, not published, verbose, show_types, rates)
