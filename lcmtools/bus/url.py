@@ -4,16 +4,17 @@ Pure text. Stricter than liblcm in one way: a group without a port is an error, 
 port 0 and hangs for ten seconds.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from ipaddress import AddressValueError, IPv4Address
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from lcmtools.bus.zenoh_url import OPTIONS as ZENOH_OPTIONS
-from lcmtools.bus.zenoh_url import ZenohPlace, parse_place
 from lcmtools.errors import InvalidUrl, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.settings import NO_FILE, UserFile
+
+if TYPE_CHECKING:  # other buses do without
+    from lcmtools.bus.zenoh_url import ZenohPlace
 
 DEFAULT_GROUP = "239.255.76.67"
 DEFAULT_PORT = 7667
@@ -28,7 +29,6 @@ _OPTIONS = {
     "udpm": ("ttl", "recv_buf_size", "transmit_only"),
     "mpudpm": ("ttl", "recv_buf_size", "nports"),
     "file": ("speed", "start_timestamp", "mode"),
-    "zenoh": ZENOH_OPTIONS,
 }
 _MAX_TTL = 255
 
@@ -56,8 +56,10 @@ class BusUrl(NamedTuple):
         return self.provider == "udpm"
 
     @property
-    def place(self) -> ZenohPlace:
+    def place(self) -> "ZenohPlace":
         """The parts of a URL of Zenoh."""
+        from lcmtools.bus.zenoh_url import parse_place
+
         return parse_place(str(self), self.network, self.options)
 
     @property
@@ -149,23 +151,32 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
         host, port = _parse_group(where, provider, network)
     elif provider == "tcpq":
         host, port = _parse_server(where, network)
-    elif provider == "zenoh":
-        parse_place(where, network, options)
-        host, port = "", 0
     else:
         host, port = "", 0
+    if provider == "zenoh":
+        from lcmtools.bus.zenoh_url import parse_place
+
+        parse_place(where, network, options)
     return BusUrl(provider, network, options, host, port)
 
 
 def misread_options(url: BusUrl) -> Iterator[str]:
     """Yield a sentence for each option that liblcm ignores or reads in another way."""
-    known = _OPTIONS.get(url.provider, ())
+    known = _known_options(url.provider)
     for key, value in url.options.items():
         if key not in known:
             hint = did_you_mean(key, known)
             yield f"{key}={value} has no effect{f'; {hint}' if hint else ''}"
         elif key == "ttl" and int(value) > _MAX_TTL:
             yield f"ttl={value} is sent as {url.ttl}; the greatest is {_MAX_TTL}"
+
+
+def _known_options(provider: str) -> Sequence[str]:
+    if provider == "zenoh":
+        from lcmtools.bus.zenoh_url import OPTIONS
+
+        return OPTIONS
+    return _OPTIONS.get(provider, ())
 
 
 def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from itertools import compress, pairwise
 
 import click
@@ -16,14 +15,15 @@ from lcmtools.settings import COLORS
 COLOR = "lcmtools.color"  # the key of a click context's ``meta`` for the value of ``--color``
 
 
-@dataclass(slots=True)
 class BusChoice:
     """The bus, and the names that commands look for, as the command line has them."""
 
     url: str | None = None
     domain: str | None = None
     log: str | None = None  # that is read in place of the bus
-    names: NodeArguments = field(default_factory=NodeArguments)
+
+    def __init__(self) -> None:
+        self.names = NodeArguments()
 
 
 def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:

@@ -6,16 +6,12 @@ Belongs here: which observer a URL takes. Nothing above needs to know which one 
 from collections.abc import Callable, Mapping
 from itertools import islice
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
-
-if TYPE_CHECKING:  # a bus does without logs
-    pass
 
 _BATCH = 100  # messages of a log at a time, so that reading can be stopped
 
@@ -125,6 +121,8 @@ def open_observer(
     if url.is_multicast:
         return Tap(url, whole=whole)
     if url.provider == "file" and not plays:
+        from lcmtools.bus.preflight import check_bus
+
         check_bus(url)
         return LogObserver(url.network)
     if url.provider == "zenoh":
