@@ -16,6 +16,7 @@ The answer, a line each:
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.cli.completion.situation import Candidate
 
@@ -32,8 +33,7 @@ _PIECE = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(NamedTuple):
     """A request for the candidates of a word; the words are without quotes."""
 
     words: Sequence[str]  # before the cursor's, without the program's name
@@ -42,8 +42,7 @@ class Request:
     kept: str = ""  # the part of the word that the shell puts the answer behind
 
 
-@dataclass(frozen=True, slots=True)
-class Shell:
+class Shell(NamedTuple):
     """Reads a shell's requests and writes its answers."""
 
     read: Callable[[Sequence[str]], Request]

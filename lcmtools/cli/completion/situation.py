@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from lcmtools.cli.completion import Source
 from lcmtools.errors import LcmtoolsError
@@ -15,8 +15,7 @@ if TYPE_CHECKING:  # imported where the bus is looked at
     from lcmtools.graph.model import Graph
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(NamedTuple):
     """A word that could be at the cursor, as the command receives it."""
 
     value: str

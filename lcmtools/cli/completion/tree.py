@@ -9,9 +9,8 @@ import contextlib
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lcmtools.cli.completion import Source
 from lcmtools.folders import cache_folder, write_atomically
@@ -19,12 +18,11 @@ from lcmtools.folders import cache_folder, write_atomically
 if TYPE_CHECKING:  # click takes longer to import than a completion otherwise takes
     import click
 
-_FORMAT = 3  # of the file
+_FORMAT = 4  # of the file
 _CODE = ("cli", "doctor", "labs/commands")  # the folders whose files decide on what is kept
 
 
-@dataclass(frozen=True, slots=True)
-class Option:
+class Option(NamedTuple):
     """An option of a command."""
 
     names: Sequence[str]  # the long form last
@@ -35,8 +33,7 @@ class Option:
     is_hidden: bool = False  # understood, but not offered
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(NamedTuple):
     """An argument of a command; if it repeats, it takes all words that follow."""
 
     parameter: str
@@ -44,8 +41,7 @@ class Argument:
     repeats: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """The options and arguments of a command, or the commands of a group."""
 
     options: Sequence[Option]
@@ -67,14 +63,17 @@ class Tree:
         """Return the command with these words; None where there is none."""
         key = " ".join(path)
         if key in self._kept:
-            with contextlib.suppress(KeyError, TypeError, AttributeError):
-                plain = self._kept[key]
-                options = [Option(**option) for option in plain["options"]]
-                arguments = [Argument(**argument) for argument in plain["arguments"]]
-                return Command(options, arguments, dict(plain["commands"]), plain["is_mixed"])
+            with contextlib.suppress(ValueError, TypeError):
+                options, arguments, commands, is_mixed = self._kept[key]
+                return Command(
+                    [Option(*option) for option in options],
+                    [Argument(*argument) for argument in arguments],
+                    dict(commands),
+                    is_mixed,
+                )
         command = _from_click(path)
         if command is not None:
-            self._kept[key] = asdict(command)
+            self._kept[key] = command
             self._is_new = True
         return command
 

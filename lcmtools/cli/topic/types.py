@@ -6,7 +6,6 @@ from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import data, show
 from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
-from lcmtools.messages.definition import array_type
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import is_hidden
@@ -39,6 +38,8 @@ def print_type(topic: str, *, as_json: bool) -> None:
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
+    from lcmtools.messages.definition import array_type
+
     if text == UNKNOWN:
         raise _unknown(topic)
     try:
