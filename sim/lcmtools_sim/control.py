@@ -191,9 +191,11 @@ def _read_pose(message: geometry_msgs.Pose) -> Pose:
     """
     place, turn = message.position, message.orientation
     rotation = turn.x, turn.y, turn.z, turn.w
-    if not all(abs(value) <= _FARTHEST for value in (place.x, place.y, place.z, *rotation)):
+    length = math.hypot(*rotation)
+    is_near = all(abs(value) <= _FARTHEST for value in (place.x, place.y, place.z))
+    if not (is_near and math.isfinite(length)):
         raise UsageError(f"the pose is not finite, or farther than {_FARTHEST:g} m")
-    if not (length := math.hypot(*rotation)):
+    if not length:
         raise UsageError("the orientation is all zeros", "w: 1 for none")
     x, y, z, w = (value / length for value in rotation)
     return Pose(place.x, place.y, place.z, *to_euler((x, y, z, w)))

@@ -294,6 +294,18 @@ def test_a_pose_without_a_rotation_is_refused(node: Offered) -> None:
     assert response.message == "the orientation is all zeros; w: 1 for none"
 
 
+@pytest.mark.parametrize("length", [1e-9, 1e6])
+def test_a_quaternion_has_any_length(node: Offered, simulation: Simulation, length: float) -> None:
+    turned = pose(-3, 4, 1)
+    turned.orientation.z *= length
+    turned.orientation.w *= length
+
+    response = node.call("set_pose", robot="/husky0", pose=turned)
+
+    assert response.success, response.message
+    assert yaw_of(simulation.robots[0].frame.rotation) == pytest.approx(1)
+
+
 def test_a_robot_is_not_put_up_inside_another(node: Offered, simulation: Simulation) -> None:
     response = node.call("spawn", model="dolly", robot="/dolly", pose=pose(0.2, 0, 0))
 
