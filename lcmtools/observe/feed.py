@@ -49,6 +49,21 @@ class Snapshot:
         """Bytes per second of all channels."""
         return sum(row.bandwidth or 0.0 for row in self.rows)
 
+    def is_news_after(self, before: "Snapshot") -> bool:
+        """Return whether more has changed than numbers that go on."""
+        return self._outline() != before._outline() or any(  # noqa: SLF001 - its own kind
+            row.messages < old.messages for row, old in zip(self.rows, before.rows, strict=True)
+        )
+
+    def _outline(self) -> tuple[object, ...]:
+        return (
+            [
+                (r.channel, r.types, r.senders, r.listeners, r.is_silent, not r.rate)
+                for r in self.rows
+            ],
+            (self.plain_listeners, self.callback_errors, self.trouble, self.is_over),
+        )
+
     def row(self, channel: str) -> ChannelRow:
         """Return a channel's row; an empty one if it is unknown."""
         return next((row for row in self.rows if row.channel == channel), ChannelRow(channel))
@@ -143,7 +158,9 @@ class Feed:
             self._before = self._monitor.losses()
         for packet in packets:
             self._activity.add(packet)
-            self._following.pass_on(packet)
+        if self._following.channels:
+            for packet in packets:
+                self._following.pass_on(packet)
         self._announce()
         return self._monitor.trouble
 

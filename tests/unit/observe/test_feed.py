@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 import pytest
@@ -143,3 +144,32 @@ def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     found = snapshot_of(behaviour, lambda one: one.rows and one.row("A").messages == 0, meanwhile)
     assert len(taken) == 5
     assert found.row("A").rate is None
+
+
+def test_numbers_that_go_on_are_no_news() -> None:
+    row = ChannelRow("A", ("x/Y",), messages=5, rate=2.0, age=0.1)
+    before = Snapshot((row,))
+    later = replace(row, messages=9, bytes=50, rate=2.1, jitter=0.1, bandwidth=3.0, age=0.2)
+    assert not Snapshot((later,)).is_news_after(before)
+
+
+@pytest.mark.parametrize(
+    "change", [{"types": ()}, {"senders": ("b",)}, {"age": 3.1}, {"rate": None}, {"messages": 0}]
+)
+def test_a_row_that_tells_something_else_is_news(change: dict[str, object]) -> None:
+    row = ChannelRow("A", ("x/Y",), messages=5, rate=2.0, age=0.1)
+    assert Snapshot((replace(row, **change),)).is_news_after(Snapshot((row,)))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "news",
+    [
+        Snapshot((ChannelRow("A"), ChannelRow("B"))),
+        Snapshot(),
+        Snapshot((ChannelRow("A"),), trouble="lost"),
+        Snapshot((ChannelRow("A"),), callback_errors=("x",)),
+        Snapshot((ChannelRow("A"),), is_over=True),
+    ],
+)
+def test_other_channels_and_troubles_are_news(news: Snapshot) -> None:
+    assert news.is_news_after(Snapshot((ChannelRow("A"),)))

@@ -96,7 +96,7 @@ class Detail(LivePage):
             text.append(f"\n{label:<12}", "dim").append(said)
         if state.problem:
             text.append(f"\n{printable(state.problem)}", "bold yellow")
-        self.top.update(text)
+        self.show_title(text)
         lines = detail_lines(state, self.study.samples)
         self._lines = {line.key: line for line in lines}
         name = min(2 + max((len(line.name) for line in lines), default=0), width // 2)
@@ -150,7 +150,7 @@ class CurveScreen(LivePage):
         recent = [sample for sample in samples if sample[0] >= now - span * 1_000_000_000]
         found = curve(recent, now, width, span * 1_000_000_000 // width)
         low, high = number_text(found.low), number_text(found.high)
-        self.top.update(
+        self.show_title(
             Text.assemble(
                 (f"{self._study.channel}  {self._path}", "bold"),
                 (f"  {number_text(value)}", "cyan"),

@@ -1,5 +1,6 @@
 """The table of channels on the screen, and its keys."""
 
+import time
 from dataclasses import replace
 from typing import ClassVar
 
@@ -18,6 +19,7 @@ from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
 
 _MUCH_LOSS = 0.01  # of what is sent
+_PERIOD = 1.0  # [s] between two drawings where nothing but numbers changes
 _SEARCH, _FILTER = "Search", "Filter"
 
 
@@ -48,6 +50,7 @@ class Overview(LivePage):
         self._bus = bus
         self._feed = feed
         self._snapshot = Snapshot()
+        self._due = 0.0
         self._rows: list[ChannelRow] = []
         self._layout = ColumnLayout((), (), "")
         self._widest: dict[str, int] = {}
@@ -71,7 +74,10 @@ class Overview(LivePage):
     def update(self) -> None:
         latest = self._feed.latest
         is_seen = self.is_active or self.app.screen.is_modal
-        if latest is not self._snapshot and is_seen and (not self.is_paused or latest.is_over):
+        if latest is self._snapshot or not is_seen or (self.is_paused and not latest.is_over):
+            return
+        if time.monotonic() >= self._due or latest.is_news_after(self._snapshot):
+            self._due = time.monotonic() + _PERIOD
             self._snapshot = latest
             self.draw()
 
@@ -154,7 +160,7 @@ class Overview(LivePage):
         for name, widest in natural_widths(self._rows, COLUMNS.values()).items():
             self._widest[name] = max(widest, self._widest.get(name, 0))  # it does not jump about
         self._layout = layout(list(COLUMNS.values()), self._widest, width)
-        self.top.update(Text("\n").join(filter(None, (self._title(), self._remarks()))))
+        self.show_title(Text("\n").join(filter(None, (self._heading(), self._remarks()))))
         rows = {row.channel: row for row in self._rows}
 
         def cells(key: str) -> Cells:
@@ -172,7 +178,7 @@ class Overview(LivePage):
             found.append((text.rstrip() + arrow if is_sorted else text, width + len(shown.gap)))
         return found
 
-    def _title(self) -> Text:
+    def _heading(self) -> Text:
         shown, all_rows = len(self._rows), len(self._snapshot.rows)
         count = f"{shown} of {all_rows}" if self.view.text else str(all_rows)
         text = Text.assemble(

@@ -65,6 +65,13 @@ class LivePage(Page[None]):
         self.draw = draw
         self.is_paused = False
         self.top = Static(id="title")
+        self._title = Text()
+
+    def show_title(self, text: Text) -> None:
+        """Show a text at the top; all is laid out again only where it has other lines."""
+        before, self._title = self._title, text
+        if text != before:
+            self.top.update(text, layout=text.plain.count("\n") != before.plain.count("\n"))
 
     def on_mount(self) -> None:
         self.draw()
