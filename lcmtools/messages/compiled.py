@@ -133,7 +133,7 @@ class _Writing:
         for leaf, codec, target, size in source.leaves():
             if codec:
                 self._pack()
-                self._parts.append(f"{source.name('r', codec)}.write({target}, {size})")
+                self._add_array(leaf.field, f"{source.name('r', codec)}.write", target, size)
             elif leaf.is_number:
                 code = FORMATS[leaf.field.type]
                 self._add(code, f"booleans[{target}]" if code == "?" else target)
@@ -153,6 +153,22 @@ class _Writing:
         self._pack()
         self._parts.append(text)
         self._codes = "x"
+
+    def _add_array(self, part: Field, write: str, target: str, size: str) -> None:
+        """Add an array; one of numbers as ``scan`` gives it without a call."""
+        if not _holds_numbers(part) or part.is_bytes or is_short(part.dimensions[0]):
+            self._parts.append(f"{write}({target}, {size})")
+            return
+        values, code = f"v{len(self._lines)}", FORMATS[part.type]
+        fits = f"{values}.typecode == {code!r} and len({values}) == {size}"
+        swap = f"{values}.byteswap()" if IS_LITTLE else "pass"
+        self._lines += [
+            f"{values} = {target}",
+            f"if type({values}) is numbers and {fits}:",
+            f" {values} = {values}[:]; {swap}; {values} = {values}.tobytes()",
+            f"else: {values} = {write}({values}, {size})",
+        ]
+        self._parts.append(values)
 
     def _pack(self) -> None:
         if self._values:
@@ -224,7 +240,7 @@ class _Reading:
 
     def _array_of_numbers(self, part: Field, target: str, size: str) -> bool:
         """Add the statements for an array of numbers or bytes; return False for others."""
-        if len(part.dimensions) > 1 or part.type == "bool" or part.type not in FORMATS:
+        if not _holds_numbers(part):
             return False
         self._unpack()
         if is_short(part.dimensions[0]) and not part.is_bytes:
@@ -245,6 +261,11 @@ class _Reading:
         self._base, self._offset = "end", 0
         self._may_be_behind = True
         return True
+
+
+def _holds_numbers(part: Field) -> bool:
+    """Return True for arrays of one dimension, of numbers or bytes."""
+    return len(part.dimensions) == 1 and part.type != "bool" and part.type in FORMATS
 
 
 def _set_lengths(cls: type[Message], variable: str) -> Iterator[str]:
