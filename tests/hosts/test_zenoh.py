@@ -1,6 +1,6 @@
 """A bus of Zenoh between computers: who reaches whom, a line that is cut, TLS and passwords."""
 
-import json
+import re
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -60,62 +60,39 @@ def test_a_cut_line_is_told_once_and_comes_back_by_itself(
     echo.end()
 
 
-def test_zenoh_with_tls_and_passwords_by_a_configuration_file(
+def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
     pair: Any, lcmtools_path: str, tmp_path: Path
 ) -> None:
     ada, bob = pair
-    _make_certificates(tmp_path)
-    (tmp_path / "users").write_text("bob:secret\n")
-    router = _write(
-        tmp_path / "ada.json5",
-        mode="peer",
-        listen={"endpoints": ["tls/0.0.0.0:7447"]},
-        tls={"listen_private_key": "ada.key", "listen_certificate": "ada.pem"},
-        usrpwd={"user": "ada", "password": "x", "dictionary_file": str(tmp_path / "users")},
-    )
-    _talker(ada, lcmtools_path, f"zenoh://{router}")
-
-    def as_user(password: str, trusted: str) -> Any:
-        path = _write(
-            tmp_path / "bob.json5",
-            mode="client",
-            connect={"endpoints": [f"tls/{ada.address}:7447"]},
-            tls={"root_ca_certificate": trusted},
-            usrpwd={"user": "bob", "password": password},
+    signing, robot, office = _of_the_page(tmp_path, ada.address)
+    if shutil.which("openssl") is None:
+        pytest.skip("certificates are made with openssl, which is missing here")
+    for words in (signing, signing.splitlines()[0].replace("authority.", "other.")):
+        done = subprocess.run(
+            ["/bin/sh", "-ec", words], cwd=tmp_path, capture_output=True, check=False
         )
-        return bob.lcmtools("node", "list", LCM_DEFAULT_URL=f"zenoh://{path}")
+        assert done.returncode == 0, done.stderr
+    (tmp_path / "robot.json5").write_text(robot)
+    _talker(ada, lcmtools_path, f"zenoh://{tmp_path}/robot.json5")
 
-    assert as_user("secret", "authority.pem").stdout == "/talker\n"
-    refused = as_user("wrong", "authority.pem")
+    def as_ada(old: str = "", new: str = "") -> Any:
+        (tmp_path / "office.json5").write_text(office.replace(old, new))
+        return bob.lcmtools("node", "list", LCM_DEFAULT_URL=f"zenoh://{tmp_path}/office.json5")
+
+    assert as_ada().stdout == "/talker\n"
+    refused = as_ada("secret", "wrong")
     assert refused.returncode == 1
-    assert "10.76.0.1:7447 refuses the user 'bob' or the password" in refused.stderr
-    assert "is not trusted" in as_user("secret", "other.pem").stderr
-    assert "cannot read the certificate" in as_user("secret", "missing.pem").stderr
+    assert "10.76.0.1:7447 refuses the user 'ada' or the password" in refused.stderr
+    assert "is not trusted" in as_ada("authority.pem", "other.pem").stderr
+    assert "cannot read the certificate" in as_ada("authority.pem", "missing.pem").stderr
     plain = bob.lcmtools("list", LCM_DEFAULT_URL=f"zenoh://{ada.address}:7447")
     assert "10.76.0.1:7447 wants TLS" in plain.stderr
 
 
-def _write(path: Path, **settings: Any) -> Path:
-    files = {name: str(path.parent / file) for name, file in settings.pop("tls").items()}
-    transport = {"link": {"tls": files}, "auth": {"usrpwd": settings.pop("usrpwd")}}
-    scouting = {"multicast": {"enabled": False}}
-    path.write_text(json.dumps({**settings, "transport": transport, "scouting": scouting}))
-    return path
-
-
-def _make_certificates(folder: Path) -> None:
-    """Authorities "authority" and "other", and a certificate of ada by the first."""
-    (folder / "names").write_text("subjectAltName=IP:10.76.0.1\n")
-    for name in ("authority", "other"):
-        files = f"-keyout {name}.key -out {name}.pem"
-        _openssl(folder, f"req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN={name} {files}")
-    _openssl(folder, "req -newkey rsa:2048 -nodes -subj /CN=ada -keyout ada.key -out ada.csr")
-    signing = "-CA authority.pem -CAkey authority.key -CAcreateserial -days 2 -extfile names"
-    _openssl(folder, f"x509 -req -in ada.csr {signing} -out ada.pem")
-
-
-def _openssl(folder: Path, words: str) -> None:
-    program = shutil.which("openssl")
-    if program is None:
-        pytest.skip("certificates are made with openssl, which is missing here")
-    subprocess.run([program, *words.split()], cwd=folder, check=True, capture_output=True)
+def _of_the_page(folder: Path, address: str) -> list[str]:
+    """The commands that make certificates, and both files, for a folder and an address."""
+    page = (Path(__file__).parents[2] / "docs/networks.md").read_text()
+    page = page.replace("/etc/lcm", str(folder)).replace("192.168.1.7", address)
+    blocks = re.findall(r"```\w+\n(.*?)```", page.partition("### TLS")[2], re.DOTALL)
+    found: list[str] = blocks[:3]
+    return found

@@ -2,14 +2,16 @@
 
 import json
 import os
+import re
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from typing import Any
 
 import pytest
+from fixtures.typist import Typist
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.records import NodeRecords
@@ -428,3 +430,17 @@ def test_two_groups_are_joined_by_zenoh_and_two_relays(
     assert listed["bus"].startswith("udpm://239.255.76.67:")
     get = ("param", "get", "talker", "use_sim_time")
     wait_until(lambda: cli(*get, env=env).out == "false\n")
+
+
+def test_a_relay_at_a_terminal_shows_what_it_carries(
+    urls: Callable[..., str], lcmtools_path: str, start_node: Callable[..., Any]
+) -> None:
+    one, other = urls(), urls()
+    start_node(Talker, url=one)
+    with closing(Typist(lcmtools_path, "relay", one, other)) as user:
+        user.wait_for("carries messages between")
+        user.wait_for("/s; none lost")
+        assert re.search(rb"\rthere \d+/s, .*B/s; back \d+/s, .*B/s; none lost", user.written)
+        user.process.send_signal(signal.SIGINT)
+        assert user.end() == 130
+    assert b" messages (" in user.written
