@@ -5,6 +5,11 @@ Plain ``lcm`` programs send and receive: on one udpm bus, through a relay betwee
 medians of the rounds, in which the ways take turns: messages of 100 bytes at 1000 Hz (one-way
 latency, share of a core that the relay or server takes), and 20,000 at 10,000 Hz (share that
 arrived). Both buffers are as large as the system grants.
+
+A relay computes for some 60 us a message. Where sender, relay and receiver together want more than
+the cores that there are, as at 10,000 Hz on two, a message waits for a processor, nearly all of its
+time before the relay reads it: at 5,000 Hz, where they just fit, its median is a few times that at
+1000 Hz, and neither batches nor the pause of the tap (0.2 ms) account for more.
 """
 
 import shutil
