@@ -6,7 +6,6 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import lcm
@@ -35,7 +34,7 @@ class RunningHub:
 
     def __init__(self, port: int = 0) -> None:
         self.said: list[str] = []
-        self._hub = Hub(replace(parse_url("tcpq://"), port=port), self.said.append)
+        self._hub = Hub(parse_url("tcpq://")._replace(port=port), self.said.append)
         self.url = f"tcpq://127.0.0.1:{self._hub.port}"
         self.counts = self._hub.counts
         self._ends = threading.Event()
