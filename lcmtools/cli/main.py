@@ -1,7 +1,6 @@
 """The command ``lcmtools``, and how it is run."""
 
 import atexit
-import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -100,11 +99,8 @@ def run() -> None:
     with ending.interrupting_signals() as signals:
         code = main(sys.argv[1:], signals)
     ending.end_at_once()
-    gc.freeze()  # the interpreter searches for garbage as it ends: not among all that was imported
-    code = ending.flush(code)
-    if "lcmtools.cli.run" not in sys.modules:  # a user's program may have left files to be closed
-        ended.append(code)  # to take the interpreter down piece by piece takes 3 ms
-    sys.exit(code)
+    ended.append(ending.flush(code))  # to take the interpreter down piece by piece takes 3 ms
+    sys.exit(ended[0])
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

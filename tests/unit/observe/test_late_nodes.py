@@ -28,7 +28,7 @@ class LateObserver:
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
     def __init__(self, node: Node) -> None:
-        self._node, self._asked = node, 0.0
+        self._node, self._asked, self.requests = node, 0.0, 0
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the announcement when it is due."""
@@ -42,6 +42,7 @@ class LateObserver:
         """Note the request."""
         del channel, payload
         self._asked = time.monotonic()
+        self.requests += 1
 
     def close(self) -> None:
         """There is nothing to leave."""
@@ -67,3 +68,13 @@ def test_a_stopped_node_is_not_waited_for(
     monkeypatch.setattr(monitors, "is_stopped", lambda pid: pid == os.getpid())
     (node,) = late_bus.settle(foreign=False).nodes
     assert node.stale == "runs but does not answer"
+
+
+def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path: Path) -> None:
+    observer = LateObserver(Node("/driver", "1", host="h", pid=1))
+    environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    monitor = BusMonitor(URL, "test", environment, observer, asked=time.monotonic())
+    monitor.settle(foreign=False)
+    assert observer.requests == 0
+    monitor.settle(foreign=False)
+    assert observer.requests == 1
