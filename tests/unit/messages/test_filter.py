@@ -1,5 +1,6 @@
 """Filter expressions: their value, their errors, and that they reach nothing else."""
 
+import math
 import time
 
 import pytest
@@ -14,6 +15,9 @@ from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import String
 from lcmtools.types.tf2_msgs import TFMessage
 
+with pytest.raises(ValueError) as _caught:  # noqa: PT011 - its text is Python's, and changes
+    math.sqrt(-1)
+NO_ROOT = str(_caught.value)
 ODOMETRY_FIELDS = "(fields: header, child_frame_id, pose, twist)"
 
 
@@ -139,7 +143,7 @@ def test_unknown_fields_are_found_without_a_message(text: str, error: str) -> No
     ("text", "error"),
     [
         ("1 / 0", "filter: '1 / 0': division by zero"),
-        ("sqrt(-1)", "filter: 'sqrt(-1)': math domain error"),
+        ("sqrt(-1)", f"filter: 'sqrt(-1)': {NO_ROOT}"),
         ("'a' * 100", "filter: ''a' * 100': a number is needed, not text"),
         ("[0] * 100", "filter: '[0] * 100': a number is needed, not an array"),
         ("-m", "filter: '-m': a number is needed, not a message"),
