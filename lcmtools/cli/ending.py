@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import TextIO, cast
+from typing import NoReturn, TextIO, cast
 
 import click
 from click.core import ParameterSource
@@ -131,6 +131,26 @@ def writable(stream: TextIO | None) -> TextIO:
     with contextlib.suppress(AttributeError):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[attr-defined]
     return stream
+
+
+_ended: list[int] = []
+
+
+def leave() -> None:
+    """End the process without taking Python down piece by piece, which takes 3 ms.
+
+    Called last of all handlers of atexit. A node's program of its own unregisters it: files that
+    it has left open are closed, and written to their end, as Python ends.
+    """
+    if _ended:
+        os._exit(_ended[0])
+
+
+def end(code: int) -> NoReturn:
+    """Write what is left, and end the process."""
+    end_at_once()
+    _ended.append(flush(code))
+    sys.exit(_ended[0])
 
 
 def flush(code: int) -> int:

@@ -1,7 +1,6 @@
 """The command ``lcmtools``, and how it is run."""
 
 import atexit
-import os
 import sys
 from collections.abc import Sequence
 
@@ -92,15 +91,12 @@ def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
 
 def run() -> None:
     """Run the console script: ``main`` with signals handled, and the end of the process."""
-    ended: list[int] = []
-    atexit.register(lambda: os._exit(*ended) if ended else None)  # called last of all
+    atexit.register(ending.leave)  # the first one, which is called last
     sys.stdin = sys.stdin or ending.open_nothing("r")  # the lowest of the closed ones first
     sys.stdout, sys.stderr = ending.writable(sys.stdout), ending.writable(sys.stderr)
     with ending.interrupting_signals() as signals:
         code = main(sys.argv[1:], signals)
-    ending.end_at_once()
-    ended.append(ending.flush(code))  # to take the interpreter down piece by piece takes 3 ms
-    sys.exit(ended[0])
+    ending.end(code)
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

@@ -1,5 +1,6 @@
 """``lcmtools run``."""
 
+import atexit
 import inspect
 import sys
 from collections.abc import Sequence
@@ -9,6 +10,7 @@ import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments
+from lcmtools.cli import ending
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
@@ -81,6 +83,8 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     bus = bus_choice()
     chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
     typed = words[: len(words) - len(arguments)]
+    if node.package != OWN:
+        atexit.unregister(ending.leave)
     try:
         program = node.load()
         click.get_current_context().meta[COMMAND] = f"lcmtools run {' '.join(typed)}"

@@ -94,15 +94,21 @@ def test_a_domain_that_has_no_effect_is_told(
     assert talker.lines[0].endswith("--domain 3 has no effect: --lcm-url wins")
 
 
-def test_exit_code_is_the_nodes(lcmtools_process: Run, tmp_path: Path) -> None:
+def test_exit_code_is_the_nodes_and_its_files_are_written(
+    lcmtools_process: Run, tmp_path: Path
+) -> None:
     metadata = tmp_path / "mine-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = mine:main\n")
-    (tmp_path / "mine.py").write_text("def main(args=None):\n    print(args)\n    return 7\n")
+    (tmp_path / "mine.py").write_text(
+        f"file = open({str(tmp_path / 'data.csv')!r}, 'w')\nfile.write('1, 2')\n"
+        "def main(args=None):\n    print(args)\n    return 7\n"
+    )
     environment = {"PYTHONPATH": str(tmp_path)}
     result = lcmtools_process("run", "mine", "a", "--b", "c:=d", **environment)
     assert (result.returncode, result.stdout) == (7, "['a', '--b', 'c:=d']\n")
+    assert (tmp_path / "data.csv").read_text() == "1, 2"  # though it was not closed
     assert "mine mine" in lcmtools_process("run", "--list", **environment).stdout.splitlines()
 
 
