@@ -106,12 +106,7 @@ class IndexNotes:
 
     def learn(self, graph: Graph) -> None:
         """Learn from a graph that has changed which topics are latched."""
-        self._latched = frozenset(
-            end.topic
-            for node in graph.nodes
-            for end in node.endpoints
-            if end.latched and end.role is Role.PUBLISHER and not node.stale
-        )
+        self._latched = frozenset(topic.name for topic in graph.topics() if topic.is_latched)
         self._next_lookup = 0.0
 
     def look(self, writer: LogWriter, *, in_full: bool = False) -> None:

@@ -59,13 +59,13 @@ def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> N
     """Print what can be typed: a node's name, behind its package's where that is needed."""
     if not nodes:
         talk(f"lcmtools run: the package {package} has no nodes")
-    own = package or OWN
     typed = {
-        node.name if node.package == own else f"{node.package} {node.name}": node for node in nodes
+        node.name if node.package == (package or OWN) else f"{node.package} {node.name}": node
+        for node in nodes
     }
-    names, width = sorted(typed), max(map(len, typed), default=0)
-    rows = (f"{name:<{width}}  {typed[name].summary()}".rstrip() for name in names)
-    show(names, rows, as_json=as_json)
+    width = max(map(len, typed), default=0)
+    rows = (f"{name:<{width}}  {typed[name].summary()}".rstrip() for name in sorted(typed))
+    show(sorted(typed), rows, as_json=as_json)
 
 
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
@@ -82,12 +82,12 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         set_note(own_answer(node))
     bus = bus_choice()
     chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
-    typed = words[: len(words) - len(arguments)]
     if node.package != OWN:
         atexit.unregister(ending.leave)
     try:
         program = node.load()
-        click.get_current_context().meta[COMMAND] = f"lcmtools run {' '.join(typed)}"
+        typed = words[: len(words) - len(arguments)]
+        click.get_current_context().meta[COMMAND] = " ".join(["lcmtools run", *typed])
         return _call(program, [*chosen.words(), *arguments]) or 0
     except KeyboardInterrupt:  # asked to end before the node was ready to be asked
         return 0
@@ -97,7 +97,6 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         if node.package == OWN:
             raise
         sys.stderr.write(node.traceback(error))
-        sys.stderr.flush()
         return 1
     finally:
         lcmtools.shutdown()  # where the node has not done so

@@ -174,7 +174,7 @@ class Bridge(AbstractContextManager["Bridge"]):
                 channel = server.offer(name, *self._schemas.of(cls))
                 self._offers[name] = _Offer(cls, channel)
             if offer := self._offers.get(name):
-                offer.is_latched = any(end.latched for _, end in topic.publishers)
+                offer.is_latched = topic.is_latched
                 self._attend(name)
         server.draw({name: _ends(topic) for name, topic in topics.items()})
         wanted = self._following.channels

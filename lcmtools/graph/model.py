@@ -200,6 +200,11 @@ class Topic(NamedTuple):
         """The fingerprints seen on the channel, each once."""
         return tuple(dict.fromkeys(f for seen in self.traffic for f in seen.fingerprints))
 
+    @property
+    def is_latched(self) -> bool:
+        """True if a node that is there sends its last message again to each new subscriber."""
+        return any(endpoint.latched and not node.stale for node, endpoint in self.publishers)
+
 
 @dataclass(frozen=True)  # without slots, for the table of topics that is kept
 class Graph:

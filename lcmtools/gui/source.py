@@ -70,6 +70,7 @@ class BusSource:
         self.steering: Steering | None = Steering(publishers, is_lossy=monitor.url.is_multicast)
         self._feed = Feed(monitor, ChannelSelection())
         self._feed.listens_to_all = False
+        self._feed.keeps_last = True
         self._feed.listens_to_large = False  # a table is not worth 100 MB/s of a camera
         self._decoder = Decoder(self._announced)
         self._listeners = 0

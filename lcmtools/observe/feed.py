@@ -23,6 +23,7 @@ PERIOD = 0.4
 _WINDOW = 2.0  # [s] that rates are about
 _SOON = 0.1  # [s] between the first few, and at most that the bus is waited for
 _FIRST = 10  # snapshots; while the screen is being made, this process itself may miss messages
+_MOST_KEPT = 10_000  # channels, of a stranger who makes names up
 _SELDOM = 3.0  # [s] between two looks at who listens, which goes through all processes
 _AGAIN = 0.5  # [s] before a network that fails is tried again
 
@@ -77,6 +78,8 @@ class Feed:
         listens_to_all: Announce to listen to all channels with a row: some nodes publish only for
             a subscriber. Else only those that are followed.
         listens_to_large: Of these, also to those of images and clouds.
+        keeps_last: Keep the last message of each channel, so that ``follow`` begins with that of
+            a latched one: its publisher does not send it again to a node that has had it.
     """
 
     def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
@@ -85,6 +88,8 @@ class Feed:
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
         self.listens_to_all = self.listens_to_large = True
+        self.keeps_last = False
+        self._last: dict[str, Packet] = {}
         self._following = Following(monitor.url)
         self._activity = Activity(_WINDOW)
         self._rows = ChannelRows(selection, SenderNames())
@@ -118,6 +123,9 @@ class Feed:
         The feed itself reads the heads of large messages only: on a multicast bus a second tap
         reads those whole, of all channels that are followed.
         """
+        last = self._last.get(channel)
+        if last is not None and self.latest.graph.topic(channel).is_latched:
+            take(last)
         return self._following.add(channel, take)
 
     def _run(self) -> None:
@@ -161,8 +169,15 @@ class Feed:
         if self._following.channels:
             for packet in packets:
                 self._following.pass_on(packet)
+        if self.keeps_last:
+            self._keep(packets)
         self._announce()
         return self._monitor.trouble
+
+    def _keep(self, packets: Sequence[Packet]) -> None:
+        if len(self._last) > _MOST_KEPT:
+            self._last.clear()
+        self._last.update((one.channel, one) for one in packets if one.whole_bytes is None)
 
     def _announce(self) -> None:
         wanted = sorted(

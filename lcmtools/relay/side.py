@@ -137,8 +137,9 @@ class Side:
 
     def latched(self) -> list[LineMessage]:
         """Return the last messages that came of each topic that is latched still."""
+        topic = self.graph().topic
         kept = [(channel, message) for (channel, _), message in list(self._last.items())]
-        return [one._replace(due=math.inf) for channel, one in kept if self._is_latched(channel)]
+        return [one._replace(due=math.inf) for channel, one in kept if topic(channel).is_latched]
 
     def send(self) -> None:
         """Send what waits, and is not late."""
@@ -197,7 +198,7 @@ class Side:
         name = self.direction.name(packet.channel)
         obeyed = not isinstance(name, Reason) and other.obeyed(name)
         route = self.direction.route(packet.channel, self._types(packet), obeyed=obeyed)
-        route = replace(route, latched=self._is_latched(packet.channel))
+        route = replace(route, latched=self.graph().topic(packet.channel).is_latched)
         if len(self._routes) >= _MOST_ROUTES:
             self._routes.clear()
             self._last.clear()
@@ -205,10 +206,6 @@ class Side:
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:
             self.commands[packet.channel] = str(name)
         return route
-
-    def _is_latched(self, channel: str) -> bool:
-        publishers = self.graph().topic(channel).publishers
-        return any(end.latched for node, end in publishers if not node.stale)
 
     def _types(self, packet: Packet) -> Collection[str]:
         """The types that a message may be of: announced, or by its fingerprint."""

@@ -233,6 +233,21 @@ def test_a_message_is_decoded_with_its_lines(open_window: Open, bus: LcmBus) -> 
         page.until(lambda frame: frame.get("id") == 3 and frame.get("problem") == hint)
 
 
+def test_a_latched_message_comes_to_a_panel_that_is_opened_later(
+    open_window: Open, start: Callable[..., Program], lcmtools_path: str, bus_url: str
+) -> None:
+    """The window subscribes to it already, so that its publisher does not send it again."""
+    words = ("pub", "--latch", "/note", "std_msgs/String", "data: once")
+    window = open_window()
+    with window.page() as page:
+        page.open(1, "topics")
+        start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url).wait_for("latching")
+        page.data(1, lambda rows: "/note" in json.dumps(rows))
+        for number in (2, 3):
+            page.open(number, "message", topic="/note")
+            assert page.data(number)["lines"] == [["data", "data", 0, '"once"', 0, False]]
+
+
 def test_large_messages_come_whole_and_what_is_no_message_as_bytes(
     open_window: Open, bus: LcmBus
 ) -> None:
