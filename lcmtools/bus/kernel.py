@@ -39,7 +39,7 @@ SUBSCRIBED = 0x6C
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
 _SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 27, 55, 12
-_UDP_SEGMENT = 103  # linux/udp.h
+_UDP_SEGMENT, _TCP_INFO = 103, 11  # linux/udp.h, linux/tcp.h
 _MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
 IS_LINUX = sys.platform == "linux"
 # the option for receive times, their kind of ancillary data, its seconds and fraction, and the
@@ -90,7 +90,7 @@ def is_unanswered(connection: socket.socket) -> bool:
     """Return whether what was sent had to be sent again, and is still not received there."""
     if not IS_LINUX:
         return False
-    return connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 8)[_RETRANSMITS] > 0
+    return connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, 8)[_RETRANSMITS] > 0
 
 
 def share_port(receiver: socket.socket) -> None:
