@@ -173,9 +173,10 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
                 yield f"{name} has {part}, which does not exist"
     yield from _found_twice(environment)
     spec = find_spec("lcm")
+    folders = spec.submodule_search_locations if spec else None
     if spec is None:
         yield "the Python package lcm is missing: nodes cannot run"
-    elif spec.origin and "-packages" not in spec.origin:
+    elif not any(list(Path(folder).glob("_lcm.*")) for folder in folders or ()):
         yield f"'import lcm' finds {spec.origin}, which may not be LCM's package"
     try:
         choose_url("", "", environment)

@@ -74,6 +74,19 @@ def test_a_package_of_types_in_two_places_is_told(tmp_path: Path) -> None:
     )
 
 
+def test_a_package_lcm_that_is_not_lcms_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(sys.modules, "lcm")
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "lcm").mkdir()
+    (tmp_path / "lcm" / "__init__.py").touch()
+    (line,) = host(parse_url("udpm://"), {}).environment
+    assert line == f"'import lcm' finds {tmp_path}/lcm/__init__.py, which may not be LCM's package"
+    (tmp_path / "lcm" / "_lcm.so").touch()  # wherever it is installed
+    assert host(parse_url("udpm://"), {}).environment == ()
+
+
 _LISTENER = """
 import lcm
 bus = lcm.LCM()
