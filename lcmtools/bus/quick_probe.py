@@ -91,15 +91,16 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
         self._read(builder, 0.0)  # if this process was held up, more has come
         return builder.snapshot(time.time_ns())
 
-    def replies(self, channel: str, deadline: float) -> Iterator[bytes]:
-        """Yield the payloads on a channel until the deadline [s of ``time.monotonic``]."""
+    def replies(self, channel: str, seconds: float) -> Iterator[bytes]:
+        """Yield the payloads that come on a channel within so many seconds of the request."""
         from lcmtools.wire.datagram import ShortMessage, parse
 
-        while (left := deadline - time.monotonic()) > 0:
-            if select.select([self._receiver], [], [], left)[0]:
-                message = parse(self._receiver.recv(_MAX_DATAGRAM))
-                if isinstance(message, ShortMessage) and message.channel == channel:
-                    yield message.payload
+        deadline = self._sent + seconds
+        # if this process was held up, what has come meanwhile still counts
+        while select.select([self._receiver], [], [], max(0.0, deadline - time.monotonic()))[0]:
+            message = parse(self._receiver.recv(_MAX_DATAGRAM))
+            if isinstance(message, ShortMessage) and message.channel == channel:
+                yield message.payload
 
     def _read(self, builder: "GraphBuilder", timeout: float) -> set[str]:
         """Read all waiting datagrams, or heads of them; return the ids of announced nodes."""

@@ -1,7 +1,6 @@
 """A node's parameters within some hundredths of a second, for completion: without a node."""
 
 import contextlib
-import time
 import uuid
 from collections.abc import Sequence
 
@@ -28,9 +27,8 @@ def parameters_of(node: str, url: BusUrl) -> Sequence[Parameter]:
     request.client, request.sequence = uuid.uuid4().hex, 1
     request.payload = encode(Parameters.Request())
     datagram = short_message(0, request_channel(service), encode(request))
-    deadline = time.monotonic() + _ANSWER
     with QuickProbe(url, datagram, reply_channel(service)) as probe:
-        for payload in probe.replies(reply_channel(service), deadline):
+        for payload in probe.replies(reply_channel(service), _ANSWER):
             with contextlib.suppress(LcmtoolsError):
                 reply = decode(ServiceReply, payload)
                 if reply.client == request.client and reply.status == ServiceReply.OK:
