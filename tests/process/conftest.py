@@ -38,21 +38,26 @@ class TcpqServer:
 
     def close(self) -> None:
         """Drop all connections, as a server that crashes does."""
-        self._order("close")
+        assert self._order("close") == "None"
 
     def reopen(self) -> None:
         """Be there again, at the same address, and know nothing of before."""
-        self._order("reopen")
+        assert self._order("reopen") == "None"
 
     def end(self) -> None:
         """End the process."""
         self._process.communicate(timeout=40)
 
-    def _order(self, what: str) -> None:
+    @property
+    def patterns(self) -> int:
+        """The number of patterns that clients have subscribed to."""
+        return int(self._order("patterns"))
+
+    def _order(self, what: str) -> str:
         assert self._process.stdin
         self._process.stdin.write(f"{what}\n")
         self._process.stdin.flush()
-        assert self._answer() == what
+        return self._answer()
 
     def _answer(self) -> str:
         assert self._process.stdout

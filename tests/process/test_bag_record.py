@@ -353,7 +353,7 @@ def test_tcpq_is_recorded(
 ) -> None:
     words = ("-o", str(path), "-n", "20", "EXAMPLE")
     program = _recorder(start, lcmtools_path, tcpq_server.url, *words)
-    wait_until(lambda: any([*tcpq_server._clients.values()]))
+    wait_until(lambda: tcpq_server.patterns)
     sent = _publish(lcm.LCM(tcpq_server.url), "EXAMPLE", 20)
     assert program.wait() == 0, program.output
     assert _payloads(path, "EXAMPLE") == sent
