@@ -23,6 +23,7 @@ from lcmtools.wire.stamp import Origin
 
 _MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
 _WAIT = 0.1  # [s]
+_SMALL = 16 << 10  # bytes of a message that is kept though its topic is not known to be latched
 
 
 class Side:
@@ -77,9 +78,15 @@ class Side:
                     until = math.inf if route.latched else due
                     message = LineMessage(route.name, payload, route.newest, origin, until)
                     passed.append(message)
-                    self._last[channel, packet.sender] = message  # also for when it takes over
+                    if route.latched or len(payload) <= _SMALL:
+                        self._keep(packet, message)  # also for when it takes over
         self._left_out += left_out
         return talk, passed if passes else []
+
+    def _keep(self, packet: Packet, message: LineMessage) -> None:
+        if len(self._last) >= _MOST_ROUTES:  # of a stranger who makes senders up
+            self._last.clear()
+        self._last[packet.channel, packet.sender] = message
 
     def learn(self, packet: Packet) -> Announcement | None:
         """Learn from an announcement; return it."""
