@@ -12,7 +12,6 @@ of one core.
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import replace
 from itertools import count
 from multiprocessing.connection import Connection
 
@@ -71,7 +70,7 @@ def announcements(nodes: int) -> Iterator[Announcement]:
     present = [_node(number) for number in range(nodes)]
     for second in count():
         for known in present:
-            yield Announcement(replace(known, endpoints=_endpoints(known.name, second)))
+            yield Announcement(known._replace(endpoints=_endpoints(known.name, second)))
 
 
 def _node(number: int) -> Node:
