@@ -8,7 +8,7 @@ cannot crowd the answers out.
 import contextlib
 import select
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from lcmtools.bus.kernel import attach
@@ -73,20 +73,22 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
         self._receiver.close()
         self._sender.close()
 
-    def graph(self, expected: Iterable[str] = ()) -> "Graph":
+    def graph(
+        self, missing: Callable[[Container[str]], Iterable[object]] = lambda _: ()
+    ) -> "Graph":
         """Return the graph by the answers so far, complete where nodes answer in time.
 
         Args:
-            expected: Ids of nodes known to run, whose answers are awaited for up to AT_MOST.
+            missing: Gives the nodes known to run, but for those with these ids, which have
+                answered; they are awaited for up to AT_MOST.
         """
         from lcmtools.graph.builder import GraphBuilder
 
-        builder, missing = GraphBuilder(), set(expected)
+        builder, answered = GraphBuilder(), set[str]()
         soonest, latest = self._sent + AT_LEAST, self._sent + AT_MOST
-        while (now := time.monotonic()) < latest and (missing or now < soonest):
-            answered = self._read(builder, min(_QUIET, latest - now))
-            if answered:
-                missing -= answered
+        while (now := time.monotonic()) < latest and (now < soonest or any(missing(answered))):
+            if found := self._read(builder, min(_QUIET, latest - now)):
+                answered |= found
                 soonest = max(soonest, time.monotonic() + _QUIET)
         self._read(builder, 0.0)  # if this process was held up, more has come
         return builder.snapshot(time.time_ns())

@@ -57,12 +57,13 @@ class NodeRecords:
             with contextlib.suppress(OSError):
                 (folder / f"{identifier}.json").unlink(missing_ok=True)
 
-    def read(self) -> Iterator[Node]:
+    def read(self, but: Container[str] = ()) -> Iterator[Node]:
         """Yield the nodes with a record, each with its staleness if it does not answer.
 
         A node in another network of this computer, as containers have their own, is on another bus.
+        Nodes with an id in ``but`` are left out, unread.
         """
-        for record in self._records():
+        for record in self._records(but):
             with contextlib.suppress(ValueError, KeyError, TypeError):
                 pid = int(str(record["pid"]))
                 process = process_of(pid)
@@ -91,14 +92,13 @@ class NodeRecords:
                 found.update(map(str, topics))
         return found
 
-    def _records(self) -> Iterator[Mapping[str, object]]:
-        for folder in self._folders:
-            if not _is_private(folder):
-                continue
+    def _records(self, but: Container[str] = ()) -> Iterator[Mapping[str, object]]:
+        here = own_network()
+        for folder in filter(_is_private, self._folders):
             for path in sorted(folder.glob("*.json")):
                 with contextlib.suppress(OSError, ValueError, AttributeError):
-                    record = json.loads(path.read_text())
-                    if record.get("network", own_network()) == own_network():
+                    record = {} if path.stem in but else json.loads(path.read_text())
+                    if record and record.get("network", here) == here:
                         yield record
 
 

@@ -88,6 +88,10 @@ class GraphBuilder:
         if announcement is not None and not announcement.leaving:
             self._heads[head.identity] = head.revision, announcement.node.id
 
+    def heard(self) -> set[str]:
+        """Return the ids of all nodes that have announced themselves, or have left."""
+        return self._nodes.keys() | self._left
+
     def recall(self, nodes: Iterable[Node]) -> None:
         """Learn of nodes by their records; those that never announce themselves are stale."""
         for node in nodes:

@@ -195,8 +195,6 @@ class BusMonitor:
             self.probe()
         now = time.monotonic()
         start = changed = max(asked, now - _AHEAD) if asked else now
-        here = socket.gethostname()
-        self._builder.recall(node for node in self._records.read() if node.host == here)
         # between computers the request, or an answer, may be lost: two are seldom lost
         probe_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
         with contextlib.suppress(EOFError):  # a log that has ended is complete
@@ -208,6 +206,7 @@ class BusMonitor:
                 or self._awaits_known_node()
             ):
                 if time.monotonic() - start > _FOREIGN:
+                    self._recall()
                     break
                 if time.monotonic() >= probe_again:
                     self.probe()
@@ -275,11 +274,17 @@ class BusMonitor:
     def _receives_talk(self, timeout: float) -> bool:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
 
+    def _recall(self) -> None:
+        """Learn of the nodes of this computer that left a record and have not answered."""
+        here, silent = socket.gethostname(), self._records.read(but=self._builder.heard())
+        self._builder.recall(node for node in silent if node.host == here)
+
     def _awaits_known_node(self) -> bool:
         """True while a node of this computer that left a record and runs may answer late.
 
         A computer with many busy programs gives each its turn seldom.
         """
+        self._recall()
         silent = (node for node in self.graph().nodes if node.stale is Staleness.HANGS)
         return any(not is_stopped(node.pid) for node in silent)
 

@@ -1,7 +1,7 @@
 """The input of a completion function, the situation, and its output, candidates."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
@@ -12,7 +12,7 @@ from lcmtools.errors import LcmtoolsError
 
 if TYPE_CHECKING:  # imported where the bus is looked at
     from lcmtools.bus.url import BusUrl
-    from lcmtools.graph.model import Graph
+    from lcmtools.graph.model import Graph, Node
 
 
 class Candidate(NamedTuple):
@@ -69,7 +69,7 @@ class Situation:
             with QuickProbe(self.url) as quick_probe:
                 from lcmtools.bus.recent_channels import with_recent_channels
 
-                seen = quick_probe.graph(self._running_nodes())
+                seen = quick_probe.graph(self._silent_nodes)
                 bus = f"{self.url.host}-{self.url.port}"
                 return with_recent_channels(seen, bus, self.environment)
         except (LcmtoolsError, OSError):
@@ -104,13 +104,14 @@ class Situation:
         except LcmtoolsError:
             return "/"
 
-    def _running_nodes(self) -> Iterator[str]:
+    def _silent_nodes(self, answered: Container[str]) -> "Iterator[Node]":
+        """Yield the nodes that run on this computer and have not answered."""
         from lcmtools.bus.records import NodeRecords
         from lcmtools.graph.model import Staleness
 
-        for node in NodeRecords(self.url, self.environment).read():
-            if node.stale is Staleness.HANGS:  # as it would, if it did not answer
-                yield node.id
+        for node in NodeRecords(self.url, self.environment).read(but=answered):
+            if node.stale is Staleness.HANGS:
+                yield node
 
 
 CompletionFunction = Callable[[Situation], Iterable[Candidate]]

@@ -54,6 +54,12 @@ def test_a_renewed_record_is_one_record(records: NodeRecords) -> None:
     assert [node.name for node in records.read()] == ["/b"]
 
 
+def test_the_records_of_nodes_that_have_answered_are_left_out(records: NodeRecords) -> None:
+    records.write(_node())
+    records.write(_node(id="def", name="/b"))
+    assert [node.name for node in records.read(but={"def"})] == ["/a"]
+
+
 def test_two_nodes_of_one_process_leave_two_records(records: NodeRecords) -> None:
     records.write(_node())
     records.write(_node(id="def", name="/b"))
