@@ -20,7 +20,7 @@ FAST := $(addprefix tests/,unit house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
 
-.PHONY: demo test test-slow check javascript types man format bench clean
+.PHONY: demo test test-slow check javascript commands types man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
@@ -55,6 +55,9 @@ build/npm/.installed: tests/gui/package.json tests/gui/package-lock.json
 	cp $^ build/npm/
 	npm ci --prefix build/npm --silent --no-audit --no-fund
 	touch $@
+
+commands: $(VENV)/.installed-dev
+	$(BIN)/python -m lcmtools.cli.completion.from_click
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py

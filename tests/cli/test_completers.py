@@ -5,7 +5,7 @@ from importlib import import_module
 
 import pytest
 
-from lcmtools.cli.completion.tree import Argument, Option, Tree
+from lcmtools.cli.completion.tree import Argument, Option, describe
 
 NOT_KNOWN = {
     "bag filter expression",
@@ -27,10 +27,10 @@ KNOWN_OPTIONS = {"fields", "file", "lcm_url", "node", "ns", "output", "remap", "
 
 def parameters() -> Iterator[tuple[str, Option | Argument]]:
     """Every option with a value and every argument, with the words of its command before it."""
-    tree, waiting = Tree({}), [""]
+    waiting = [""]
     while waiting:
         path = waiting.pop()
-        command = tree.describe(path.split())
+        command = describe(path.split())
         assert command is not None
         waiting += [f"{path} {name}".strip() for name in command.commands if name != "topic"]
         for one in (*command.options, *command.arguments):

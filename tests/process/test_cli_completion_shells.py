@@ -104,7 +104,6 @@ def terminal(
         "HOME": str(tmp_path),
         "XDG_DATA_HOME": "",
         "XDG_CONFIG_HOME": "",
-        "XDG_CACHE_HOME": str(tmp_path / "cache"),
         "XDG_RUNTIME_DIR": os.environ["XDG_RUNTIME_DIR"],
         "LCM_DEFAULT_URL": bus_url,
         "PATH": f"{Path(lcmtools_path).parent}:{os.environ['PATH']}",

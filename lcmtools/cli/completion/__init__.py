@@ -3,7 +3,8 @@
     bus, messages, programs
                 the completers: functions from a situation to candidates
     situation   the words before the cursor, the bus at a glance; candidates
-    tree        the commands, options and arguments as plain data, kept in a file
+    tree        the commands, options and arguments as plain data, from a file
+    from_click  the file, made from the commands; never imported by a completion
     line        the option or argument that the word under the cursor belongs to
     shells      requests and answers of bash, zsh and fish, with their quoting
     answer      the entry point: silent whatever happens

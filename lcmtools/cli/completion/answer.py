@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from lcmtools.cli.completion.line import locate
 from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
-from lcmtools.cli.completion.tree import Tree
+from lcmtools.cli.completion.tree import describe
 
 VARIABLE = "_LCMTOOLS_COMPLETE"  # the environment variable that names the requesting shell
 _LATEST = 2.0  # [s] after which the process ends whatever delays it
@@ -24,32 +24,29 @@ def run() -> None:
     """Answer the request on the command line, and end the process."""
     _be_silent()
     try:
-        tree = Tree(os.environ)
-        lines = answer(os.environ[VARIABLE], sys.argv[1:], tree)
+        lines = answer(os.environ[VARIABLE], sys.argv[1:])
         with contextlib.suppress(OSError):
             os.write(1, "".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
-            os.close(1)  # the shell reads up to here, and need not wait for the rest
-        tree.keep()
     except BaseException:  # noqa: BLE001 - a prompt is no place for any of them
         _log()
     os._exit(0)  # without waiting for anything
 
 
-def answer(shell: str, arguments: Sequence[str], tree: Tree) -> list[str]:
+def answer(shell: str, arguments: Sequence[str]) -> list[str]:
     """Return the lines for a shell; none for one that is unknown. See ``shells``."""
     if shell not in SHELLS:
         return []
     request = SHELLS[shell].read(arguments)
-    found = _complete(request, tree, os.environ)
+    found = _complete(request, os.environ)
     fitting = shown(found, request.word)
     if not fitting and any(one is FILES for one in found):
         return ["files"]
     return SHELLS[shell].write(fitting, request)
 
 
-def _complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> list[Candidate]:
+def _complete(request: Request, environment: Mapping[str, str]) -> list[Candidate]:
     """The words that could be at the cursor; some may not begin as the word does."""
-    place = locate(request.words, request.word, tree.describe)
+    place = locate(request.words, request.word, describe)
     if place is None:
         return []
     if place.kind == "commands":

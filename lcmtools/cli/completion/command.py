@@ -3,7 +3,6 @@
 import os
 
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
-from lcmtools.cli.completion.tree import Tree
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.output import data, talk
 from lcmtools.errors import UsageError
@@ -34,4 +33,3 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
         talk(f"start a new shell, or type: {wanted.restart}")
     else:
         data(script(name).rstrip("\n"))
-    Tree(os.environ).prepare()

@@ -120,9 +120,9 @@ def launched_nodes(situation: Situation) -> Iterator[Candidate]:
 
 def commands(situation: Situation) -> Iterator[Candidate]:
     """The commands of the group whose words stand before, for ``lcmtools help``."""
-    from lcmtools.cli.completion.tree import Tree
+    from lcmtools.cli.completion.tree import describe
 
-    group = Tree(situation.environment).describe(situation.all("words"))
+    group = describe(situation.all("words"))
     if group is not None:
         yield from (Candidate(name, text) for name, text in group.commands.items())
 
