@@ -34,6 +34,10 @@ class PayloadTemplate:
             "ranges", "transforms[0].transform"). An array keeps the size that it has in the
             message. They may come in any order, and must not overlap.
 
+    Attributes:
+        payload: Of the message as it was given.
+        holes: Where each hole starts and ends in it, in the given order.
+
     Raises:
         ValueMismatch: The message cannot be encoded, or a hole is no such field of it.
     """
@@ -54,6 +58,9 @@ class PayloadTemplate:
             self._places[at] = 2 * number + 1
             end = start + self._packers[at].size
         self._parts.append(payload[end:])
+        starts = [start for (start, _), _ in sorted(found, key=lambda hole: hole[1])]
+        self.payload = payload
+        self.holes = tuple((s, s + p.size) for s, p in zip(starts, self._packers, strict=True))
 
     def fill(self, *rows: Iterable[float]) -> bytes:
         """The payload with these numbers in the holes, a row for each, in the holes' order.

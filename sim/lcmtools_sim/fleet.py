@@ -17,7 +17,7 @@ from lcmtools_sim.vehicles import Vehicles
 from lcmtools_sim.vision.solids import Floats, solids_of
 from lcmtools_sim.world import World
 
-_MANY = 12
+_MANY = 8
 """From so many robots on, arrays are faster than floats."""
 _PERIOD = 0.1  # [s] between two looks
 _FASTER = 1.0  # [m/s] by which a body may become faster until then
@@ -25,9 +25,15 @@ _MARGIN = 0.02  # [m]
 
 
 class Fleet:
-    """The robots of a world, in the order in which they were added."""
+    """The robots of a world, in the order in which they were added.
+
+    Attributes:
+        robots: All.
+        changes: How often it has changed which of them step together.
+    """
 
     def __init__(self, world: World, scene: Scene) -> None:
+        self.changes = 0
         self.robots: list[Robot] = []
         self._world = world
         self._dt, self._fall = scene.dt, scene.gravity * scene.dt
@@ -39,6 +45,8 @@ class Fleet:
         """Those that the engine moves, one by one."""
         self._many: list[HeldRobots] = []
         """The others that it moves."""
+        self._free: list[bool] | None = None
+        """For each robot of the groups, True if it needs no engine; None before the first look."""
         self._sizes = [solids_of(thing.parts).reach for thing, _ in world.movable_objects()]
 
     def add(self, robot: Robot) -> None:
@@ -82,7 +90,7 @@ class Fleet:
             drive = robot.model.drive
             alone = robot if robot.vehicles.noise else None
             kinds.setdefault((alone, drive.skids and drive.wheels), []).append(robot)
-        self._groups = []
+        self._groups, self._free = [], None
         for robots in kinds.values():
             parts = [robots] if len(robots) >= _MANY else [[robot] for robot in robots]
             self._groups += [(_joined(part), part) for part in parts]
@@ -90,17 +98,23 @@ class Fleet:
     def _look(self) -> None:
         """See which robots the engine must move until the next look."""
         self._world.find_rest()
-        self._held, self._many = [], []
-        if not self.robots:
-            return
         robots = [robot for _, group in self._groups for robot in group]
-        for robot in robots:
+        near = self._near(robots) if robots else []
+        free = [
+            not is_near and (robot.is_free or robot.stands)
+            for robot, is_near in zip(robots, near, strict=True)
+        ]
+        if free == self._free:
+            return
+        self._free = free
+        self.changes += 1
+        for robot, is_free in zip(robots, free, strict=True):
             robot.leave()
-        for robot, is_near in zip(robots, self._near(robots), strict=True):
-            if is_near:
-                robot.hold()
-            elif not robot.is_free and robot.stands:
+            if is_free and not robot.is_free:
                 robot.release()
+            elif not is_free:
+                robot.hold()
+        self._held, self._many = [], []
         for vehicles, group in self._groups:
             held = [robot for robot in group if not robot.is_free]
             if len(held) < _MANY:

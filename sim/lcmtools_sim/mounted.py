@@ -1,6 +1,6 @@
 """Sensors mounted on their robots: the topics of their outputs, and which of them are measured."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import NamedTuple, cast
 
@@ -106,18 +106,23 @@ class MountedSensor:
         """The robots with whose sensors this can be measured, and its robot's place there."""
         return self.robot.together if self._shares else None
 
-    @staticmethod
-    def measure_together(
-        sensors: "Sequence[tuple[MountedSensor, int]]", state: RobotState
-    ) -> "Iterator[Sample]":
-        """The messages of sensors that are mounted alike, each with its robot's place in a state.
 
-        The state has arrays.
-        """
+class MountedTogether:
+    """Sensors that are mounted alike on robots whose state has arrays, measured at once.
+
+    Args:
+        sensors: Each with its robot's place in the state.
+    """
+
+    def __init__(self, sensors: Sequence[tuple[MountedSensor, int]]) -> None:
         shared = [(cast("SharedSensor", one.sensor), place) for one, place in sensors]
-        payloads = shared[0][0].sample_together(shared, state)
-        for (one, _), payload in zip(sensors, payloads, strict=True):
-            yield Sample(*one.labels[""], payload)
+        self._payloads = shared[0][0].together(shared)
+        self._labels = [one.labels[""] for one, _ in sensors]
+
+    def measure(self, state: RobotState) -> list[Sample]:
+        """The messages of one step, from the state of all the robots."""
+        payloads = self._payloads(state)
+        return [Sample(*label, one) for label, one in zip(self._labels, payloads, strict=True)]
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:

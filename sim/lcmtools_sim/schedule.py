@@ -46,15 +46,19 @@ class Timetable(Generic[Item]):
         self._counts = {rate: self._counts[rate] for rate, _ in self._items}
         self._find_next()
 
-    def due(self, step: int) -> list[Item]:
-        """The items due at ``step``, in the order of adding; steps come in their order."""
+    def due(self, step: int) -> frozenset[float]:
+        """The rates whose items are due at ``step``; steps come in their order."""
         if step < self._next:
-            return []
+            return frozenset()
         counts = {rate: self._count(step, rate) for rate in self._counts}
-        due = {rate for rate, count in counts.items() if count > self._counts[rate]}
+        due = frozenset(rate for rate, count in counts.items() if count > self._counts[rate])
         self._counts = counts
         self._find_next()
-        return [item for rate, item in self._items if rate in due]
+        return due
+
+    def items(self, rates: frozenset[float]) -> list[Item]:
+        """The items of these rates, in the order of adding."""
+        return [item for rate, item in self._items if rate in rates]
 
     def _count(self, step: int, rate: float) -> int:
         """The times that are due up to a step; one that rounding puts just after it is."""

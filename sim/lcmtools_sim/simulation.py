@@ -3,7 +3,7 @@
 It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to the wall clock.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 
 from lcmtools.clock import NANOSECONDS, split_stamp
@@ -13,7 +13,7 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.mounted import MountedSensor, Sample, Subscribers, mount_sensors
+from lcmtools_sim.mounted import MountedSensor, MountedTogether, Sample, Subscribers, mount_sensors
 from lcmtools_sim.movable import MovableObject, movable_objects
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
@@ -28,6 +28,7 @@ CLOCK_RATE = 50.0
 
 _TICK = None  # due when only the clock is
 _CLOCK = PayloadTemplate(Clock(), "clock")
+_Plan = list[tuple[Robot | Robots, MountedSensor | MountedTogether]]
 
 
 class Simulation(AbstractContextManager["Simulation"]):
@@ -49,6 +50,8 @@ class Simulation(AbstractContextManager["Simulation"]):
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
         self.scene = scene
         self._leads = self.publishes_clock = leads
+        self._plans: dict[frozenset[float], _Plan] = {}
+        """The sensors that are measured when these rates are due, until the fleet changes."""
         self._world = World(scene, engine=engine)
         try:
             self._begin()
@@ -114,6 +117,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         for sensors in self._sensors.values():
             for sensor in sensors:
                 sensor.select(subscribers)
+        self._plans = {}
 
     def step(self) -> list[Sample]:
         """Simulate one dt and return the samples that are due and selected, with the same time.
@@ -122,8 +126,8 @@ class Simulation(AbstractContextManager["Simulation"]):
         """
         self._fleet.step()
         self.steps += 1
-        due = [item for item in self._timetable.due(self.steps) if self._is_selected(item)]
-        return self._samples(due) if due else []
+        rates = self._timetable.due(self.steps)
+        return self._measure(rates) if rates else []
 
     def reset(self, steps: int = 0) -> None:
         """Start again, to the bit as a new process with this scene does.
@@ -151,6 +155,7 @@ class Simulation(AbstractContextManager["Simulation"]):
     def _begin(self, steps: int = 0) -> None:
         self.steps = steps
         self._fleet = Fleet(self._world, self.scene)
+        self._plans, self._planned_changes = {}, 0
         self._objects = movable_objects(self._world)
         self._sensors: dict[str, list[MountedSensor]] = {}
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
@@ -181,27 +186,33 @@ class Simulation(AbstractContextManager["Simulation"]):
                 self._timetable.add(sensor.rate, sensor, after=self.steps)
         return robots
 
-    def _is_selected(self, item: MountedSensor | None) -> bool:
-        return self.publishes_clock if item is _TICK else not item.is_idle
-
-    def _samples(self, due: Iterable[MountedSensor | None]) -> list[Sample]:
-        samples = [self.tick()] if self.publishes_clock else []
-        time = self.time
+    def _measure(self, rates: frozenset[float]) -> list[Sample]:
+        """The samples of what is due at these rates, and selected."""
+        if self._planned_changes != self._fleet.changes:
+            self._plans, self._planned_changes = {}, self._fleet.changes
+        if rates not in self._plans:
+            self._plans[rates] = self._plan(rates)
+        plan, time = self._plans[rates], self.time
+        ticks = self.publishes_clock and (plan or CLOCK_RATE in rates)
+        samples = [self.tick()] if ticks else []
         states: dict[Robot | Robots, RobotState] = {}
+        for robots, sensor in plan:
+            if robots not in states:
+                states[robots] = robots.state(time)
+            samples += sensor.measure(states[robots])
+        return samples
+
+    def _plan(self, rates: frozenset[float]) -> _Plan:
+        """The sensors of these rates that are selected, each alone or together with its like."""
+        plan: _Plan = []
         alike: dict[tuple[Robots, int], list[tuple[MountedSensor, int]]] = {}
-        for sensor in due:
-            if sensor is _TICK:
+        for sensor in self._timetable.items(rates):
+            if sensor is _TICK or sensor.is_idle:
                 continue
-            robot = sensor.robot
             if together := sensor.together:
                 robots, place = together
                 alike.setdefault((robots, id(sensor.mount)), []).append((sensor, place))
-                continue
-            if robot not in states:
-                states[robot] = robot.state(time)
-            samples += sensor.measure(states[robot])
-        for (robots, _), sensors in alike.items():
-            if robots not in states:
-                states[robots] = robots.state(time)
-            samples += MountedSensor.measure_together(sensors, states[robots])
-        return samples
+            else:
+                plan.append((sensor.robot, sensor))
+        plan += [(robots, MountedTogether(sensors)) for (robots, _), sensors in alike.items()]
+        return plan

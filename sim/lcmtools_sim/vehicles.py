@@ -255,9 +255,24 @@ class Vehicles:
 
         ``time`` in simulated nanoseconds.
         """
-        values = (self.constants, self.now) if index is None else self.row(index)
-        motion, before = planar_motions(*values)
-        return measured(motion, before, values, (time, self.dt))
+        known, now = (self.constants, self.now) if index is None else self.row(index)
+        ops, half, per_step = arithmetic_of(now.yaw), now.yaw / 2, 1 / self.dt
+        s, c = ops.sin(now.yaw), ops.cos(now.yaw)
+        # The body moved along a chord, in the direction of its heading in the middle of the step.
+        middle = now.yaw - now.turn_rate * (self.dt / 2)
+        middle_s, middle_c = ops.sin(middle), ops.cos(middle)
+        ax, ay = (now.vx - now.before_vx) * per_step, (now.vy - now.before_vy) * per_step
+        return RobotState(
+            time,
+            split_stamp(time),
+            (now.x, now.y, known.height + known.base),
+            (0.0, 0.0, ops.sin(half), ops.cos(half)),
+            (now.vx * middle_c + now.vy * middle_s, now.vy * middle_c - now.vx * middle_s, 0.0),
+            (0.0, 0.0, now.turn_rate),
+            (ax * c + ay * s, ay * c - ax * s, 0.0),
+            (0.0, 0.0, (now.turn_rate - now.before_turn_rate) * per_step),
+            *_of_wheels(known, now),
+        )
 
 
 def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
@@ -305,22 +320,31 @@ def measured(
     angle = angular_velocity[2] * dt / 2
     s, c = ops.sin(angle), ops.cos(angle)
     return RobotState(
-        time=time,
-        stamp=split_stamp(time),
-        position=add(motion.position, base_link),
-        rotation=motion.rotation,
-        velocity=(forward * c - left * s, forward * s + left * c, up),
-        angular_velocity=angular_velocity,
-        acceleration=components(add(change, of_lever), frame),
-        angular_acceleration=components(angular_acceleration, frame),
-        wheel_angles=Sides(now.left_angle, now.right_angle),
-        wheel_speeds=Sides(now.left / known.wheel_radius, now.right / known.wheel_radius),
-        efforts=Sides(
-            *(
-                ops.maximum(-1.0, ops.minimum(1.0, target / known.full_speed))
-                for target in (now.left_target, now.right_target)
-            )
-        ),
-        odometry_pose=(now.odometry_x, now.odometry_y, now.odometry_yaw),
-        odometry_speed=body_velocity(now.left, now.right, known.track),
+        time,
+        split_stamp(time),
+        add(motion.position, base_link),
+        motion.rotation,
+        (forward * c - left * s, forward * s + left * c, up),
+        angular_velocity,
+        components(add(change, of_lever), frame),
+        components(angular_acceleration, frame),
+        *_of_wheels(known, now),
+    )
+
+
+def _of_wheels(
+    known: Constants, now: Variables
+) -> tuple[Sides, Sides, Sides, Vector, tuple[Value, Value]]:
+    """The part of a state that motors and encoders give, from the wheels' angles on."""
+    ops = arithmetic_of(now.left)
+    efforts = (
+        ops.maximum(-1.0, ops.minimum(1.0, target / known.full_speed))
+        for target in (now.left_target, now.right_target)
+    )
+    return (
+        Sides(now.left_angle, now.right_angle),
+        Sides(now.left / known.wheel_radius, now.right / known.wheel_radius),
+        Sides(*efforts),
+        (now.odometry_x, now.odometry_y, now.odometry_yaw),
+        body_velocity(now.left, now.right, known.track),
     )

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import cast
 
 import pytest
 
@@ -10,6 +11,7 @@ from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim import fleet
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.mounted import Subscribers
@@ -184,6 +186,34 @@ def test_sensors_of_many_robots_measure_what_each_alone_does(
             if topic != "/tf":  # of all robots
                 assert numbers(together[topic]) == pytest.approx(numbers(message), abs=2e-4), topic
                 assert texts(together[topic]) == texts(message)
+
+
+def test_sensors_measure_their_own_robot_whoever_moves_it(twist: Steer) -> None:
+    walls = tuple(box(f"w{i}", (0.2, 2, 1), Pose(3 + i, 10 * i, 0.5)) for i in range(0, 12, 3))
+    seen = set()
+    with Simulation(scene(*(Pose(0, 10 * i) for i in range(12)), things=walls)) as simulation:
+
+        def drive(seconds: float) -> None:
+            for robot in simulation.robots:
+                robot.command(twist(1.0, 0.0))
+            for _ in range(round(seconds * 240)):
+                found = {sample.topic: sample for sample in simulation.step()}
+                for robot in simulation.robots if found else ():
+                    state = robot.state(simulation.time)
+                    truth = cast("Odometry", found[f"{robot.namespace}/ground_truth"].message)
+                    place = truth.pose.pose.position
+                    assert (place.x, place.y, place.z) == pytest.approx(state.position, abs=1e-9)
+                    assert (truth.header.stamp.sec, truth.header.stamp.nsec) == state.stamp
+                    seen.add((robot.namespace, robot.is_free))
+
+        drive(1.5)
+        simulation.remove(simulation.robots[4])
+        drive(0.5)
+        simulation.add(RobotPlacement(HUSKY, "/another", Pose(-20, 0)))
+        drive(1.0)
+
+    assert {free for name, free in seen if name == "/r0"} == {True, False}  # it reached its wall
+    assert {free for name, free in seen if name == "/another"} >= {True}
 
 
 def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -16,6 +17,7 @@ from lcmtools_sim.sensors.sensor import (
     SensorMount,
     Settings,
     SharedSensor,
+    Together,
     deviation,
     number,
 )
@@ -81,10 +83,11 @@ class LaserSensor(SharedSensor):
         ranges = self._scanner.scan(*state.sensor_frame(self._pose), around)
         return {"": self.payload(state, ranges)}
 
-    def sample_together(
-        self, sensors: Sequence[tuple["Self", int]], state: RobotState
-    ) -> Iterator[bytes]:
-        """The scans of one step of several robots, as SharedSensor has it."""
+    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
+        """The function that measures these sensors at once, as SharedSensor has it."""
+        return partial(self._scans, sensors)
+
+    def _scans(self, sensors: Sequence[tuple["Self", int]], state: RobotState) -> Iterator[bytes]:
         count = np.size(state.wheel_speeds.left)
         places = [place for _, place in sensors]
         eyes, rotations = (

@@ -1,7 +1,7 @@
 """Sensors of the robot's own motion: wheels, odometry, frames, inertial unit and ground truth."""
 
 from abc import abstractmethod
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -15,6 +15,7 @@ from lcmtools.types.sensor_msgs import Imu, JointState
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.arithmetic import arithmetic_of
 from lcmtools_sim.geometry import (
+    IDENTITY,
     Frame,
     Quaternion,
     Vector,
@@ -27,12 +28,14 @@ from lcmtools_sim.geometry import (
     scaled,
     upwards,
 )
+from lcmtools_sim.sensors.payloads import Payloads, Row
 from lcmtools_sim.sensors.sensor import (
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
     SharedSensor,
+    Together,
     deviation,
 )
 
@@ -42,9 +45,6 @@ if TYPE_CHECKING:
 _DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control has it
 COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 """Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
-
-
-_Row = Sequence[float]
 
 
 class MotionSensor(SharedSensor):
@@ -69,7 +69,7 @@ class MotionSensor(SharedSensor):
         """The type of its one output."""
 
     @abstractmethod
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """The numbers for the template; arrays of a state's arrays, if it is not noisy."""
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
@@ -77,23 +77,10 @@ class MotionSensor(SharedSensor):
         del wanted
         return {"": self.template.fill(*self.rows(state))}
 
-    def sample_together(
-        self, sensors: Sequence[tuple["Self", int]], state: RobotState
-    ) -> Iterator[bytes]:
-        """The payloads of one step of several robots, as SharedSensor has it."""
-        count = np.size(state.wheel_speeds.left)
-        packed = [_packed(row, count) for row in self.rows(state)]
-        for sensor, place in sensors:
-            rows = [data[place * size : (place + 1) * size] for data, size in packed]
-            yield sensor.template.fill_packed(rows)
-
-
-def _packed(row: _Row, count: int) -> tuple[bytes, int]:
-    """The bytes of a row for each robot, one after the other, and their number for each."""
-    numbers = np.empty((count, len(row)), ">i4" if isinstance(row[0], int) else ">f8")
-    for column, values in enumerate(row):
-        numbers[:, column] = values
-    return numbers.tobytes(), numbers.strides[0]
+    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
+        """The function that measures these sensors at once, as SharedSensor has it."""
+        payloads = Payloads([(sensor.template, place) for sensor, place in sensors])
+        return lambda state: payloads.fill(self.rows(state), np.size(state.wheel_speeds.left))
 
 
 def _planar_pose(state: RobotState) -> tuple[float, ...]:
@@ -127,7 +114,7 @@ class WheelStatesSensor(MotionSensor):
         self.template = PayloadTemplate(message, *holes)
         self.is_noisy = bool(self._settings.angle_noise or self._settings.speed_noise)
 
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """Stamp, angles, speeds and efforts."""
         settings, noise, time = self._settings, self._noise, state.time
         angles = noise.added_to(state.wheel_angles, settings.angle_noise, time)
@@ -172,7 +159,7 @@ class OdometrySensor(MotionSensor):
         self.template = PayloadTemplate(message, "header.stamp", *numbers)
         self.is_noisy = any(self._deviations)
 
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """Stamp, pose, forward speed and turn rate."""
         forward, turn_rate = state.odometry_speed
         if self.is_noisy:
@@ -202,7 +189,7 @@ class TransformsSensor(MotionSensor):
         stamps = (f"transforms[{index}].header.stamp" for index in range(self._count))
         self.template = PayloadTemplate(message, "transforms[0].transform", *stamps)
 
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """The pose by odometry, and a stamp for each transform."""
         return _planar_pose(state), *[state.stamp] * self._count
 
@@ -253,12 +240,17 @@ class ImuSensor(MotionSensor):
         self.template = PayloadTemplate(message, "header.stamp", *measured)
         self.is_noisy = bool(settings.turning_noise or settings.acceleration_noise)
 
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """Stamp, orientation, angular velocity and acceleration."""
         settings, noise, time = self._settings, self._noise, state.time
-        rotation = multiply(state.rotation, self._rotation)
-        turning = components(state.angular_velocity, self._axes)
-        acceleration = components(self._proper_acceleration(state), self._axes)
+        rotation, turning = state.rotation, state.angular_velocity
+        acceleration = self._proper_acceleration(state)
+        if self._rotation != IDENTITY:
+            rotation = multiply(rotation, self._rotation)
+            turning, acceleration = (
+                components(turning, self._axes),
+                components(acceleration, self._axes),
+            )
         return (
             state.stamp,
             rotation,
@@ -322,7 +314,7 @@ class GroundTruthSensor(MotionSensor):
         self.template = PayloadTemplate(message, "header.stamp", *pose, *twist)
         self.is_noisy = bool(settings.position_noise or settings.heading_noise)
 
-    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+    def rows(self, state: RobotState) -> tuple[Row, ...]:
         """Stamp, pose and twist."""
         place, turn = self._disturbed(state)
         return state.stamp, place, turn, state.velocity, state.angular_velocity

@@ -7,7 +7,7 @@ bus, no engine and no schedule.
 
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
@@ -240,6 +240,13 @@ class SensorContext:
         return Noise(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
+Together = Callable[[RobotState], Iterable[bytes]]
+"""Measures several robots' sensors of one kind: the payloads of one step, in the sensors' order.
+
+The state is that of all the robots, as arrays.
+"""
+
+
 class Sensor(Protocol):
     """A sensor of one robot."""
 
@@ -262,15 +269,8 @@ class SharedSensor(ABC):
         return True
 
     @abstractmethod
-    def sample_together(
-        self, sensors: Sequence[tuple["Self", int]], state: RobotState
-    ) -> Iterator[bytes]:
-        """The payloads of one step.
-
-        Args:
-            sensors: All may be shared; each with its robot's place in the state.
-            state: Of all these robots, as arrays.
-        """
+    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
+        """The function for these sensors, which may be shared; each with its robot's place."""
 
 
 @dataclass(frozen=True, slots=True)
