@@ -63,7 +63,7 @@ def evidence(*, lost: bool, plain: bool) -> Evidence:
     return Evidence(
         "udpm://239.255.76.67:7667?ttl=0",
         graph=graph,
-        before=replace(graph, time=NOW - SECOND),
+        before=graph._replace(time=NOW - SECOND),
         listened=1.0,
         senders=tuple(SenderFacts(n.sender, n.name, messages=500) for n in nodes if n.sender),
         streams=streams,

@@ -7,7 +7,6 @@ listens, which it seldom does at 1 Hz; the next completion still offers its chan
 import contextlib
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from lcmtools.folders import runtime_folder, write_atomically
@@ -31,7 +30,7 @@ def with_recent_channels(graph: Graph, bus: str, environment: Mapping[str, str])
         with contextlib.suppress(OSError):
             _write(path, {**known, **foreign})
     more = [one for channel, one in known.items() if channel not in foreign]
-    return replace(graph, traffic=(*graph.traffic, *more))
+    return graph._replace(traffic=(*graph.traffic, *more))
 
 
 def _read(path: Path) -> list[Traffic]:

@@ -21,7 +21,7 @@ from lcmtools.errors import LcmtoolsError, os_errors_as
 VERSION = 1
 """Of the file's layout: greater by one when a reader of the one before would go wrong."""
 _KEY = "lcmtools_evidence"
-_FEW = 3  # fields of a named tuple that is written as a list
+_FEW = 3  # fields of a named tuple that is written as a list, unless all have a default
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
 
 _hints = cache(get_type_hints)
@@ -86,7 +86,10 @@ def _plain(value: object) -> object:
 
 def _has_names(kind: _Type) -> bool:
     """Return whether the fields of such a value are written with their names."""
-    return is_dataclass(kind) or len(getattr(kind, "_fields", ())) > _FEW
+    if is_dataclass(kind):
+        return True
+    names, defaults = getattr(kind, "_fields", ()), getattr(kind, "_field_defaults", ())
+    return len(names) > _FEW or 0 < len(names) == len(defaults)
 
 
 @cache

@@ -1,7 +1,6 @@
 """Putting the graph together from packets, and from records of nodes that no longer answer."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 from lcmtools.graph.model import STALE_AFTER, Graph, Node, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
@@ -18,17 +17,17 @@ MOST_FINGERPRINTS = 4
 _OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})
 
 
-@dataclass(slots=True)
 class _Count:
     """Traffic while it is being counted."""
 
-    first_time: int
-    last_time: int = 0
-    messages: int = 0
-    head: bytes = b""  # of the last payload, as long as a fingerprint
-    bytes: int = 0
-    fingerprints: dict[int, None] = field(default_factory=dict)
-    types: dict[str, None] = field(default_factory=dict)
+    __slots__ = ("bytes", "fingerprints", "first_time", "head", "last_time", "messages", "types")
+
+    def __init__(self, first_time: int) -> None:
+        self.first_time = first_time
+        self.last_time = self.messages = self.bytes = 0
+        self.head = b""  # of the last payload, as long as a fingerprint
+        self.fingerprints: dict[int, None] = {}
+        self.types: dict[str, None] = {}
 
     def add(self, packet: Packet) -> None:
         _, payload, self.last_time, _, _, whole_bytes, _, type_name = packet

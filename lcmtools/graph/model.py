@@ -1,7 +1,6 @@
 """The graph's values: nodes, their endpoints, and the messages observed on the channels."""
 
 from collections import defaultdict
-from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import cached_property
 from typing import NamedTuple
@@ -206,13 +205,14 @@ class Topic(NamedTuple):
         return any(endpoint.latched and not node.stale for node, endpoint in self.publishers)
 
 
-@dataclass(frozen=True)  # without slots, for the table of topics that is kept
-class Graph:
-    """All that is known of a bus at one time."""
-
+class _Known(NamedTuple):
     nodes: tuple[Node, ...] = ()  # announced, sorted by name; stale ones included
     traffic: tuple[Traffic, ...] = ()  # on hidden channels too
     time: int = 0  # of this snapshot [ns since 1970]
+
+
+class Graph(_Known):  # a class of its own, for the table of topics that is kept
+    """All that is known of a bus at one time."""
 
     def topic_names(self) -> list[str]:
         """Return all topics that are published, observed, or subscribed to by a node; sorted."""

@@ -256,7 +256,7 @@ class LogSource:
 
     def _snapshot(self) -> Snapshot:
         now = self._player.time(time.monotonic_ns())
-        graph = replace(self._graph, time=now)
+        graph = self._graph._replace(time=now)
         rows = self._rows.make(graph, self._activity, {}, now)
         return Snapshot(tuple(map(self._typed, rows)), trouble=self._fault, graph=graph)
 

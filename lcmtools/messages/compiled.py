@@ -28,7 +28,6 @@ means that the careful decoder has to read the payload.
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import TypeAlias, cast
 
 from lcmtools.messages.fields import Field, visible_fields
@@ -63,14 +62,12 @@ def compiled(layout: Layout, codecs: Codecs) -> tuple[Write, Scan]:
     return _Source(layout, codecs).functions()
 
 
-@dataclass(slots=True)
 class _Source:
     """The statements of the two functions, and the names that they use."""
 
-    layout: Layout
-    codecs: Codecs
-    space: dict[str, object] = field(
-        default_factory=lambda: {
+    def __init__(self, layout: Layout, codecs: Codecs) -> None:
+        self.layout, self.codecs = layout, codecs
+        self.space: dict[str, object] = {
             "booleans": BOOLEANS,
             "check": check_type,
             "encode": str.encode,
@@ -81,7 +78,6 @@ class _Source:
             "numbers": NumberArray,
             "stray": STRAY_BYTES,
         }
-    )
 
     def functions(self) -> tuple[Write, Scan]:
         write = ["def write(m0):", *_Writing(self).statements()]

@@ -11,7 +11,6 @@ import sys
 from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Sequence, Sized
-from dataclasses import dataclass
 from functools import lru_cache
 from math import prod
 
@@ -45,15 +44,17 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
     """A payload that cannot be what its fingerprint says."""
 
 
-@dataclass(slots=True)
 class Cursor:
-    """A payload and the offset of its unread rest."""
+    """A payload and the offset of its unread rest.
 
-    data: bytes
-    offset: int
-    stray: str = "replace"  # the error handler for bytes in strings that are not UTF-8
-    depth: int = 0
-    weightless: int = _MOST_WEIGHTLESS
+    ``stray`` is the error handler for bytes in strings that are not UTF-8.
+    """
+
+    __slots__ = ("data", "depth", "offset", "stray", "weightless")
+
+    def __init__(self, data: bytes, offset: int, stray: str = "replace") -> None:
+        self.data, self.offset, self.stray = data, offset, stray
+        self.depth, self.weightless = 0, _MOST_WEIGHTLESS
 
     def take(self, size: int, where: str) -> int:
         """Go on by ``size`` bytes and return where they start."""

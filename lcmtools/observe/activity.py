@@ -6,7 +6,6 @@ quarter of a second, so that a busy channel costs no more to look at than a slow
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.wire.packet import Packet
@@ -39,16 +38,14 @@ class Flow(NamedTuple):
     bandwidth: float | None = None  # recent bytes per second; as the rate
 
 
-@dataclass(slots=True)
 class _Slot:
     """The intervals that ended in a quarter of a second."""
 
-    number: int
-    intervals: int = 0
-    bytes: int = 0
-    waited: int = 0
-    shortest: int = 0
-    longest: int = 0
+    __slots__ = ("bytes", "intervals", "longest", "number", "shortest", "waited")
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.intervals = self.bytes = self.waited = self.shortest = self.longest = 0
 
     def add(self, interval: int, size: int) -> None:
         if interval < self.shortest or not self.intervals:

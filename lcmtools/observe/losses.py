@@ -4,14 +4,13 @@ Each sender numbers its messages, all its topics together: so loss is a sender's
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.sequence import Sequence
 
 
-@dataclass(frozen=True, slots=True)
-class Loss:
+class Loss(NamedTuple):
     """Messages of a sender that did not arrive, ``lost`` of the ``sent`` by its own numbers."""
 
     lost: int = 0
@@ -22,7 +21,7 @@ class Loss:
         """The part that was lost, 0 to 1."""
         return self.lost / self.sent if self.sent else 0.0
 
-    def __add__(self, other: "Loss") -> "Loss":
+    def __add__(self, other: "Loss") -> "Loss":  # type: ignore[override] # no tuple's
         """Return both together, where a node has several senders."""
         return Loss(self.lost + other.lost, self.sent + other.sent)
 

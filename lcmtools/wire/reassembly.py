@@ -6,7 +6,6 @@ Memory is bounded by what has really arrived: a header's claim allocates nothing
 
 from collections import OrderedDict
 from collections.abc import Hashable
-from dataclasses import dataclass, field
 
 from lcmtools.wire.datagram import Fragment, ShortMessage
 
@@ -15,12 +14,11 @@ _Key = tuple[Hashable, int]
 _PART_COST = 256  # bytes that keeping a part takes beside its own, so that empty parts count too
 
 
-@dataclass(slots=True)
 class _Incomplete:
-    message_size: int
-    count: int
-    parts: dict[int, Fragment] = field(default_factory=dict)
-    kept_bytes: int = 0
+    def __init__(self, message_size: int, count: int) -> None:
+        self.message_size, self.count = message_size, count
+        self.parts: dict[int, Fragment] = {}
+        self.kept_bytes = 0
 
     def whole(self, seqno: int) -> ShortMessage | None:
         """Return the message; None if the parts do not join without gap or overlap."""

@@ -11,7 +11,8 @@
     install, command, scripts/
                 ``lcmtools completion`` and the shells' side
 
-A completion answers in well under 150 ms: click, the commands and lcm are not imported.
+A completion answers in well under 150 ms: click, the commands and lcm are not imported, and to
+know the bus no dataclass is made, for which Python would read ten modules.
 """
 
 from collections.abc import Sequence

@@ -4,7 +4,6 @@ Plain decisions on words and the commands' descriptions, as click would parse th
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 
 from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.tree import Argument, Command, Option
@@ -13,18 +12,18 @@ from lcmtools.cli.dashes import is_value
 Describe = Callable[[Sequence[str]], Command | None]
 
 
-@dataclass(slots=True)
 class Place:
     """The place of the cursor: the command, and what may follow."""
 
-    path: list[str]
-    command: Command
-    given: dict[str, list[str]] = field(default_factory=dict)  # values by the parameters' names
-    kind: str = "value"  # or "commands" or "options"
-    source: Source = ""  # of a value's candidates
-    before: str = ""  # the part of the word before a value: "--field="
-    options_are_over: bool = False  # as behind "--"
-    arguments: int = 0  # before the cursor
+    def __init__(self, path: list[str], command: Command, given: dict[str, list[str]]) -> None:
+        self.path = path
+        self.command = command
+        self.given = given  # values by the parameters' names
+        self.kind = "value"  # or "commands" or "options"
+        self.source: Source = ""  # of a value's candidates
+        self.before = ""  # the part of the word before a value: "--field="
+        self.options_are_over = False  # as behind "--"
+        self.arguments = 0  # before the cursor
 
     def unused_options(self) -> Iterator[Option]:
         """Return the options that can still be given."""
@@ -36,7 +35,7 @@ class Place:
 def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
     """Return the place of a word behind other ones; None behind a command that does not exist."""
     root = describe(())
-    place = Place([], root) if root else None
+    place = Place([], root, {}) if root else None
     rest = iter(words)
     for one in rest:
         if place is None:

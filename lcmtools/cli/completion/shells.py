@@ -15,7 +15,6 @@ The answer, a line each:
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from lcmtools.cli.completion.situation import Candidate
@@ -111,14 +110,14 @@ SHELLS = {
 }
 
 
-@dataclass(slots=True)
 class Word:
     """A word of a typed line."""
 
-    text: str = ""  # without its quotes
-    quote: str = ""  # the one that is open at its end
-    kept: str = ""  # the part of text before the one that the shell would replace
-    is_begun: bool = False  # something was typed of it, if only a quote
+    def __init__(self) -> None:
+        self.text = ""  # without its quotes
+        self.quote = ""  # the one that is open at its end
+        self.kept = ""  # the part of text before the one that the shell would replace
+        self.is_begun = False  # something was typed of it, if only a quote
 
 
 def scan(line: str, breaks: str = "") -> list[Word]:

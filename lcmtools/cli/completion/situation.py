@@ -2,9 +2,9 @@
 
 import os
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from lcmtools.cli.completion import Source
@@ -26,13 +26,22 @@ class Candidate(NamedTuple):
 FILES = Candidate("")  # the files, which the shell itself completes
 
 
-@dataclass(frozen=True)
 class Situation:
-    """The words before the cursor, and the bus at a glance."""
+    """The words before the cursor, and the bus at a glance.
 
-    word: str = ""  # the part that is typed, as the command would receive it
-    given: Mapping[str, Sequence[str]] = field(default_factory=dict)  # by the parameters' names
-    environment: Mapping[str, str] = field(default_factory=lambda: os.environ)
+    Args:
+        word: The part that is typed, as the command would receive it.
+        given: The words before, by the parameters' names.
+        environment: The environment variables.
+    """
+
+    def __init__(
+        self,
+        word: str = "",
+        given: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        environment: Mapping[str, str] = os.environ,
+    ) -> None:
+        self.word, self.given, self.environment = word, given, environment
 
     def all(self, *names: str) -> list[str]:
         """Return everything given for these parameters."""
@@ -48,7 +57,7 @@ class Situation:
 
     def at(self, word: str) -> "Situation":
         """Return the same situation with another word; the bus is not looked at twice."""
-        other = replace(self, word=word)
+        other = Situation(word, self.given, self.environment)
         if "graph" in self.__dict__:
             other.__dict__["graph"] = self.graph
         return other

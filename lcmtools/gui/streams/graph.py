@@ -84,7 +84,7 @@ class GraphStream(PageStream):
         rates = {row.channel: row.rate or 0.0 for row in snapshot.rows if row.age is not None}
         graph = snapshot.graph
         if not self.parameters.flag("dead", default=True):
-            graph = replace(graph, nodes=tuple(node for node in graph.nodes if not node.stale))
+            graph = graph._replace(nodes=tuple(node for node in graph.nodes if not node.stale))
         diagram = diagram_of(graph, found, rates)
         if self.source.kind == "bus":
             return diagram

@@ -1,7 +1,6 @@
 """Completers of the labs' commands: labs, skeletons, a lab's simulator's arguments."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from lcmtools.cli.completion.situation import Candidate, Situation
 
@@ -26,4 +25,4 @@ def simulator_arguments(situation: Situation) -> Iterator[Candidate]:
 
     before = ("--world", situation.last("name"), *situation.all("arguments"))
     given = {**situation.given, "name": ("sim",), "arguments": before}
-    yield from arguments(replace(situation, given=given))
+    yield from arguments(Situation(situation.word, given, situation.environment))

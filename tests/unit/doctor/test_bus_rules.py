@@ -59,7 +59,7 @@ def test_a_camera_may_stay_at_home_on_purpose() -> None:
     evidence = replace(HEALTHY, senders=senders, streams=(stream("/image", 30, name="/camera"),))
     assert found(evidence) == {}
     ear = Node("/ear", "far", "bob", 1, endpoints=(Endpoint("/image", Role.SUBSCRIBER),))
-    wanted = replace(evidence, graph=replace(evidence.graph, nodes=(ear,)), remote={"far"})
+    wanted = replace(evidence, graph=evidence.graph._replace(nodes=(ear,)), remote={"far"})
     finding = found(wanted)["ttl"]
     assert (finding.severity, finding.items) == (Severity.WARNING, (" * /camera",))
 
@@ -79,7 +79,7 @@ def test_other_users_of_the_bus_are_named_but_root() -> None:
 def test_mpudpm_beside_udpm_is_a_warning() -> None:
     asks = Traffic("#!mpudpm_CH2PRT_REQ", BOB, (), 1, 20, 1, 1)
     facts = (SenderFacts(BOB, "sub (pid 9)"),)
-    graph = replace(HEALTHY.graph, traffic=(*HEALTHY.graph.traffic, asks))
+    graph = HEALTHY.graph._replace(traffic=(*HEALTHY.graph.traffic, asks))
     findings = found(replace(HEALTHY, graph=graph, senders=facts))
     assert findings["mpudpm"].items == (" * sub (pid 9)",)
     silent = LcmProcess(8, "pub", "", "LCM_DEFAULT_URL=mpudpm://239.255.76.67:7667")

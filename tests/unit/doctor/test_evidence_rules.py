@@ -169,7 +169,7 @@ def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
     ends = (Endpoint("/cmd", Role.PUBLISHER, messages=messages),)
     pub = Node("/_pub", "p", "h", 8, sender=BOB, endpoints=ends, tool=True)
     evidence = replace(
-        HEALTHY, streams=(stream("/cmd", 10),), graph=replace(HEALTHY.graph, nodes=(pub,))
+        HEALTHY, streams=(stream("/cmd", 10),), graph=HEALTHY.graph._replace(nodes=(pub,))
     )
     findings = found(evidence)
     assert ("competing-publishers" in findings) is bool(messages)
@@ -181,8 +181,8 @@ def test_alternatives_of_one_input_are_one_topic() -> None:
     ends = tuple(Endpoint(name, Role.SUBSCRIBER, group="g") for name in ("/a", "/b"))
     robot = Node("/morse", "1", "h", 1, endpoints=ends)
     streams = (stream("/a", 10), stream("/b", 10, sender=BOB, name="bob"))
-    graph = replace(
-        HEALTHY.graph, nodes=(robot,), traffic=(Traffic("/a", ALICE, (), 1, 8, NOW, NOW),)
+    graph = HEALTHY.graph._replace(
+        nodes=(robot,), traffic=(Traffic("/a", ALICE, (), 1, 8, NOW, NOW),)
     )
     assert "competing-publishers" in found(replace(HEALTHY, streams=streams, graph=graph))
 
@@ -215,7 +215,7 @@ def test_a_publisher_that_has_gone_silent_is_a_note() -> None:
 
 def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
     ended = stream("A", 20, 20)
-    later = replace(HEALTHY.graph, time=NOW + SECOND)
+    later = HEALTHY.graph._replace(time=NOW + SECOND)
     assert found(replace(HEALTHY, streams=(ended,), graph=later))["silent"].items == (
         " * alice: 'A', 1.0 s ago, 20 Hz before",
     )
@@ -347,7 +347,7 @@ def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
     ear = Endpoint("/a", Role.SUBSCRIBER, messages=10, last_time=NOW - 4 * SECOND, calls=10)
     graph = Graph((Node("/ear", "2", "h", 2, NOW - 54 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
     assert found(replace(HEALTHY, graph=graph)) == {}
-    later = replace(graph, time=NOW + 60 * SECOND)
+    later = graph._replace(time=NOW + 60 * SECOND)
     assert "unconnected-subscriptions" in found(replace(HEALTHY, graph=later))
 
 

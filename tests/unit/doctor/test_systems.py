@@ -81,7 +81,7 @@ def system(*nodes: Node) -> Evidence:
     return Evidence(
         "udpm://239.255.76.67:7667?ttl=0",
         graph=graph,
-        before=replace(graph, time=NOW - SECOND),
+        before=graph._replace(time=NOW - SECOND),
         listened=1.0,
         senders=tuple(
             SenderFacts(n.sender, n.name, messages=50, ttl=0, uid=1000, paces=True)
