@@ -16,7 +16,6 @@ from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.ring import Ring, SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.writer import LogWriter
-from lcmtools.bus.kernel import keep_freed_memory
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.clock import NANOSECONDS
@@ -24,6 +23,7 @@ from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.losses import Loss
 from lcmtools.observe.monitor import BusMonitor
+from lcmtools.processes.memory import keep_freed_memory
 from lcmtools.wire.packet import Packet
 
 _WRITE_PERIOD = 0.1  # [s]

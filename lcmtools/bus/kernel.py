@@ -61,9 +61,6 @@ _ATTRIBUTE = struct.Struct("=HH")
 _REQUEST = struct.Struct("=BBBBI48x")  # struct inet_diag_req_v2
 _MESSAGE_BYTES, _INODE_OFFSET = 72, 68  # of struct inet_diag_msg
 _TIMEOUT = 0.2  # [s]
-# malloc.h: memory is given back above M_TRIM_THRESHOLD, and blocks up to M_MMAP_THRESHOLD are kept;
-# M_ARENA_MAX: all threads share it, as what one has freed another one needs
-_MEMORY_SETTINGS = ((-1, 256 << 20), (-3, 32 << 20), (-8, 1))
 
 
 def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
@@ -193,20 +190,6 @@ def receive_buffer_bytes() -> int:
                 probe.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
                 return size
             size //= 2
-
-
-def keep_freed_memory() -> None:
-    """Have the C library keep the memory of large messages for the next ones.
-
-    Else it gives each back to the kernel, which has to clear it for the next one; this takes longer
-    than copying the message. Only glibc knows these settings (mallopt(3)).
-    """
-    with contextlib.suppress(OSError, AttributeError):
-        import ctypes
-
-        library = ctypes.CDLL(None)
-        for setting, value in _MEMORY_SETTINGS:
-            library.mallopt(setting, value)
 
 
 def open_descriptors() -> set[int]:

@@ -7,6 +7,7 @@ from typing import cast
 
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
+from lcmtools.processes.memory import keep_freed_memory
 from lcmtools.types.sensor_msgs import CameraInfo, CompressedImage, Image, PointCloud2
 from lcmtools_sim.sensors.sensor import (
     RobotState,
@@ -82,6 +83,7 @@ class _MountedCamera:
         self._context = context
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
+        keep_freed_memory()  # the arrays of a picture are as large as those of the one before
 
     def view(self, state: RobotState, *, only_depth: bool = False) -> Rendering:
         """The view after one step."""
