@@ -11,7 +11,9 @@ import socket
 import struct
 import sys
 import time
+from array import array
 from collections.abc import Iterator
+from itertools import chain
 
 from lcmtools.wire.packet import Datagram, Sender
 
@@ -58,22 +60,24 @@ class DatagramBatch:
         self._sizes = memoryview(self._headers).cast("I")[_SIZE // 4 :: _HEADER.size // 4]
         self._sources = memoryview(addresses).cast("Q")[:: _ADDRESS_BYTES // 8]
         words = memoryview(ancillary).cast("Q")
+        self._kinds = {at: memoryview(array("Q", [kind] * _SLOTS)) for at, kind in _KINDS.items()}
         self._facts = [words[place :: _ANCILLARY.size // 8] for place in range(_TTL)]
         self._ttls = words.cast("B").cast("I")[2 * _TTL :: _ANCILLARY.size // 4]
 
-    def take(self, most: int) -> list[Datagram]:
-        """Return those that have arrived, about so many at most.
+    def take(self, most: int) -> Iterator[Datagram]:
+        """Return those that have arrived, about so many at most; each is gone before the next.
 
         Raises:
             OSError: As of recvmsg(2).
         """
-        found: list[Datagram] = []
+        return chain.from_iterable(self._calls(most))
+
+    def _calls(self, most: int) -> Iterator[Iterator[Datagram]]:
         for _ in range(0, most, _SLOTS):
             count = self._receive()
-            found += self._received(count)
+            yield self._received(count)
             if count < _SLOTS:
-                break
-        return found
+                return
 
     def _receive(self) -> int:
         self._headers[:] = self._fresh
@@ -94,7 +98,7 @@ class DatagramBatch:
         payloads = [data[at : at + size].tobytes() for at, size in zip(starts, sizes, strict=True)]
         known, learn = self._senders.get, self._learn
         senders = [known(one) or learn(one) for one in self._sources[:count].tolist()]
-        if any(facts[at][:count].tolist() != [kind] * count for at, kind in _KINDS.items()):
+        if any(facts[at][:count] != kinds[:count] for at, kinds in self._kinds.items()):
             others = [time.time_ns()] * count, [None] * count  # not this system's
             return zip(payloads, senders, *others, strict=True)
         seconds, fractions = (facts[at][:count].tolist() for at in (_SECONDS, _FRACTION))

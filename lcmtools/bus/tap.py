@@ -163,18 +163,23 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first."""
         timeout = max(0.0, timeout)
-        is_streaming = self._is_streaming()
-        if is_streaming:  # waking up for each message costs more than reading it
-            self._sleep(min(self._nap, timeout))
-        start = time.monotonic()
-        has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
-        is_soon = time.monotonic() - start < _STREAM_GAP
-        self._turns = self._turns + has_any if is_soon else 0
-        packets = self._read() if has_any or self._held else []
-        if is_streaming and has_any:
+        # waking up for each message costs more than reading it
+        packets = self._read_after_nap(timeout) if self._is_streaming() else []
+        if not packets:
+            start = time.monotonic()
+            has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
+            is_soon = time.monotonic() - start < _STREAM_GAP
+            self._turns = self._turns + has_any if is_soon else 0
+            packets = self._read() if has_any or self._held else []
+        self._attend_large()
+        return packets
+
+    def _read_after_nap(self, longest: float) -> list[Packet]:
+        self._sleep(min(self._nap, longest))
+        packets = self._read()
+        if packets:
             much = max(len(packets) / _OF_A_NAP, self._receivers.filled_by(packets) / _FILLED)
             self._nap = min(self.longest_nap, self._nap / max(much, _LITTLE))
-        self._attend_large()
         return packets
 
     def _sleep(self, seconds: float) -> None:

@@ -60,17 +60,29 @@ class GraphBuilder:
     def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
         if packet.channel not in TALK_CHANNELS:
-            key = (packet.channel, packet.sender)
-            count = self._traffic.get(key)
-            if count is None:
-                count = self._traffic[key] = _Count(packet.time)
-            count.add(packet)
+            self._count_of(packet).add(packet)
         elif packet.channel == NODE_CHANNEL:
             announcement = decode_announcement(packet.payload)
             if announcement is not None:
                 self._announced(announcement, packet)
             return announcement
         return None
+
+    def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
+        """Learn from packets; return those with which nodes talk."""
+        talk: list[Packet] = []
+        channel, sender, count = None, None, _Count(0)
+        for packet in packets:
+            if packet[0] is channel and packet[3] is sender:  # a stream has long runs of one sender
+                count.add(packet)
+            elif packet.channel in TALK_CHANNELS:
+                self.add(packet)
+                talk.append(packet)
+            else:
+                channel, _, _, sender, *_ = packet
+                count = self._count_of(packet)
+                count.add(packet)
+        return talk
 
     def add_head(self, head: Head, packet: Packet) -> None:
         """Learn from an announcement, decoding it only if more than counters has changed.
@@ -130,6 +142,13 @@ class GraphBuilder:
         ]
         nodes = sorted(announced + silent, key=lambda node: (node.name, node.start_time))
         return Graph(tuple(nodes), tuple(self._traffic_seen()), now)
+
+    def _count_of(self, packet: Packet) -> _Count:
+        key = packet.channel, packet.sender
+        count = self._traffic.get(key)
+        if count is None:
+            count = self._traffic[key] = _Count(packet.time)
+        return count
 
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node

@@ -5,14 +5,17 @@ messages, or arrays of them: its leaves. Must not know bytes or values.
 """
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 from math import inf, prod
 from typing import NamedTuple, cast
 
 from lcmtools.messages.fields import Field, fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.messages.rows import FORMATS, STRING_BYTES
+
+_FINGERPRINT_BYTES = 8
 
 
 class Part(NamedTuple):
@@ -80,6 +83,20 @@ def check_type(value: object, cls: type[Message]) -> None:
     """Raise TypeError for an object that has not the fields of a ``cls``."""
     if not has_wire_type(value, cls):
         raise TypeError(f"not a {cls.__name__}")
+
+
+@cache
+def stamp_reader(cls: type[Message]) -> Callable[[bytes], Sequence[int]] | None:
+    """A function that reads header.stamp from a payload; None where it has no fixed place."""
+    before, stamp = _FINGERPRINT_BYTES, f"{type_name(cls)}.header.stamp"
+    for leaf, after in pairwise(layout(cls).leaves):
+        if not (leaf.is_number and after.is_number):
+            break
+        if (leaf.where, after.where) == (f"{stamp}.sec", f"{stamp}.nsec"):
+            is_usual = leaf.field.type == after.field.type == "int32"
+            return struct.Struct(f">{before}x2i").unpack_from if is_usual else None
+        before += _smallest(leaf.field)
+    return None
 
 
 @cache

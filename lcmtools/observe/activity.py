@@ -50,7 +50,8 @@ class _Slot:
     def add(self, interval: int, size: int) -> None:
         if interval < self.shortest or not self.intervals:
             self.shortest = interval
-        self.longest = max(self.longest, interval)
+        if interval > self.longest:  # noqa: PLR1730 - max would take as long as all the rest
+            self.longest = interval
         self.intervals += 1
         self.bytes += size
         self.waited += interval
@@ -73,9 +74,12 @@ class _Channel:
         if self.messages == 1:
             return
         slots = self.slots
-        if not slots or slots[-1].number != number:
-            slots.append(_Slot(number))
-        slots[-1].add(time - before if time > before else 0, size)
+        if slots and slots[-1].number == number:
+            slot = slots[-1]
+        else:
+            slot = _Slot(number)
+            slots.append(slot)
+        slot.add(time - before if time > before else 0, size)
 
     def forget(self, before: int) -> None:
         """Drop the slots before a time, but for the latest few intervals."""
@@ -99,8 +103,9 @@ class Activity:
         channel = self._channels.get(packet.channel)
         if channel is None:
             channel = self._channels[packet.channel] = _Channel()
-        number = packet.time // _SLOT if self._window else 0
-        channel.add(packet.time, packet.size, number)
+        _, payload, time, _, _, whole_bytes, _, _ = packet
+        size = len(payload) if whole_bytes is None else whole_bytes
+        channel.add(time, size, time // _SLOT if self._window else 0)
 
     def clear(self) -> None:
         """Count from zero again."""

@@ -146,15 +146,16 @@ class ArrivalStream:
         self._look_for_clock(packets)
         arrivals: list[SelectedPacket] = []
         is_reset, is_simulated = False, self._clock.is_simulated
+        routes_of, keep = self._routes.get, self._keep
         for packet in packets:
             if is_simulated and self._clock.learn(packet):
                 is_reset = True
                 arrivals.clear()
-            routes = self._routes.get(packet.channel)
+            routes = routes_of(packet[0])
             if routes is None:
                 routes = self._routes[packet.channel] = self._routes_of(packet.channel)
-            if routes and (self._keep is None or self._keep(packet)):
-                when = self._simulated_time(packet) if is_simulated else packet.time
+            if routes and (keep is None or keep(packet)):
+                when = self._simulated_time(packet) if is_simulated else packet[2]
                 if when:
                     for one, path in routes:
                         arrivals.append(_new(SelectedPacket, (one, packet, when, path)))

@@ -13,10 +13,12 @@ from operator import itemgetter
 from typing import Generic, TypeVar
 
 from lcmtools.bus.tap import LONG_NAP
+from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
 from lcmtools.graph.model import Graph
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.filter import Filter
+from lcmtools.messages.layout import stamp_reader
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver
 from lcmtools.observe.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket
@@ -30,6 +32,7 @@ from lcmtools.observe.selection import OneTopic
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
+_MOST_SIZES = 1000  # of messages, that are remembered
 _LONGEST = 0.5  # [s] that counters are compared over
 _ENOUGH = 4  # messages on each topic, to end sooner
 _AWAKENING = 0.3  # [s] that publishers have for a first message
@@ -50,6 +53,7 @@ class Delays:
         self._decoder = decoder
         self._notify = notify
         self._has_notified = False
+        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
         """Return the delay of a message [ns]; None where its stamp is no time.
@@ -67,6 +71,11 @@ class Delays:
         return None
 
     def _stamp(self, packet: Packet) -> int:
+        """Read the stamp alone, where a message of the same type and size was whole."""
+        payload = packet.payload
+        key = packet.channel, payload[:8], len(payload)
+        if read := self._readers.get(key):
+            return join_stamp(*read(payload))
         try:
             message = self._decoder.decode(packet)
         except UnknownFingerprint:
@@ -80,6 +89,8 @@ class Delays:
                 f"{type_name(message)}, published on {packet.channel}, has no header with a stamp",
                 "lcmtools msg find-field header lists the types that have one",
             )
+        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
+            self._readers[key] = reader
         return stamped
 
 
@@ -204,8 +215,8 @@ class Measurement(Generic[ItemT, FoundT]):
             for window in self._windows.values():
                 window.clear()
         for topic, arrivals in groupby(batch.arrivals, _TOPIC):
-            items = map(self._item, arrivals)
-            self._windows[topic].add(*(item for item in items if item is not None))
+            items = [item for item in map(self._item, arrivals) if item is not None]
+            self._windows[topic].add(*items)
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)

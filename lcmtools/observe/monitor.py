@@ -135,9 +135,8 @@ class BusMonitor:
         packets = self._observer.receive(timeout)
         if not self.is_live:
             self._last_time = packets[-1].time
-        for packet in packets:
-            self._builder.add(packet)
-            if packet.channel in TALK_CHANNELS and self._is_present:
+        for packet in self._builder.add_all(packets):
+            if self._is_present:
                 self._presence.answer(packet.channel, packet.payload)
         return packets
 

@@ -5,12 +5,12 @@ Plain arithmetic; times come in as arguments.
 
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Sequence
-from itertools import islice
+from collections.abc import Iterable, Sequence
 from math import sqrt
 from operator import mul, sub
 from typing import Generic, NamedTuple, TypeVar
 
+_BLOCK = 1000  # numbers that are summed up once for all reports
 ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
 
@@ -39,7 +39,7 @@ class Bandwidth(NamedTuple):
 
 
 class Window(ABC, Generic[ItemT, FoundT]):
-    """The latest ``size`` arrivals of a topic.
+    """The latest arrivals of a topic.
 
     Attributes:
         total: The number of arrivals ever.
@@ -48,59 +48,99 @@ class Window(ABC, Generic[ItemT, FoundT]):
     _least = 2  # arrivals
     _repeats = False  # True if it tells something where nothing has arrived since the last time
 
-    def __init__(self, size: int) -> None:
+    def __init__(self) -> None:
         self.total = 0
-        self._items: deque[ItemT] = deque(maxlen=size)
+        self._since = 0  # the total when time began
         self._reported = 0
 
     def add(self, *items: ItemT) -> None:
         """Add arrivals."""
-        self._items.extend(items)
         self.total += len(items)
+        self._take_in(items)
 
     def clear(self) -> None:
         """Forget all arrivals: time begins again."""
-        self._items.clear()
-        self._reported = self.total
+        self._forget()
+        self._since = self._reported = self.total
 
     def take(self, now: int = 0) -> FoundT | None:
         """Return the sums at a time [ns]; None for too few arrivals, or nothing new."""
         is_new = self._repeats or self.total != self._reported
-        if not is_new or len(self._items) < self._least:
+        if not is_new or self.total - self._since < self._least:
             return None
         self._reported = self.total
-        return self._sum_up(self._items, now)
+        return self._sum_up(now)
 
     @abstractmethod
-    def _sum_up(self, items: Sequence[ItemT], now: int) -> FoundT: ...
+    def _take_in(self, items: Sequence[ItemT]) -> None: ...
+
+    @abstractmethod
+    def _forget(self) -> None: ...
+
+    @abstractmethod
+    def _sum_up(self, now: int) -> FoundT: ...
 
 
 class RateWindow(Window[int, Statistics]):
-    """Times of arrival [ns]."""
+    """Times of ``size`` arrivals [ns]."""
 
-    def _sum_up(self, items: Sequence[int], now: int) -> Statistics:  # noqa: ARG002
-        intervals = [*map(sub, islice(items, 1, None), items)]
-        waited = items[-1] - items[0]
-        return _statistics(
-            len(intervals) * 1e9 / waited if waited > 0 else 0.0, intervals, len(items)
-        )
+    def __init__(self, size: int) -> None:
+        super().__init__()
+        self._intervals = _Numbers(size - 1)
+        self._last: Sequence[int] = ()
+
+    def _take_in(self, items: Sequence[int]) -> None:
+        times = (*self._last, *items)
+        self._intervals.add(map(sub, times[1:], times))
+        self._last = times[-1:]
+
+    def _forget(self) -> None:
+        self._intervals.clear()
+        self._last = ()
+
+    def _sum_up(self, now: int) -> Statistics:  # noqa: ARG002
+        sums = self._intervals.sums()
+        rate = sums.count * 1e9 / sums.total if sums.total > 0 else 0.0
+        return _statistics(rate, sums, sums.count + 1)
 
 
 class DelayWindow(Window[int, Statistics]):
-    """Delays [ns]."""
+    """``size`` delays [ns]."""
 
     _least = 1
 
-    def _sum_up(self, items: Sequence[int], now: int) -> Statistics:  # noqa: ARG002
-        return _statistics(sum(items) / len(items) / 1e9, items, len(items))
+    def __init__(self, size: int) -> None:
+        super().__init__()
+        self._delays = _Numbers(size)
+
+    def _take_in(self, items: Sequence[int]) -> None:
+        self._delays.add(items)
+
+    def _forget(self) -> None:
+        self._delays.clear()
+
+    def _sum_up(self, now: int) -> Statistics:  # noqa: ARG002
+        sums = self._delays.sums()
+        return _statistics(sums.total / sums.count / 1e9, sums, sums.count)
 
 
 class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
-    """Times of arrival [ns], and sizes [byte]; the time is that of the last one at least."""
+    """Times [ns] and sizes [byte] of ``size`` arrivals; the time is the last one's at least."""
 
     _repeats = True
 
-    def _sum_up(self, items: Sequence[tuple[int, int]], now: int) -> Bandwidth:
+    def __init__(self, size: int) -> None:
+        super().__init__()
+        self._items: deque[tuple[int, int]] = deque(maxlen=size)
+
+    def _take_in(self, items: Sequence[tuple[int, int]]) -> None:
+        self._items.extend(items)
+
+    def _forget(self) -> None:
+        self._items.clear()
+
+    def _sum_up(self, now: int) -> Bandwidth:
+        items = self._items
         sizes = [size for _, size in items]
         seconds = (max(now, items[-1][0]) - items[0][0]) / 1e9
         return Bandwidth(
@@ -112,8 +152,60 @@ class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
         )
 
 
-def _statistics(mean: float, values: Sequence[int], window: int) -> Statistics:
+class _Sums(NamedTuple):
+    """Sums of whole numbers; those of some numbers are made of those of their parts."""
+
+    count: int  # type: ignore[assignment] # not tuple.count
+    total: int
+    squares: int
+    shortest: int
+    longest: int
+
+
+class _Numbers:
+    """The latest ``size`` whole numbers; a long window costs a report no more than a short one."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._blocks: deque[tuple[list[int], _Sums]] = deque()
+        self._latest: list[int] = []  # too few for a block
+
+    def add(self, numbers: Iterable[int]) -> None:
+        self._latest.extend(numbers)
+        while len(self._latest) >= _BLOCK:
+            block, self._latest = self._latest[:_BLOCK], self._latest[_BLOCK:]
+            self._blocks.append((block, _sums(block)))
+        while self._blocks and self._excess() >= _BLOCK:
+            self._blocks.popleft()
+
+    def clear(self) -> None:
+        self._blocks.clear()
+        self._latest.clear()
+
+    def sums(self) -> _Sums:
+        """Of one number at least."""
+        excess, latest = self._excess(), self._latest
+        parts = [sums for _, sums in self._blocks]
+        if excess > 0 and parts:
+            parts[0] = _sums(self._blocks[0][0][excess:])
+        elif excess > 0:
+            latest = latest[excess:]
+        if latest:
+            parts.append(_sums(latest))
+        counts, totals, squares, shortest, longest = zip(*parts, strict=True)
+        return _Sums(sum(counts), sum(totals), sum(squares), min(shortest), max(longest))
+
+    def _excess(self) -> int:
+        return len(self._blocks) * _BLOCK + len(self._latest) - self._size
+
+
+def _sums(numbers: Sequence[int]) -> _Sums:
+    squares = sum(map(mul, numbers, numbers))
+    return _Sums(len(numbers), sum(numbers), squares, min(numbers), max(numbers))
+
+
+def _statistics(mean: float, sums: _Sums, window: int) -> Statistics:
     # of whole numbers, so that the difference of large sums is exact
-    count, total = len(values), sum(values)
-    deviation = sqrt(count * sum(map(mul, values, values)) - total * total) / count
-    return Statistics(mean, min(values) / 1e9, max(values) / 1e9, deviation / 1e9, window)
+    count, total, squares, shortest, longest = sums
+    deviation = sqrt(count * squares - total * total) / count
+    return Statistics(mean, shortest / 1e9, longest / 1e9, deviation / 1e9, window)

@@ -31,7 +31,6 @@ _MOST_SENDERS = _MOST_CHANNELS = 1000  # that are remembered
 _LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
 _number = struct.Struct(">4xI").unpack_from  # of a message
 _new = tuple.__new__  # makes a named tuple in half the time
-_OTHERS = Packet("", b"", 0)[5:]  # the values of the fields behind the number, where none is given
 
 
 class Reader:
@@ -73,7 +72,8 @@ class Reader:
                 name = data[SHORT_HEADER_BYTES:end]
                 (seqno,) = number(data)
                 channel = channels(name) or self._learn(name)
-                packet = _new(Packet, (channel, data[end + 1 :], time, sender, seqno, *_OTHERS))
+                payload = data[end + 1 :]
+                packet = _new(Packet, (channel, payload, time, sender, seqno, None, None, ""))
             else:
                 other = self._read_other(data, sender, time)
                 if other is None:

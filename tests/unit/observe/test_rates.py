@@ -1,14 +1,18 @@
 """Rates over a window of arrivals."""
 
 import math
+from itertools import pairwise
+from statistics import pstdev
 
 import pytest
 
+from lcmtools.errors import DecodeError
+from lcmtools.messages.layout import stamp_reader
 from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.measure import Delays
 from lcmtools.observe.rates import BandwidthWindow, DelayWindow, RateWindow
-from lcmtools.types.geometry_msgs import PoseStamped
+from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.wire.packet import Packet
 
 _S = 1_000_000_000
@@ -59,6 +63,23 @@ def test_a_small_deviation_is_exact_in_a_large_window() -> None:
     delay = window.take()
     assert delay is not None
     assert delay.deviation == 0.5e-9
+
+
+@pytest.mark.parametrize("size", [2, 1000, 1001, 2500])
+def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None:
+    times = [number * number for number in range(6000)]
+    window = RateWindow(size)
+    for start in range(0, 6000, 700):
+        window.add(*times[start : start + 700])
+        assert window.take() is not None
+    window.add(6000 * 6000)
+    rate, latest = window.take(), [*times[-size + 1 :], 6000 * 6000]
+    intervals = [later - one for one, later in pairwise(latest)]
+    assert rate is not None
+    assert rate.mean == (size - 1) * 1e9 / (latest[-1] - latest[0])
+    assert (rate.shortest, rate.longest) == (min(intervals) / 1e9, max(intervals) / 1e9)
+    assert rate.deviation == pytest.approx(pstdev(intervals) / 1e9)
+    assert rate.window == size
 
 
 def test_arrivals_at_one_instant_have_no_finite_rate() -> None:
@@ -125,6 +146,25 @@ def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
     packet = Packet("/a", message.encode(), 0)
     delay = Delays(Decoder(lambda _: ()), print)
     assert delay(SelectedPacket("/a", packet, 1_795_244_479_000_000_123)) == 123
+
+
+def test_a_message_that_is_cut_off_has_no_delay() -> None:
+    message = PoseStamped()
+    message.header.stamp.sec = 1
+    delay, payload = Delays(Decoder(lambda _: ()), print), message.encode()
+    for number in range(2):
+        assert delay(SelectedPacket("/a", Packet("/a", payload, 0), 10**9 + number)) == number
+    with pytest.raises(DecodeError):
+        delay(SelectedPacket("/a", Packet("/a", payload[:-1], 0), 10**9))
+
+
+def test_a_stamp_has_a_place_where_only_numbers_come_before_it() -> None:
+    message = PoseStamped()
+    message.header.stamp.sec, message.header.stamp.nsec = 12, 345
+    read = stamp_reader(PoseStamped)
+    assert read is not None
+    assert tuple(read(message.encode())) == (12, 345)
+    assert stamp_reader(Twist) is None
 
 
 def test_a_delay_is_reported_once() -> None:
