@@ -6,14 +6,13 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from lcmtools.bus.processes import process_of
 from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
 from lcmtools.observe.describe import behind_text, host_text
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.senders import Program, is_here, programs
+from lcmtools.observe.senders import Program, is_gone, is_here, programs
 
 _PING_PERIOD = 1.0  # [s]
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
@@ -69,8 +68,7 @@ class NodeEnd:
 
     def check_process(self) -> None:
         """Learn from this computer's processes: a goodbye may be lost."""
-        if is_here(self.node) and process_of(self.node.pid) is None:
-            self.has_ended = True
+        self.has_ended |= is_gone(self.node)
 
     def record(self) -> dict[str, object]:
         """Return it for JSON."""

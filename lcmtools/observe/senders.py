@@ -21,6 +21,7 @@ from lcmtools.bus.processes import (
     UdpSocket,
     is_local,
     owners,
+    process_of,
     senders_from,
     udp_sockets,
 )
@@ -184,6 +185,11 @@ def is_here(node: Node) -> bool:
     if node.sender is not None and not is_local(node.sender.address):
         return False
     return node.host == socket.gethostname()
+
+
+def is_gone(node: Node) -> bool:
+    """Return whether a node of this computer has no process any more."""
+    return is_here(node) and process_of(node.pid) is None
 
 
 def _key(sender: Sender | None, table: SocketTable) -> _Key:

@@ -7,8 +7,6 @@ waits. Each process has all objects of the world for itself, and robots of diffe
 neither meet nor see each other.
 """
 
-import os
-import socket
 import time
 from collections.abc import Callable
 
@@ -69,20 +67,11 @@ class Followers:
         """True for a follower that is silent because it has ended, and is not slow or stopped."""
         if time.monotonic() - self._heard[name] < _SILENCE:
             return False
-        node = next((one for one in self._node.graph().nodes if one.name == name), None)
-        if node and node.host == socket.gethostname() and os.name == "posix":
-            return not _runs(node.pid)
-        return node is None or bool(node.stale)
+        from lcmtools.observe.senders import is_gone, is_here  # seldom needed
 
-
-def _runs(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:  # another user's
-        return True
-    return True
+        # One of the same name may have run before it.
+        nodes = [node for node in self._node.graph().nodes if node.name == name]
+        return all(is_gone(node) if is_here(node) else node.stale for node in nodes)
 
 
 class LeaderClock(Pacer):
