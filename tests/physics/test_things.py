@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 
 import pytest
 
@@ -62,7 +63,7 @@ def on_slope(
 
 
 @pytest.mark.parametrize("gravity", [G, 1.62, 0.0])
-@pytest.mark.parametrize("dt", [1 / 60, 1 / 240, 1 / 1000])
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 1000])
 def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(
     put: Put, dt: float, gravity: float
 ) -> None:
@@ -197,6 +198,23 @@ def test_nothing_that_falls_springs_back(put: Put) -> None:
     for _ in range(240):
         world.step()
         assert max(world.motion(body(world, i)).position[2] for i in (0, 1)) < 0.201
+
+
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 1000])
+@pytest.mark.parametrize("mass", [2, 8])
+@pytest.mark.parametrize("shape", [Cuboid((0.4, 0.4, 0.4)), Sphere(0.2)])
+def test_things_that_collide_go_on_with_nearly_one_speed(
+    put: Put, shape: Shape, mass: float, dt: float
+) -> None:
+    things = [SceneObject("it", (Part(shape),), Pose(x, 0, 5), 2.0) for x in (0, 1.007)]
+    world = put(things[0], replace(things[1], mass=mass), dt=dt, gravity=0.0)
+    world.set_velocity(body(world), (2.0, 0, 0), NOWHERE)
+
+    let_pass(world, 1.0, dt)
+
+    first, second = (world.motion(body(world, i)).velocity[0] for i in (0, 1))
+    assert 2 * first + mass * second == pytest.approx(2 * 2.0, rel=1e-6)
+    assert 0 <= second - first < 0.1 * 2.0
 
 
 @pytest.mark.parametrize(("dt", "speed"), [(1 / 60, 20), (1 / 240, 80)])
