@@ -42,9 +42,11 @@ class Leading:
         heard[0](message)
 
     def spin(self, _node: object, timeout: float) -> None:
+        """Let time pass."""
         self.now += timeout
 
     def wait(self) -> None:
+        """Wait for the follower, for five seconds at most."""
         self.followers.wait(lambda: self.now < 5.0)
 
 
