@@ -25,7 +25,7 @@ _IMPEDANCE = (0.99, 0.999)
 _STEPS = 2
 """Time constant of contacts, in steps. MuJoCo allows no less than 2."""
 _DAMPING = 2.0
-"""Damping ratio of contacts. Things that collide come apart at 6 % of their speed; with 1 at 16 %."""
+"""Damping ratio of contacts: what collides comes apart at 6 % of its speed; with 1, at 16 %."""
 _BRAKING = 20.0
 """[m/s^2] Most that friction's reference asks for: see _set_friction."""
 _LEAST_FRICTION = 1e-5
