@@ -102,6 +102,9 @@ def child(role: Callable[..., None], *arguments: object) -> Iterator[Child]:
     """Run ``role(connection, *arguments)`` in a fresh Python process while the block runs.
 
     The child is asked to end by SIGTERM, which makes ``lcmtools.spin`` return.
+
+    Raises:
+        RuntimeError: It failed, so that what was measured beside it is worth nothing.
     """
     context = get_context("spawn")  # liblcm's threads do not survive a fork
     here, there = context.Pipe()
@@ -116,6 +119,8 @@ def child(role: Callable[..., None], *arguments: object) -> Iterator[Child]:
         process.join(5.0)
         process.kill()
         process.join()
+    if process.exitcode and process.exitcode > 0:
+        raise RuntimeError(f"the child process {role.__name__} failed")
 
 
 def processor_time(pid: int) -> float:
