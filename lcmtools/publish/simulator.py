@@ -68,7 +68,7 @@ def find_simulator(graph: Graph, name: str | None) -> str:
     if len(simulators) > 1 and len(leaders) == 1:  # the others follow its clock
         return leaders.pop()
     if len(simulators) > 1:
-        raise LcmtoolsError("several simulators run", f"choose one: --sim {simulators[0]}")
+        raise LcmtoolsError("several simulators run", f"choose one: --sim {', '.join(simulators)}")
     if not simulators:
         raise LcmtoolsError("no simulator runs on this bus", _HOW_TO_START)
     return simulators[0]

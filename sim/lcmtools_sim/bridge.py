@@ -112,6 +112,7 @@ class Bridge:
             if robot not in self._subscriptions:
                 self._subscriptions[robot] = self._subscribe(robot)
         self._simulation.select(self._subscribers)
+        self.publish_clock()  # a reset has changed it
 
     def _subscribers(self, topic: str) -> Subscribers:
         announced, may_have_others = self._subscribed

@@ -5,7 +5,7 @@ end. They run between two steps, on the thread that simulates.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol, TypeVar
 
 from lcmtools import Node
@@ -17,7 +17,7 @@ from lcmtools_sim.loop import Loop
 from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.scene import RobotPlacement, robot_hint
+from lcmtools_sim.scene import RobotPlacement
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.snapshot import snapshot
 
@@ -36,6 +36,7 @@ class Outcome(Protocol):
 
 RequestT = TypeVar("RequestT")
 OutcomeT = TypeVar("OutcomeT", bound=Outcome)
+BodyT = TypeVar("BodyT", bound=Robot | MovableObject)
 
 
 class Control:
@@ -154,17 +155,19 @@ class Control:
     def _body(self, name: str) -> Robot | MovableObject:
         """The robot with a namespace, or else the object with a name that can be pushed."""
         objects = {body.name: body for body in self._simulation.objects}
-        if name in objects and f"/{name.strip('/')}" not in self._robots():
-            return objects[name]
-        return self._robot(name)
+        return _named(name, {**objects, **self._robots()}, "robot or movable object")
 
     def _robot(self, name: str) -> Robot:
-        """The robot with a namespace, written with or without a slash."""
-        robots = self._robots()
-        namespace = f"/{name.strip('/')}"
-        if namespace not in robots:
-            raise UsageError(f"there is no robot '{name}'", robot_hint(namespace, robots))
-        return robots[namespace]
+        return _named(name, self._robots(), "robot")
+
+
+def _named(name: str, known: Mapping[str, BodyT], kind: str) -> BodyT:
+    """The body with a name; a robot's namespace may be written without a slash."""
+    namespace = f"/{name.strip('/')}"
+    if found := known.get(namespace) or known.get(name):
+        return found
+    hint = did_you_mean(namespace, known) or f"known: {', '.join(known) or 'none'}"
+    raise UsageError(f"there is no {kind} '{name}'", hint)
 
 
 def _answered(

@@ -1,7 +1,5 @@
 """The objects of a running simulation that can be pushed, and put elsewhere."""
 
-from itertools import chain, count
-
 from lcmtools_sim.geometry import Frame, Pose
 from lcmtools_sim.scene import SceneObject
 from lcmtools_sim.shapes import Part
@@ -12,12 +10,12 @@ class MovableObject:
     """An object of a world; its frame is on the ground below its centre, as a robot's is.
 
     Attributes:
-        name: No other object of the world has it.
+        name: No other movable object of the world has it.
         parts: Its shapes, in its frame.
     """
 
-    def __init__(self, world: World, name: str, thing: SceneObject, body: int) -> None:
-        self.name = name
+    def __init__(self, world: World, thing: SceneObject, body: int) -> None:
+        self.name = world.name(body)
         self._world, self._body = world, body
         self._height = max(part.extent(2) - part.position[2] for part in thing.parts)
         self.parts: tuple[Part, ...] = tuple(
@@ -38,13 +36,3 @@ class MovableObject:
         """
         centre = pose.frame.point((0.0, 0.0, self._height))
         self._world.place(self._body, centre, pose.rotation)
-
-
-def movable_objects(world: World) -> list[MovableObject]:
-    """Those of a world; of several with one name, the later ones have numbers (crate_2)."""
-    found: dict[str, MovableObject] = {}
-    for thing, body in world.movable_objects():
-        names = chain((thing.name,), (f"{thing.name}_{number}" for number in count(2)))
-        name = next(name for name in names if name not in found)
-        found[name] = MovableObject(world, name, thing, body)
-    return [*found.values()]

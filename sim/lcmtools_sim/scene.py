@@ -4,7 +4,7 @@ Only values live here: world_file reads them from YAML, world.py builds them in 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 
@@ -161,14 +161,9 @@ def selected(scene: Scene, names: Sequence[str]) -> Scene:
     wanted = [f"/{name.strip('/')}" for name in names]
     for name in wanted:
         if name not in robots:
-            hint = robot_hint(name, robots)
+            hint = did_you_mean(name, robots) or f"robots: {', '.join(robots) or 'none'}"
             raise UsageError(f"the world {scene.name} has no robot '{name}'", hint)
     return replace(scene, robots=tuple(robots[name] for name in robots if name in wanted))
-
-
-def robot_hint(name: str, robots: Mapping[str, object]) -> str:
-    """The hint for a robot that does not exist."""
-    return did_you_mean(name, robots) or f"robots: {', '.join(robots) or 'none'}"
 
 
 def contents(scene: Scene) -> str:

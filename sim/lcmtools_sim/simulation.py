@@ -14,7 +14,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import MountedSensor, MountedTogether, Sample, Subscribers, mount_sensors
-from lcmtools_sim.movable import MovableObject, movable_objects
+from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
@@ -156,7 +156,8 @@ class Simulation(AbstractContextManager["Simulation"]):
         self.steps = steps
         self._fleet = Fleet(self._world, self.scene)
         self._plans, self._planned_changes = {}, 0
-        self._objects = movable_objects(self._world)
+        things = self._world.movable_objects()
+        self._objects = [MovableObject(self._world, *thing) for thing in things]
         self._sensors: dict[str, list[MountedSensor]] = {}
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)

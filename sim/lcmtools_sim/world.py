@@ -6,7 +6,7 @@ known here: a robot's body has no friction, the tyres (tyres.py) pull it.
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from itertools import chain
+from itertools import chain, count
 
 from lcmtools.errors import UsageError
 from lcmtools_sim.engines import chosen_engine, start_engine
@@ -93,6 +93,10 @@ class World(AbstractContextManager["World"]):
         """Each movable object and its body, whose motion is that of the object's frame."""
         return [(thing, body) for thing, body in self._objects if thing.mass]
 
+    def name(self, body: int) -> str:
+        """A body's name; of movable ones with one name, the later ones have numbers (crate_2)."""
+        return self._names[body]
+
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
         self._engine.set_velocity(body, velocity, angular_velocity)
@@ -134,7 +138,7 @@ class World(AbstractContextManager["World"]):
                 thing.friction,
             )
         )
-        self._names[body] = thing.name
+        self._names[body] = self._free_name(thing.name) if thing.mass else thing.name
         self._wake()
         if thing.mass:
             self._moving[body] = thing.parts
@@ -237,6 +241,11 @@ class World(AbstractContextManager["World"]):
             for point in self._engine.contacts(body)
             if point.other != self._engine.ground and point.force > 0
         ]
+
+    def _free_name(self, name: str) -> str:
+        taken = {self._names[body] for body in self._moving}
+        names = chain((name,), (f"{name}_{number}" for number in count(2)))
+        return next(one for one in names if one not in taken)
 
     def _wake(self) -> None:
         """Have the engine simulate again what was at rest."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.types import sim_msgs, std_srvs
 from lcmtools.types.geometry_msgs import Twist
@@ -221,12 +222,22 @@ def test_an_object_that_can_be_pushed_is_put_elsewhere_too(
     refused = node.call("set_pose", robot="crate", pose=pose(0.1, 0, 0))
     assert refused.message.endswith(" m inside /husky0; choose another place")
     assert crate.frame.position == pytest.approx((-3, 4, 0), abs=1e-3)
+    refused = node.call("set_pose", robot="crat", pose=pose(0, 0, 0))
+    assert refused.message == "there is no robot or movable object 'crat'; did you mean crate?"
+
+
+def test_of_two_objects_with_one_name_the_second_has_a_number(simulate: Simulate) -> None:
+    crates = [box("crate", (0.5, 0.5, 0.5), Pose(x, 4, 0.25), mass=5) for x in (2, 4)]
+    first, second = simulate(*crates).objects
+
+    with pytest.raises(UsageError, match=r"crate_2 would be 0\.50 m inside crate;"):
+        second.place(first.frame.pose())
 
 
 def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node: Offered) -> None:
     response = node.call("set_pose", robot="wall", pose=pose(-3, 4, 1.2))
 
-    assert response.message == "there is no robot 'wall'; robots: /husky0"
+    assert response.message == "there is no robot or movable object 'wall'; known: crate, /husky0"
 
 
 def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:
@@ -247,8 +258,12 @@ def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list
     ("service", "fields", "message"),
     [
         ("delete", {"robot": "/husky1"}, "there is no robot '/husky1'; did you mean /husky0?"),
-        ("get_state", {"robot": "r2d2"}, "there is no robot 'r2d2'; robots: /husky0"),
-        ("set_pose", {"robot": ""}, "there is no robot ''; robots: /husky0"),
+        ("get_state", {"robot": "r2d2"}, "there is no robot 'r2d2'; known: /husky0"),
+        (
+            "set_pose",
+            {"robot": ""},
+            "there is no robot or movable object ''; known: crate, /husky0",
+        ),
         (
             "spawn",
             {"model": "huski", "robot": "/a"},

@@ -156,10 +156,13 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_pat
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["state", "r2d2"], "there is no robot 'r2d2'; robots: /husky0, /dolly"),
+        (["state", "r2d2"], "there is no robot 'r2d2'; known: /husky0, /dolly"),
         (["state", "husky1"], "there is no robot 'husky1'; did you mean /husky0?"),
         (["delete", "doly"], "there is no robot 'doly'; did you mean /dolly?"),
-        (["set-pose", "husky1", "0", "0"], "there is no robot 'husky1'; did you mean /husky0?"),
+        (
+            ["set-pose", "husky1", "0", "0"],
+            "there is no robot or movable object 'husky1'; did you mean /husky0?",
+        ),
         (
             ["set-pose", "husky0", "1e9", "0"],
             "the pose is not finite, or farther than 100000 m",
@@ -169,7 +172,7 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_pat
         (["step", "1000001"], "steps must be from 1 to 1000000, not 1000001"),
         (
             ["snapshot", "x.png", "--robot", "r2d2"],
-            "there is no robot 'r2d2'; robots: /husky0, /dolly",
+            "there is no robot 'r2d2'; known: /husky0, /dolly",
         ),
         (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
     ],

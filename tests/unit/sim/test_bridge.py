@@ -369,3 +369,16 @@ def test_the_clock_is_published_once_for_each_time(
 
     sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [1, 2]
+
+
+def test_the_clock_shows_a_reset_at_once(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    simulation.time = 7
+    bridge.publish([simulation.tick()])
+    simulation.time = 0
+
+    bridge.refresh()
+
+    sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
+    assert sent == [7, 0]
