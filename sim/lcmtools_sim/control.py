@@ -154,8 +154,9 @@ class Control:
 
     def _body(self, name: str) -> Robot | MovableObject:
         """The robot with a namespace, or else the object with a name that can be pushed."""
-        objects = {body.name: body for body in self._simulation.objects}
-        return _named(name, {**objects, **self._robots()}, "robot or movable object")
+        bodies: dict[str, Robot | MovableObject] = {**self._robots()}
+        bodies |= {body.name: body for body in self._simulation.objects}
+        return _named(name, bodies, "robot or movable object")
 
     def _robot(self, name: str) -> Robot:
         return _named(name, self._robots(), "robot")

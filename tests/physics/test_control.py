@@ -237,7 +237,7 @@ def test_of_two_objects_with_one_name_the_second_has_a_number(simulate: Simulate
 def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node: Offered) -> None:
     response = node.call("set_pose", robot="wall", pose=pose(-3, 4, 1.2))
 
-    assert response.message == "there is no robot or movable object 'wall'; known: crate, /husky0"
+    assert response.message == "there is no robot or movable object 'wall'; known: /husky0, crate"
 
 
 def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:
@@ -262,7 +262,7 @@ def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list
         (
             "set_pose",
             {"robot": ""},
-            "there is no robot or movable object ''; known: crate, /husky0",
+            "there is no robot or movable object ''; known: /husky0, crate",
         ),
         (
             "spawn",
