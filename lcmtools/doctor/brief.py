@@ -15,7 +15,7 @@ from lcmtools.names import is_hidden
 from lcmtools.observe.counters import busy_share
 
 BRIEF = 0.7
-"""The duration of such a look [s]."""
+"""The duration of such a look, with the request for the nodes' counters at its end [s]."""
 WHOLE = 1.0
 """The duration of a look that nobody chose, where a brief one is not enough [s]."""
 _SLOWEST = 1_200_000_000  # [ns] between messages that a whole look shows: a little more than 1 Hz

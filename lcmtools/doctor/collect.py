@@ -85,7 +85,8 @@ def _look(
     begin, taken = _Begin.now(monitor), 0.0
     evidence = replace(evidence, before=begin.graph)
     if wanted is None:
-        _take(monitor, begin.listening, taken := brief.BRIEF)
+        taken = brief.BRIEF
+        _take(monitor, begin.listening, taken - _ANSWER_TIME)  # the rest while the counters come
         found = _gathered(monitor, evidence, begin, taken)
         if brief.is_enough(found):
             return found
@@ -115,12 +116,13 @@ class _Begin:
 
     @classmethod
     def now(cls, monitor: BusMonitor) -> "_Begin":
-        graph = monitor.settle(foreign=False)
+        monitor.ask()
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
-        times = {pid: programs.processor_times(pid) for pid in pids}
+        times, now = {pid: programs.processor_times(pid) for pid in pids}, time.monotonic()
+        graph = monitor.settle(foreign=False)
         listening, overflows = Listening(monitor.types_of), computer.buffer_overflows()
-        return cls(graph, table, on_bus, times, overflows, listening, time.monotonic())
+        return cls(graph, table, on_bus, times, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:
         """The times that processes have computed, and waited to, since [ns]."""

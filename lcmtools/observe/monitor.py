@@ -154,6 +154,11 @@ class BusMonitor:
         """Request a node, or all, to announce themselves."""
         self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
 
+    def ask(self) -> None:
+        """Request all nodes to announce themselves, some time before ``settle`` waits for that."""
+        self.probe()
+        self._asked = time.monotonic()
+
     def ask_to_end(self, node: Node, nonce: int) -> None:
         """Request a node's program to end, as SIGTERM does; it answers the nonce, and then ends."""
         requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from lcmtools.errors import LcmtoolsError, UnknownType
 from lcmtools.messages.fields import fields
@@ -36,7 +36,9 @@ from lcmtools.packages.type_files import (
     variable_folders,
 )
 from lcmtools.packages.workspace import type_folders
-from lcmtools.wire.log_index import RecordedType
+
+if TYPE_CHECKING:  # most commands do without logs
+    from lcmtools.wire.log_index import RecordedType
 
 _NEAR_AGAIN = 1.0
 _FAR_AGAIN = 10.0
@@ -93,11 +95,11 @@ class UserTypes:
                 self._recorded[files] = TypeSource(found.prefix, found.fingerprints)
         return [source for source in self._recorded.values() if source]
 
-    def add_recorded(self, types: Iterable[RecordedType]) -> None:
+    def add_recorded(self, types: "Iterable[RecordedType]") -> None:
         """Add the types that a log has."""
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
 
-    def compiled_types(self, types: Iterable[RecordedType]) -> TypeSource:
+    def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
         """Some types by their text, compiled now."""
         return self._compiled(tuple(dict.fromkeys(map(_recorded_file, types))))
 
@@ -139,7 +141,7 @@ class UserTypes:
         return cached_types(files, self._environment, self._shipped)
 
 
-def _recorded_file(one: RecordedType) -> LcmFile:
+def _recorded_file(one: "RecordedType") -> LcmFile:
     path = Path(one.path)
     package = one.name.rpartition("/")[0] if path.suffix != ".lcm" else ""
     return LcmFile(path, one.source.encode(), package)
