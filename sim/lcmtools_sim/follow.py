@@ -34,6 +34,8 @@ class Followers:
         self._acknowledged: dict[str, int] = {}
         """The leader's time that each has simulated [ns]."""
         self._heard: dict[str, float] = {}
+        self._missed: set[str] = set()
+        """Those that are waited for and silent; it has been said."""
         node.create_subscription(Header, _ACKNOWLEDGEMENT_TOPIC, self._receive)
 
     def wait(self, go_on: Callable[[], bool]) -> bool:
@@ -49,9 +51,8 @@ class Followers:
             if time.monotonic() >= repeat:
                 is_long, repeat = True, time.monotonic() + _LONGEST_WAIT
                 self._bridge.publish([self._simulation.tick()])
-                for name in filter(self._has_ended, late):
-                    del self._acknowledged[name]
-                    self._bridge.warn(f"{name} has ended: the simulation goes on without it")
+                for name in filter(self._is_silent, late):
+                    self._miss(name)
         return is_long
 
     def _late(self) -> list[str]:
@@ -62,11 +63,21 @@ class Followers:
         name, stamp = message.frame_id, message.stamp
         self._acknowledged[name] = stamp.sec * NANOSECONDS + stamp.nsec
         self._heard[name] = time.monotonic()
+        self._missed.discard(name)
+
+    def _is_silent(self, name: str) -> bool:
+        return time.monotonic() - self._heard[name] >= _SILENCE
+
+    def _miss(self, name: str) -> None:
+        """Give up a silent follower if it has ended, and say for which others the leader waits."""
+        if self._has_ended(name):
+            del self._acknowledged[name]
+            self._bridge.warn(f"{name} has ended: the simulation goes on without it")
+        elif name not in self._missed:
+            self._missed.add(name)
+            self._bridge.warn(f"waiting for {name}, which does nothing: is it paused or stopped?")
 
     def _has_ended(self, name: str) -> bool:
-        """True for a follower that is silent because it has ended, and is not slow or stopped."""
-        if time.monotonic() - self._heard[name] < _SILENCE:
-            return False
         from lcmtools.observe.senders import is_gone, is_here  # seldom needed
 
         # One of the same name may have run before it.
