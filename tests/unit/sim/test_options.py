@@ -1,12 +1,15 @@
 """The simulator's command line."""
 
 import math
+import re
 from pathlib import Path
 
 import pytest
 
 from lcmtools.errors import UsageError
 from lcmtools_sim.__main__ import main, overridden
+from lcmtools_sim.completion import complete
+from lcmtools_sim.engines import ENGINES
 from lcmtools_sim.options import Options, parse_options
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.world_file import read_scene
@@ -57,6 +60,20 @@ def test_worlds_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]
         "pioneer  A walled room with tables and one Pioneer with a Kinect: the world of the depth"
         " camera lab\n"
     )
+
+
+def test_completion_offers_every_option_and_the_engines(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    shown = re.findall(r"^  (?:-h, )?(--[a-z-]+)", capsys.readouterr().out, re.MULTILINE)
+
+    assert sorted(complete([], "-")) == sorted(shown)
+    assert list(complete(["--engine"], "")) == list(ENGINES)
+    assert list(complete([], "--engine=b")) == [f"--engine={name}" for name in ENGINES]
+    assert "husky" in complete(["--engine", "mujoco"], "")
+    assert not complete(["--engine", "mujoco", "husky"], "")
 
 
 def test_a_printed_world_can_be_checked(
