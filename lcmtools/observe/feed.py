@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.model import Graph
@@ -24,7 +25,7 @@ _WINDOW = 2.0  # [s] that rates are about
 _SOON = 0.1  # [s] between the first few, and at most that the bus is waited for
 _FIRST = 10  # snapshots; while the screen is being made, this process itself may miss messages
 _MOST_KEPT = 10_000  # channels, of a stranger who makes names up
-_SELDOM = 3.0  # [s] between two looks at who listens, which goes through all processes
+_SELDOM = 3.0  # [s] between two looks at who listens
 _AGAIN = 0.5  # [s] before a network that fails is tried again
 
 
@@ -97,6 +98,7 @@ class Feed:
         self._subscribed: list[str] = []
         self._published: Sequence[str] = ()
         self._listeners: tuple[str, ...] = ()
+        self._known: tuple[frozenset[int], set[str]] = frozenset(), set()
         self._next_look = 0.0
         self._count = 0
         self._clears = threading.Event()
@@ -195,6 +197,9 @@ class Feed:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM
-            self._listeners = tuple(plain_listeners(graph, self._monitor.url))
+            known = listening_sockets(self._monitor.url), {node.id for node in graph.nodes}
+            if known != self._known:  # to find the processes goes through all of them
+                self._known = known
+                self._listeners = tuple(plain_listeners(graph, self._monitor.url))
         errors = tuple(all_callback_errors(graph))
         return Snapshot(rows, self._listeners, errors, graph=graph)

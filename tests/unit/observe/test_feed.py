@@ -122,6 +122,31 @@ def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot])
     assert found.trouble == "a fault of lcmtools (ZeroDivisionError: by zero)"
 
 
+def test_who_listens_is_looked_up_again_where_there_are_other_sockets(
+    snapshot_of: Callable[..., Snapshot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sockets = [frozenset({1})]
+    looks: list[frozenset[int]] = []
+
+    def listeners(*_: object) -> list[str]:
+        looks.append(sockets[-1])
+        return [f"program {len(looks)}"]
+
+    monkeypatch.setattr("lcmtools.observe.feed._SELDOM", 0.0)
+    monkeypatch.setattr("lcmtools.observe.feed.listening_sockets", lambda _: sockets[-1])
+    monkeypatch.setattr("lcmtools.observe.feed.plain_listeners", listeners)
+    seen: dict[int, Snapshot] = {}
+
+    def several(snapshot: Snapshot) -> bool:
+        seen[id(snapshot)] = snapshot
+        if len(seen) == 4:
+            sockets.append(frozenset({1, 2}))
+        return len(seen) == 8
+
+    assert snapshot_of(packets, several).plain_listeners == ("program 2",)
+    assert looks == sockets
+
+
 def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     snapshot_of: Callable[..., Snapshot], wait_until: Callable[..., None]
 ) -> None:

@@ -16,7 +16,7 @@ from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channel_columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
 from lcmtools.observe.channel_table import ColumnLayout, layout, natural_widths
 from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.feed import PERIOD, Feed, Snapshot
 
 _MUCH_LOSS = 0.01  # of what is sent
 _PERIOD = 1.0  # [s] between two drawings where nothing but numbers changes
@@ -26,6 +26,7 @@ _SEARCH, _FILTER = "Search", "Filter"
 class Overview(LivePage):
     """The table of channels."""
 
+    period = PERIOD
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f1,h,question_mark", "app.explain", "Help"),
         Binding("f3,slash", "search", "Search"),

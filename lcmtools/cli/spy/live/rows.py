@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.color import Color
+from textual.geometry import Region
 from textual.renderables.sparkline import Sparkline
 from textual.widgets import DataTable
 
@@ -64,6 +65,7 @@ class RowTable(DataTable[Cell | CurveCell]):
     ]
 
     def __init__(self, name: str) -> None:
+        self._is_updating = False
         super().__init__(id=name, cursor_type="row", cell_padding=0)
         self._headings: Sequence[tuple[str, int]] = ()
         self._keys: list[str] = []
@@ -108,10 +110,19 @@ class RowTable(DataTable[Cell | CurveCell]):
         super().watch_scroll_y(old_value, new_value)
         self._update_seen()
 
+    def refresh(self, *regions: Region, **parts: bool) -> "RowTable":
+        # each cell that changes would have all lines drawn again
+        return self if self._is_updating and not regions else super().refresh(*regions, **parts)
+
     def _update_seen(self) -> None:
         top = int(self.scroll_y)
-        for key in self._keys[top : top + self.size.height]:
+        for place, key in enumerate(self._keys[top : top + self.size.height], top):
             before, self._shown[key] = self._shown[key], self._cells(key)
+            if before == self._shown[key]:
+                continue
+            self._is_updating = True
             for number, (old, new) in enumerate(zip(before, self._shown[key], strict=True)):
                 if old != new:
                     self.update_cell(key, f"{number}", new)
+            self._is_updating = False
+            self.refresh_row(place)

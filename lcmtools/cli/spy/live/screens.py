@@ -16,7 +16,6 @@ from textual.widgets.option_list import Option
 
 from lcmtools.observe.channel_columns import COLUMNS, heading
 
-PERIOD = 0.2  # time between two looks at what is new [s]
 _HELP = f"""\
 Enter         the channel's message, decoded; there: a number's
               curve, or an array's elements
@@ -60,6 +59,8 @@ class Page(Screen[ScreenResultType]):
 class LivePage(Page[None]):
     """A screen that ``draw`` draws several times a second, unless it is paused."""
 
+    period = 0.2  # between two looks at what is new [s]
+
     def __init__(self, draw: Callable[[], None]) -> None:
         super().__init__()
         self.draw = draw
@@ -75,7 +76,7 @@ class LivePage(Page[None]):
 
     def on_mount(self) -> None:
         self.draw()
-        self.set_interval(PERIOD, self.update)
+        self.set_interval(self.period, self.update)
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.draw)

@@ -14,8 +14,9 @@ from textual.events import Key, Resize
 from textual.geometry import Size
 
 from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
+from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.rows import RowTable
-from lcmtools.cli.spy.live.screens import Page
+from lcmtools.cli.spy.live.screens import LivePage, Page
 from lcmtools.messages.codec import encode
 from lcmtools.observe.feed import Snapshot
 from lcmtools.types.geometry_msgs import Vector3
@@ -175,7 +176,8 @@ def test_a_size_that_the_terminal_has_no_longer_changes_nothing() -> None:
 def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lcmtools.cli.spy.live.screens.PERIOD", 0.01)
+    monkeypatch.setattr(LivePage, "period", 0.01)
+    monkeypatch.setattr(Overview, "period", 0.01)
     chance = random.Random(seed)  # noqa: S311 - no secret
     keys = ["escape", "left", "enter", "enter", "f1", "h", "f6", "f3", "f4", "x", "plus", "c", "r"]
 

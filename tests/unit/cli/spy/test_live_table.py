@@ -7,6 +7,7 @@ from typing import cast
 import pytest
 from fixtures.live_view import ROWS, Planted, Screen, look
 from textual.app import App, ComposeResult
+from textual.strip import Strip
 
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
@@ -63,6 +64,24 @@ def test_the_cursor_stays_on_its_row_while_the_order_changes() -> None:
         screen.planted.latest = replace(screen.planted.latest, rows=ROWS[1:])
         await screen.until(lambda: "43 channels" in screen.title)
         assert screen.cursor == "/base/odom"
+
+    look(script)
+
+
+def test_a_new_number_draws_its_line_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: set[int] = set()
+    draw = RowTable.render_line
+
+    def noted(self: RowTable, y: int) -> Strip:
+        drawn.add(y)
+        return draw(self, y)
+
+    async def script(screen: Screen) -> None:
+        monkeypatch.setattr(RowTable, "render_line", noted)
+        rows = ROWS[0], replace(ROWS[1], messages=901), *ROWS[2:]
+        screen.planted.latest = replace(screen.planted.latest, rows=rows)
+        await screen.until(lambda: "901" in screen.text)
+        assert drawn == {2}
 
     look(script)
 
