@@ -63,7 +63,7 @@ def on_slope(
 
 
 @pytest.mark.parametrize("gravity", [G, 1.62, 0.0])
-@pytest.mark.parametrize("dt", [1 / 240, 1 / 1000])
+@pytest.mark.parametrize("dt", [1 / 60, 1 / 240, 1 / 1000])
 def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(
     put: Put, dt: float, gravity: float
 ) -> None:
