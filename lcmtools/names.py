@@ -8,6 +8,7 @@ The rules: https://wiki.ros.org/Names and https://wiki.ros.org/Remapping%20Argum
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 from lcmtools.errors import InvalidName
@@ -93,6 +94,7 @@ def check_node(name: str) -> None:
         raise InvalidName(f"'{name}' is not a node's full name", "for example /husky0/driver")
 
 
+@lru_cache  # each message that is sent asks again
 def check_channel(channel: str) -> str:
     """Return a channel to publish on; raise InvalidName if it is empty, too long or not UTF-8."""
     try:

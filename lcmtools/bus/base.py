@@ -3,6 +3,8 @@
 from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
+from lcmtools.bus.wakeup import WakeupEvent
+
 Handler = Callable[[bytes, int], None]
 """Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
 
@@ -12,6 +14,9 @@ class Bus(Protocol):
 
     on_outage: Callable[[str], None]
     """Called, on the thread that receives, when the connection is lost, and when it is back."""
+
+    on_received: Callable[[], None]
+    """Called when another thread than those that ``wait``, or not only one, has called handlers."""
 
     @property
     def ports(self) -> list[int]:
@@ -46,11 +51,11 @@ class Bus(Protocol):
         """Undo ``subscribe``."""
         ...
 
-    def wait(self, descriptor: int, timeout: float | None) -> bool:
-        """Wait until a descriptor can be read or messages came, for ``timeout`` seconds at most.
+    def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
+        """Wait until an event is set, or messages came, for ``timeout`` seconds at most; clear it.
 
-        The calling thread may receive meanwhile; it is to return soon, or to call ``hand_over``.
-        Returns whether the descriptor can be read; perhaps before anything has come.
+        The calling thread may receive meanwhile; it is to come back soon, or to call ``hand_over``.
+        Returns now and then before anything has come.
         """
         ...
 

@@ -18,6 +18,7 @@ from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance, Subscripti
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
@@ -46,6 +47,7 @@ class LcmBus:
     def __init__(self, url: BusUrl) -> None:
         self.url = url
         self.on_outage: Callable[[str], None] = lambda _: None
+        self.on_received: Callable[[], None] = lambda: None
         self._handlers: dict[str, list[Handler]] = {}
         self._subscriptions: dict[str, Subscription] = {}
         self._sending = threading.RLock()  # not Lock: a signal handler may publish too
@@ -84,10 +86,11 @@ class LcmBus:
             InvalidName: LCM cannot carry this channel name.
         """
         check_channel(channel)
-        instance = self._instance()
-        is_large = len(payload) > PACED_ABOVE_BYTES
-        if self._paced and (is_large or self._paced.has_waiting(channel)):
-            self._paced.send(channel, payload)
+        instance, paced = self._connection.instance, self._paced
+        if instance is None:
+            raise self._missing()
+        if paced and (len(payload) > PACED_ABOVE_BYTES or paced.has_waiting(channel)):
+            paced.send(channel, payload)
             return
         try:
             with self._sending:
@@ -129,12 +132,15 @@ class LcmBus:
         self._subscriptions.clear()
         self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
+    def _missing(self) -> BusError:
+        """Return the error for a bus without an instance."""
+        lost = f"the connection to {self.url} is lost"
+        return BusError("the bus is closed" if self._closed else lost)
+
     def _instance(self) -> Instance:
         instance = self._connection.instance
-        if self._closed:
-            raise BusError("the bus is closed")
-        if instance is None:
-            raise BusError(f"the connection to {self.url} is lost")
+        if instance is None or self._closed:
+            raise self._missing()
         return instance
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
@@ -197,37 +203,41 @@ class LcmBus:
         for handler in tuple(self._handlers.get(channel, ())):
             handler(payload, now)
 
-    def wait(self, descriptor: int, timeout: float | None) -> bool:
+    def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
-        if self._closed or not self._receiving.lead():
-            return bool(select.select([descriptor], [], [], timeout)[0])
-        try:
-            return self._receive(descriptor, timeout)
-        except (BusError, OSError, ValueError):  # a signal handler has closed the bus
-            return False
-        finally:
-            self._receiving.leave()
+        if self._closed or not self._receiving.is_lendable:
+            wakeup.wait(timeout)
+        elif self._receiving.lead():  # else, work for this thread may have come a moment ago
+            try:
+                self._receive(wakeup, timeout)
+            except (BusError, OSError, ValueError):  # a signal handler has closed the bus
+                pass
+            finally:
+                self._receiving.leave()
 
     def hand_over(self) -> None:
         """Receive on the bus's own thread until this one waits again."""
         self._receiving.hand_over()
 
-    def _receive(self, descriptor: int, timeout: float | None) -> bool:
-        """Wait for messages, requests or a descriptor; return whether that can be read."""
-        instance = self._instance()
-        wake, messages = self._receiving.wakeup.fileno(), instance.fileno()
+    def _receive(self, wakeup: WakeupEvent, timeout: float | None) -> None:
+        """Wait for messages, requests or an event."""
+        instance, own = self._instance(), self._receiving.wakeup
+        event, wake, messages = wakeup.fileno(), own.fileno(), instance.fileno()
         start = time.monotonic()
-        readable = select.select([descriptor, wake, messages], [], [], timeout)[0]
+        readable = select.select([event, wake, messages], [], [], timeout)[0]
         if messages in readable:
             if time.monotonic() - start > _AT_ONCE:  # the callback need not wait for a second look
                 instance.handle()
                 self._burst = 0
             else:
                 self._handle_burst(instance)
+            if not self._receiving.is_lendable:
+                self.on_received()
         if wake in readable:
-            self._receiving.wakeup.clear()
+            own.clear()
             self._serve_requests()
-        return descriptor in readable
+        if event in readable:
+            wakeup.clear()
 
     def _handle_burst(self, instance: Instance) -> None:
         """Deliver few messages at a time: callbacks run in between, and their queues have room.
@@ -243,6 +253,8 @@ class LcmBus:
         while not self._closed:
             if not self._receiving.follow(lambda: self._closed or not self._requests.empty()):
                 with self._receiving:
+                    if self._closed:  # the wake-up may have been that of the thread before
+                        break
                     self._turn(None if self._has_ended else self._connection.instance)
         self._serve_requests()  # those made while it closed
 
@@ -259,6 +271,7 @@ class LcmBus:
             return
         if works and len(readable) > readable.count(wake):
             works = self._handle(instance, _BATCH) is not None
+            self.on_received()
         if works and not (self._can_break and self._broken is instance):
             return
         if not self._can_break:

@@ -5,38 +5,33 @@ is handled where its callback runs, without a switch of threads on the way. Whil
 away, in a callback for example, the bus's own thread waits for a moment, and then receives again.
 """
 
-import math
 import threading
-import time
 from collections.abc import Callable
 
 from lcmtools.bus.wakeup import WakeupEvent
 
-_PATIENCE = 0.05  # [s] for which a thread that has received may be away
+_PATIENCE = 0.05  # [s] for which a thread that has received may be away; at most twice as long
+_LONGEST_TURN = 1.0  # [s] for which closing waits for a thread that receives
 
 
 class Receiving:
     """The right to receive; a context manager for the bus's own thread.
 
-    Args:
-        is_lendable: Other threads may receive.
-
     Attributes:
+        is_lendable: Other threads may receive.
         thread: The thread that receives now; 0 for none.
         wakeup: Wakes that thread, or the next one.
     """
 
     def __init__(self, *, is_lendable: bool) -> None:
+        self.is_lendable = is_lendable
         self.thread = 0
         self.wakeup = WakeupEvent()
         self._wakeup_of_own = WakeupEvent()
         self._lock = threading.Lock()  # held by the thread that receives
-        self._leading = threading.RLock()  # held by a thread that was lent the right
-        self._is_lendable = is_lendable
         self._is_leader_here = False
         self._is_asleep = False  # the bus's own thread, until the leader leaves
         self._turns = self._seen = 0  # of leaders; those that the bus's own thread has seen
-        self._trusted_until = -math.inf  # a leader that is away, to come back [s]
 
     def __enter__(self) -> None:
         """Receive on the bus's own thread."""
@@ -50,37 +45,35 @@ class Receiving:
 
     def lead(self) -> bool:
         """Take the right on a thread that waits for messages, until ``leave``; return success."""
-        if not self._is_lendable:
-            return False
-        if not self._leading.acquire(blocking=False):
-            self._is_lendable = False  # several threads wait, and each must hear of its messages
+        if self._is_leader_here:
+            self.is_lendable = False  # several threads wait, and each must hear of its messages
             self.wake()
             return False
         self._is_leader_here = True
         if not self._lock.acquire(blocking=False):
             self.wakeup.set()
-            self._lock.acquire()
+            try:
+                self._lock.acquire()
+            except BaseException:  # Ctrl-C
+                self._is_leader_here = False
+                raise
+            self._is_leader_here = True  # again: it may have been another leader that left
         self.thread = threading.get_ident()
-        if not self._is_lendable:  # since a moment ago
-            self.leave()
-            return False
         return True
 
     def leave(self) -> None:
         """Give back what ``lead`` took; the thread is trusted to come back soon."""
         self.thread = 0
-        self._lock.release()
-        self._trusted_until = time.monotonic() + _PATIENCE
         self._turns += 1
         self._is_leader_here = False
-        self._leading.release()
+        self._lock.release()
         if self._is_asleep:
             self._wakeup_of_own.set()
 
     def hand_over(self) -> None:
         """Trust no thread that is away to come back soon."""
-        if not self._is_leader_here and self._trusted_until > -math.inf:
-            self._trusted_until = -math.inf
+        if not self._is_leader_here:
+            self._seen = self._turns
             self._wakeup_of_own.set()
 
     def follow(self, has_work: Callable[[], bool]) -> bool:
@@ -89,21 +82,15 @@ class Receiving:
         Returns False if its own thread is to receive: nobody else does, or there is work for it,
         such as a request that came just as the other one left.
         """
-        if self._is_leader_here and self._turns != self._seen:  # it need not wake this one again
+        if self._is_leader_trusted() and not has_work():  # it need not wake this one again
             self._seen = self._turns
             self._wakeup_of_own.wait(_PATIENCE)
-            return True
-        self._is_asleep = True
-        if self._is_leader_here:
-            self._wakeup_of_own.wait(None)
-        self._is_asleep = False
-        if self._is_leader_here:
-            return True
-        trust = self._trusted_until - time.monotonic() if self._is_lendable else 0.0
-        if trust <= 0.0 or has_work():
-            return False
-        self._wakeup_of_own.wait(trust)
-        return not has_work()
+        elif self._is_leader_here:
+            self._is_asleep = True
+            if self._is_leader_here:
+                self._wakeup_of_own.wait(None)
+            self._is_asleep = False
+        return self._is_leader_here or (self._is_leader_trusted() and not has_work())
 
     def wake(self) -> None:
         """Wake the thread that receives, and the bus's own one."""
@@ -112,6 +99,14 @@ class Receiving:
 
     def close(self) -> None:
         """Free the descriptors, once no thread waits any more."""
-        with self._leading:
-            self.wakeup.close()
-            self._wakeup_of_own.close()
+        # a signal handler may close the bus on the very thread that receives
+        is_here = self.thread == threading.get_ident()
+        is_taken = not is_here and self._lock.acquire(timeout=_LONGEST_TURN)
+        self.wakeup.close()
+        self._wakeup_of_own.close()
+        if is_taken:
+            self._lock.release()
+
+    def _is_leader_trusted(self) -> bool:
+        """Return whether a leader has come and gone since the bus's own thread has looked."""
+        return self.is_lendable and self._turns != self._seen

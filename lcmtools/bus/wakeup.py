@@ -4,6 +4,7 @@ import contextlib
 import os
 import select
 import sys
+from collections.abc import Callable
 from io import FileIO
 
 _ONE = (1).to_bytes(8, "little")  # any number but 0, in eight bytes, as eventfd(2) wants it
@@ -21,6 +22,8 @@ class WakeupEvent:
 
     def __init__(self) -> None:
         self._read, self._write = _ends()
+        self.fileno: Callable[[], int] = self._read.fileno
+        """Returns the descriptor that can be read while it is set."""
         self._is_set = False
 
     def set(self) -> None:
@@ -29,10 +32,6 @@ class WakeupEvent:
             self._is_set = True
             with contextlib.suppress(OSError, ValueError):  # closed: gone
                 self._write.write(_ONE)
-
-    def fileno(self) -> int:
-        """Return the descriptor that can be read while it is set."""
-        return self._read.fileno()
 
     def wait(self, timeout: float | None) -> None:
         """Wait until set, or for ``timeout`` seconds, and clear it; not at all when closed."""

@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from lcmtools.bus.base import Handler
 from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh_session import ZenohSession
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
@@ -36,6 +37,7 @@ class ZenohBus:
     def __init__(self, url: BusUrl) -> None:
         self.url = url
         self.on_outage: Callable[[str], None] = lambda _: None
+        self.on_received: Callable[[], None] = lambda: None
         self._handlers: dict[str, list[Handler]] = {}
         self._changing = threading.Lock()
         self._burst = 0
@@ -88,14 +90,17 @@ class ZenohBus:
                 if not handlers and not self._closed:
                     self._session.unsubscribe(channel)
 
-    def wait(self, descriptor: int, timeout: float | None) -> bool:
+    def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
-        if self._closed or not self._receiving.lead():
-            return bool(select.select([descriptor], [], [], timeout)[0])
-        try:
-            return descriptor in self._receive([descriptor], timeout)
-        finally:
-            self._receiving.leave()
+        if self._closed or not self._receiving.is_lendable:
+            wakeup.wait(timeout)
+        elif self._receiving.lead():  # else, work for this thread may have come a moment ago
+            try:
+                self._receive([wakeup, self._receiving.wakeup], timeout)
+                if not self._receiving.is_lendable:
+                    self.on_received()
+            finally:
+                self._receiving.leave()
 
     def hand_over(self) -> None:
         """Receive on the bus's own thread until this one waits again."""
@@ -117,19 +122,22 @@ class ZenohBus:
         while not self._closed:
             if not self._receiving.follow(lambda: self._closed):
                 with self._receiving:
-                    self._receive([], None)
+                    if self._closed:  # the wake-up may have been that of the thread before
+                        break
+                    self._receive([self._receiving.wakeup], None)
+                    self.on_received()
 
-    def _receive(self, descriptors: list[int], timeout: float | None) -> list[int]:
-        """Wait for messages, a wake-up or descriptors; return those that can be read."""
-        wake, messages = self._receiving.wakeup.fileno(), self._session.fileno()
+    def _receive(self, wakeups: Sequence[WakeupEvent], timeout: float | None) -> None:
+        """Wait for messages or events."""
+        messages, events = self._session.fileno(), {}
         readable: list[int] = []
         with contextlib.suppress(OSError, ValueError):  # a signal handler has closed the bus
-            readable = select.select([*descriptors, wake, messages], [], [], timeout)[0]
+            events = {one.fileno(): one for one in wakeups}
+            readable = select.select([*events, messages], [], [], timeout)[0]
         if messages in readable:
             self._deliver()
-        if wake in readable:
-            self._receiving.wakeup.clear()
-        return readable
+        for descriptor in events.keys() & readable:
+            events[descriptor].clear()
 
     def _deliver(self) -> None:
         """Deliver few messages at a time: callbacks run in between, and their queues have room.

@@ -5,7 +5,10 @@ known here.
 """
 
 import time
+from collections import deque
 from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
 
 from lcmtools.clock import Clock, ManualClock, SystemClock
 from lcmtools.errors import DecodeError, LcmtoolsError
@@ -17,6 +20,8 @@ from lcmtools.node.service import Service
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.node.subscription import Subscription
 from lcmtools.node.timer import Timer
+
+SourceT = TypeVar("SourceT")
 
 
 class Callbacks:
@@ -35,23 +40,32 @@ class Callbacks:
         self._errors = errors
         self._go_on = go_on
         self._cleared = False
-        self._has_waiting = False
+        self._ready: deque[Callable[[], None]] = deque()  # one for each that waits, as they came
 
-    def note_message(self) -> None:
-        """Note that a message or a request waits; called on the thread that receives."""
-        self._has_waiting = True
+    def on_ready(self, run: Callable[[SourceT], None], source: SourceT) -> Callable[[], None]:
+        """Return what the source of a message or a request is to call when one more waits."""
+        return partial(self._ready.append, partial(run, source))
 
     def clear(self) -> None:
         """Run nothing any more."""
         self._cleared = True
+        self._ready.clear()
         self.subscriptions.clear()
         self.services.clear()
         self.timers.clear()
 
-    def run_ready(self) -> int:
-        """Run every callback that is ready; return their number."""
-        ran = self._run_waiting() if self._has_waiting else 0
-        return ran + self._run_timers() if self.timers else ran
+    def run_ready(self) -> bool:
+        """Run every callback that is ready; return whether there was one."""
+        has_run, left = False, len(self._ready)  # timers come before what arrives meanwhile
+        while left and self._ready:
+            try:
+                run = self._ready.popleft()
+            except IndexError:  # another thread spins too
+                break
+            run()
+            has_run = True
+            left = left - 1 if self._go_on() else 0
+        return self._run_timers() or has_run if self.timers else has_run
 
     def time(self) -> int:
         """Return the timers' time [ns]: simulated, or else of a monotonic clock."""
@@ -76,69 +90,52 @@ class Callbacks:
         waits = [wait for t in (*self.timers, *others) if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
 
-    def _run_waiting(self) -> int:
-        """Run the callbacks of waiting messages and requests."""
-        self._has_waiting = False  # before checking: a message from now on sets it again
-        try:
-            return self._run_subscriptions() + self._run_services()
-        except BaseException:  # Ctrl-C in a callback: more may wait
-            self._has_waiting = True
-            raise
-
-    def _run_subscriptions(self) -> int:
-        ran = 0
-        for subscription in tuple(self.subscriptions):
-            for _ in range(subscription.waiting()):
-                payload = subscription.take()
-                if payload is None or not self._is_running():
-                    break
-                with subscription.stopwatch:
-                    self._deliver(subscription, payload)
-                ran += 1
-        return ran
-
-    def _deliver(self, subscription: Subscription, payload: bytes) -> None:
-        try:
-            message = subscription.decode(payload)
-        except DecodeError as error:
-            if subscription.is_warning_due(time.monotonic()):
-                self._logger.warning(f"{subscription.topic}: message ignored: {error}")
+    def deliver(self, subscription: Subscription) -> None:
+        """Run the callback of the oldest waiting message."""
+        payload = subscription.take()
+        if payload is None:  # destroyed meanwhile
             return
-        self._guard(subscription.topic, subscription.callback, message)
+        with subscription.stopwatch:
+            try:
+                message = subscription.decode(payload)
+            except DecodeError as error:
+                if subscription.is_warning_due(time.monotonic()):
+                    self._logger.warning(f"{subscription.topic}: message ignored: {error}")
+                return
+            try:
+                subscription.callback(message)
+            except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
+                self._note(subscription.topic, error, subscription.callback)
 
-    def _run_services(self) -> int:
-        ran = 0
-        for service in tuple(self.services):
-            while self._is_running() and (request := service.take()) is not None:
-                ran += 1
-                with service.stopwatch:
-                    failure = service.answer(request)
-                if failure is not None:
-                    is_hidden = service.name.endswith(PARAMETERS_SUFFIX)
-                    name = "parameters" if is_hidden else f"service {service.name}"
-                    self._errors.add(name, failure, service.callback)
-        return ran
+    def answer(self, service: Service[Message, Message]) -> None:
+        """Run the callback of the oldest waiting request."""
+        request = service.take()
+        if request is None:
+            return
+        with service.stopwatch:
+            failure = service.answer(request)
+        if failure is not None:
+            is_hidden = service.name.endswith(PARAMETERS_SUFFIX)
+            name = "parameters" if is_hidden else f"service {service.name}"
+            self._errors.add(name, failure, service.callback)
 
-    def _run_timers(self) -> int:
-        ran = 0
+    def _run_timers(self) -> bool:
+        has_run = False
         for timer in tuple(self.timers):
             now = self.time()
-            if self._is_running() and timer.is_due(now):
+            # one of them may have ended the node or the program
+            if self._go_on() and not self._cleared and timer.is_due(now):
                 timer.advance(now)
+                has_run = True
                 with self._timed:
-                    self._guard(str(timer), timer.callback)
-                ran += 1
-        return ran
+                    try:
+                        timer.callback()
+                    except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
+                        self._note(str(timer), error, timer.callback)
+        return has_run
 
-    def _is_running(self) -> bool:
-        """True if callbacks may be called; one of them may have ended the node or the program."""
-        return self._go_on() and not self._cleared
-
-    def _guard(self, name: str, function: Callable[..., object], *arguments: object) -> None:
-        """Call user code; log and count its exceptions, and go on."""
-        try:
-            function(*arguments)
-        except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
-            if isinstance(error, LcmtoolsError) and not self._go_on():
-                return  # no fault: the program ends, and its calls with it
-            self._errors.add(name, error, function)
+    def _note(self, name: str, error: Exception, callback: Callable[..., object]) -> None:
+        """Log and count an exception of user code."""
+        if isinstance(error, LcmtoolsError) and not self._go_on():
+            return  # no fault: the program ends, and its calls with it
+        self._errors.add(name, error, callback)

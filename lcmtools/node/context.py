@@ -3,7 +3,6 @@
 The choice among a process's contexts, and signals, are process.py's business.
 """
 
-import contextlib
 import os
 import socket
 import threading
@@ -66,6 +65,7 @@ class Context:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
         self.bus = bus
         bus.on_outage = self._warn
+        bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of threads that wait
         self.declared_parameters: set[str] = set()
@@ -101,15 +101,12 @@ class Context:
     def stop(self) -> None:
         """Make everything that spins return. Safe in signal handlers."""
         self._stopping = True
-        for wakeup in tuple(self._wakeups.values()):
-            wakeup.set()
+        self.wake()
 
     def wake(self) -> None:
-        """Let the threads that wait look for work; from the thread that receives."""
-        receiver = threading.get_ident()  # it looks for work by itself
-        for thread, wakeup in tuple(self._wakeups.items()):
-            if thread != receiver:
-                wakeup.set()
+        """Let the threads that wait look for work."""
+        for wakeup in tuple(self._wakeups.values()):
+            wakeup.set()
 
     def run_once(self, callbacks: Sequence[Callbacks], timeout: float | None) -> None:
         """Wait for something to do, for ``timeout`` seconds at most (None: without end); do it.
@@ -118,10 +115,10 @@ class Context:
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         while self.ok():
-            ran = 0
+            has_run = False
             for one in callbacks:
-                ran += one.run_ready()
-            if ran:
+                has_run |= one.run_ready()
+            if has_run:
                 return
             wait = None if deadline is None else deadline - time.monotonic()
             if wait is not None and wait <= 0:
@@ -161,12 +158,9 @@ class Context:
         thread = threading.get_ident()
         wakeup = self._wakeups.get(thread)
         if wakeup is None:
-            wakeup = self._wakeups[thread] = WakeupEvent()
+            self._wakeups[thread] = WakeupEvent()
             return  # one who wakes all may not have seen it: the caller looks for work first
-        longest = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
-        with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
-            if self.bus.wait(wakeup.fileno(), longest):
-                wakeup.clear()
+        self.bus.wait(wakeup, _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT))
 
     def _pids_here(self) -> frozenset[int]:
         """Return the processes of this computer that are nodes, always with this one."""

@@ -162,10 +162,9 @@ class Factory:
         checks.check_callback("create_subscription", callback, "message")
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
-        subscription.on_ready = self.__wake
+        subscription.on_ready = self.__callbacks.on_ready(self.__callbacks.deliver, subscription)
         self.__receive(resolved, subscription.receive)
         self.__callbacks.subscriptions.append(subscription)
-        self.__wake()  # messages may have come before
         return subscription
 
     @explained
@@ -214,10 +213,9 @@ class Factory:
         resolved = self.__resolve_service("create_service", service_type, name)
         checks.check_callback("create_service", callback, "request", "response")
         service = Service(self.__context.bus, service_type, resolved, callback)
-        service.on_ready = self.__wake
+        service.on_ready = self.__callbacks.on_ready(self.__callbacks.answer, service)  # type: ignore[arg-type]
         self.__receive(request_channel(resolved), service.receive)
         self.__callbacks.services.append(service)  # type: ignore[arg-type] # their message types differ
-        self.__wake()  # messages may have come before
         return service
 
     @explained
@@ -306,11 +304,6 @@ class Factory:
         resolved = self.resolve_name(name)
         names.check_length(request_channel(resolved), name)
         return resolved
-
-    def __wake(self) -> None:
-        """Let the spinning thread run callbacks; called on the thread that receives."""
-        self.__callbacks.note_message()  # before the thread wakes, which checks this alone
-        self.__context.wake()
 
     def __log_lost_message(self, error: BusError) -> None:
         self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)

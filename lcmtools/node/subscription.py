@@ -4,13 +4,11 @@ import threading
 from collections import deque
 from collections.abc import Callable
 
-from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Endpoint, Role
-from lcmtools.messages.codec import decode, describe_payload
+from lcmtools.messages.codec import PayloadDecoder
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.stopwatch import Stopwatch
 
-FINGERPRINT_BYTES = 8
 _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
 
 
@@ -26,6 +24,7 @@ class Subscription:
         depth: The number of messages that wait at most.
         group: Subscriptions of a node with the same group are alternatives of each other.
         drops: Messages that newer ones pushed out.
+        decode: Returns the message in a payload.
         stopwatch: Measures the time of decoding and of the callback.
     """
 
@@ -45,11 +44,9 @@ class Subscription:
         self.stopwatch = Stopwatch()
         self.callback = callback
         self.on_ready: Callable[[], None] = lambda: None
-        self._by_fingerprint = {
-            fingerprint(kind).to_bytes(FINGERPRINT_BYTES, "big"): kind for kind in message_types
-        }
+        self.decode = PayloadDecoder(message_types).decode
         self._lock = threading.Lock()
-        self._queue: deque[bytes] = deque()
+        self._queue: deque[bytes] = deque(maxlen=self.depth)
         self._closed = False
         self._messages = 0
         self._bytes = 0
@@ -61,14 +58,14 @@ class Subscription:
         with self._lock:
             if self._closed:
                 return
-            if len(self._queue) >= self.depth:
-                self._queue.popleft()
+            if len(self._queue) < self.depth:
+                self.on_ready()
+            else:  # the one that the new one pushes out has called it
                 self.drops += 1
             self._queue.append(payload)
             self._messages += 1
             self._bytes += len(payload)
             self._last_time = time
-        self.on_ready()
 
     def take(self) -> bytes | None:
         """Return the oldest waiting payload; None if there is none."""
@@ -80,18 +77,6 @@ class Subscription:
         with self._lock:
             self._closed = True
             self._queue.clear()
-
-    def waiting(self) -> int:
-        """Return the number of waiting messages."""
-        return len(self._queue)
-
-    def decode(self, payload: bytes) -> Message:
-        """Return the message in a payload; DecodeError for another type, or a damaged one."""
-        kind = self._by_fingerprint.get(payload[:FINGERPRINT_BYTES])
-        if kind is None:
-            expected = " or ".join(map(type_name, self.message_types))
-            raise DecodeError(f"expected {expected}, got {describe_payload(payload)}")
-        return decode(kind, payload)
 
     def is_warning_due(self, now: float) -> bool:
         """Return whether to log a bad message at ``now`` [s]: seldom."""

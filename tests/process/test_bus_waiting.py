@@ -27,10 +27,10 @@ def endless_patience(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def never() -> Iterator[int]:
-    """A descriptor that is not ready to read until the test ends."""
+def never() -> Iterator[WakeupEvent]:
+    """An event that is not set until the test ends."""
     event = WakeupEvent()
-    yield event.fileno()
+    yield event
     event.close()
 
 
@@ -41,20 +41,21 @@ class Receivers:
         self.threads: list[int] = []
         bus.subscribe(channel, lambda _payload, _time: self.threads.append(threading.get_ident()))
 
-    def wait(self, bus: LcmBus, descriptor: int, messages: int = 1) -> None:
+    def wait(self, bus: LcmBus, event: WakeupEvent, messages: int = 1) -> None:
         """Wait on the bus until messages have come."""
+        bus.on_received = event.set  # the bus's own thread may have handled them
         deadline = time.monotonic() + _LONG
         while len(self.threads) < messages and time.monotonic() < deadline:
-            bus.wait(descriptor, deadline - time.monotonic())
+            bus.wait(event, deadline - time.monotonic())
         assert len(self.threads) >= messages
 
 
 @pytest.mark.usefixtures("endless_patience")
 def test_messages_are_handled_on_the_thread_that_waits(
-    bus: LcmBus, other: LcmBus, never: int
+    bus: LcmBus, other: LcmBus, never: WakeupEvent
 ) -> None:
     receivers = Receivers(bus)
-    assert not bus.wait(never, 0.0)
+    bus.wait(never, 0.0)
     for count in range(1, 4):
         other.publish("a", b"x")
         receivers.wait(bus, never, count)
@@ -63,7 +64,7 @@ def test_messages_are_handled_on_the_thread_that_waits(
 
 @pytest.mark.usefixtures("endless_patience")
 def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_end(
-    never: int, monkeypatch: pytest.MonkeyPatch
+    never: WakeupEvent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The queue of a subscription takes ten by default; its callback runs between two waits."""
     monkeypatch.setattr(lcm_bus, "_AT_ONCE", 3600.0)  # on a busy computer too
@@ -82,7 +83,7 @@ def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_en
 
 
 def test_a_thread_that_stays_away_is_replaced(
-    bus: LcmBus, other: LcmBus, never: int, wait_until: WaitUntil
+    bus: LcmBus, other: LcmBus, never: WakeupEvent, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
@@ -97,7 +98,7 @@ def test_a_thread_that_stays_away_is_replaced(
 
 @pytest.mark.usefixtures("endless_patience")
 def test_a_thread_that_hands_over_is_replaced_at_once(
-    bus: LcmBus, other: LcmBus, never: int, wait_until: WaitUntil
+    bus: LcmBus, other: LcmBus, never: WakeupEvent, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
@@ -109,22 +110,19 @@ def test_a_thread_that_hands_over_is_replaced_at_once(
 
 @pytest.mark.usefixtures("endless_patience")
 def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
-    bus: LcmBus, other: LcmBus, never: int
+    bus: LcmBus, other: LcmBus, never: WakeupEvent
 ) -> None:
-    event = WakeupEvent()
     with ThreadPoolExecutor(1) as threads:
-        waiting = threads.submit(_wait_for_event, bus, event)
+        waiting = Waiting(bus, threads)
         Receivers(bus, "other")
-        event.set()
-        waiting.result(_LONG)
-    event.close()
+        waiting.end()
     receivers = Receivers(bus)  # it has gone
     other.publish("a", b"x")
     receivers.wait(bus, never)
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_requests_at_any_moment_are_served(bus: LcmBus, other: LcmBus, never: int) -> None:
+def test_requests_at_any_moment_are_served(bus: LcmBus, other: LcmBus, never: WakeupEvent) -> None:
     """Also at the very moment at which the waiting thread comes, or leaves."""
     receivers = Receivers(bus)
     done = threading.Event()
@@ -143,9 +141,25 @@ def test_requests_at_any_moment_are_served(bus: LcmBus, other: LcmBus, never: in
         receivers.wait(bus, never)
 
 
-def _wait_for_event(bus: LcmBus, event: WakeupEvent) -> None:
-    while not bus.wait(event.fileno(), _LONG):
-        pass
+class Waiting:
+    """A thread's waiting on a bus, until its end."""
+
+    def __init__(self, bus: LcmBus, threads: ThreadPoolExecutor) -> None:
+        self._bus = bus
+        self._wakeup = WakeupEvent()
+        self._is_over = False
+        self._thread = threads.submit(self._wait)
+
+    def end(self) -> None:
+        """Let the thread go away for good."""
+        self._is_over = True
+        self._wakeup.set()
+        self._thread.result(_LONG)
+        self._wakeup.close()
+
+    def _wait(self) -> None:
+        while not self._is_over:
+            self._bus.wait(self._wakeup, _LONG)
 
 
 @pytest.mark.usefixtures("endless_patience")
@@ -153,27 +167,19 @@ def test_where_two_threads_wait_neither_depends_on_the_other(
     bus: LcmBus, other: LcmBus, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
-    events = [WakeupEvent(), WakeupEvent()]
     with ThreadPoolExecutor(2) as threads:
-        waiting = [threads.submit(_wait_for_event, bus, event) for event in events]
-        events[0].set()  # the first one goes away for good
-        waiting[0].result(_LONG)
+        first, second = Waiting(bus, threads), Waiting(bus, threads)
+        first.end()
         other.publish("a", b"x")
         wait_until(lambda: receivers.threads)
-        events[1].set()
-        waiting[1].result(_LONG)
-    for event in events:
-        event.close()
+        second.end()
 
 
 def test_a_thread_that_waits_returns_when_the_bus_closes(bus: LcmBus) -> None:
-    event = WakeupEvent()
     with ThreadPoolExecutor(1) as threads:
-        waiting = threads.submit(_wait_for_event, bus, event)
+        waiting = Waiting(bus, threads)
         bus.close()
-        event.set()
-        waiting.result(_LONG)
-    event.close()
+        waiting.end()
 
 
 @pytest.mark.usefixtures("endless_patience")

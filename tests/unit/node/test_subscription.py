@@ -146,7 +146,7 @@ def test_a_callback_that_raises_is_logged_with_topic_and_traceback_and_the_node_
     bus.publish("/n", _number(1))
     bus.publish("/n", _number(2))
     lcmtools.spin_once(node)
-    assert heard == [1, 2, 10, 20]
+    assert heard == [1, 10, 2, 20]
     log = capsys.readouterr().err
     assert log.count("[ERROR]") == 1
     assert "[/a]: callback of /n raised RuntimeError: no 1" in log
@@ -302,4 +302,4 @@ def test_a_destroyed_subscription_calls_nobody_though_messages_wait(
     second.receive(_number(4), 0)
     lcmtools.spin_once(node)
     assert heard == [1]
-    assert second.waiting() == 0
+    assert second.take() is None
