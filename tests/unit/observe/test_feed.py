@@ -139,9 +139,9 @@ def test_who_listens_is_looked_up_again_where_there_are_other_sockets(
 
     def several(snapshot: Snapshot) -> bool:
         seen[id(snapshot)] = snapshot
-        if len(seen) == 4:
+        if len(seen) == 4 and len(sockets) == 1:
             sockets.append(frozenset({1, 2}))
-        return len(seen) == 8
+        return len(seen) >= 8
 
     assert snapshot_of(packets, several).plain_listeners == ("program 2",)
     assert looks == sockets
