@@ -30,7 +30,7 @@ def complete(before: Sequence[str], word: str) -> Iterable[str]:
     if word.startswith("-"):
         return [*_NAMED, *_FILE, *_VALUE, *_FLAGS]
     has_world = any(
-        not one.startswith(("-", "_")) and ":=" not in one and option not in (*_NAMED, *_VALUE)
+        not one.startswith(("-", "_")) and ":=" not in one and option not in ("--engine", *_VALUE)
         for option, one in zip(("", *before), before, strict=False)
     )
     return [] if has_world else world_names()

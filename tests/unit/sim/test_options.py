@@ -74,6 +74,7 @@ def test_completion_offers_every_option_and_the_engines(
     assert list(complete([], "--engine=b")) == [f"--engine={name}" for name in ENGINES]
     assert "husky" in complete(["--engine", "mujoco"], "")
     assert not complete(["--engine", "mujoco", "husky"], "")
+    assert not complete(["--world", "husky"], "")
 
 
 def test_a_printed_world_can_be_checked(
