@@ -191,7 +191,7 @@ def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
 
 
 def _path(run: RecordedRun, program: LabProgram) -> Rows:
-    paths = [one for _, one in run.messages(PATH, Path)]
+    paths = [one for _, one in run.messages(PATH, Path) if len(one.poses) >= path.LEAST_POSES]
     commands, motion = run.commands(program), run.motion("ground_truth", "odometry")
     if not (paths and commands and motion):
         topics = {PATH: paths, program.publishes[0]: commands, run.name("ground_truth"): motion}

@@ -12,6 +12,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
 
 _PATH = "/path"
+LEAST_POSES = 2  # of a path
 _FIRST = 10.0  # [s]
 _FARTHEST, _MEAN = 0.25, 0.10  # [m] from the path
 _LOST = 1.0  # [m]; farther away, the robot does not follow the path
@@ -32,7 +33,7 @@ class DrivenPath:
     """A robot's way along a path.
 
     Attributes:
-        points: (x, y) of the path [m].
+        points: (x, y) of the path, LEAST_POSES or more [m].
         along: The distance along the path that the robot has come [m]; it never goes back.
         offsets: The robot's states, and its distance from the path [m], positive to the left.
         last_progress: Simulated time of the last progress that counts [s].
@@ -56,8 +57,8 @@ class DrivenPath:
             self.last_progress = sample.time
         places = [
             self._beside(number, sample)
-            for number, start in enumerate(self._starts[:-1])
-            if self.along - _BEHIND <= start <= self.along + _AHEAD
+            for number, (start, end) in enumerate(pairwise(self._starts))
+            if self.along - _BEHIND <= end and start <= self.along + _AHEAD
         ]
         offset, along = min(places, key=lambda place: abs(place[0]))
         self.offsets.append((sample, offset))
@@ -98,9 +99,10 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
     paths = bench.recorder.record(Path, _PATH)
     bench.recorder.record_command(Twist)
     bench.wait(lambda: paths, _FIRST)
-    if not paths:
+    if not paths or len(paths[0].poses) < LEAST_POSES:
+        measured = f"poses of the one that came: {len(paths[0].poses)}" if paths else "none came"
         hint = "does the simulator still run?"
-        yield CheckResult("finds a path", _PATH, "none came", is_ok=False, hint=hint)
+        yield CheckResult("finds a path", _PATH, measured, is_ok=False, hint=hint)
         return
     bench.path = [(one.pose.position.x, one.pose.position.y) for one in paths[0].poses]
     program = bench.start(command)

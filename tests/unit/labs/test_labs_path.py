@@ -43,6 +43,16 @@ def test_a_closed_path_is_not_over_at_its_start() -> None:
     assert drive.along == pytest.approx(0.05 * math.tau * 2, abs=0.05)
 
 
+@pytest.mark.parametrize("piece", [0.5, 1.0, 4.0])
+def test_a_path_of_long_pieces_is_followed_piece_by_piece(piece: float) -> None:
+    drive = DrivenPath([(piece * n, 0.0) for n in range(round(8 / piece) + 1)])
+    for number in range(81):
+        drive.add(TrueState(number / 10, number / 10, -0.05, 1.0, 0.0))
+
+    assert drive.along == drive.length == pytest.approx(8.0)
+    assert {round(offset, 9) for _, offset in drive.offsets} == {-0.05}
+
+
 def test_a_robot_that_rests_far_from_the_end_is_not_waited_for() -> None:
     drive = drive_along([(0, 0, 0, 0)] * 20)
 
