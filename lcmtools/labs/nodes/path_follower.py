@@ -16,7 +16,8 @@ Example:
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain, pairwise, starmap
 
 import lcmtools
 from lcmtools import Node
@@ -31,6 +32,8 @@ LOOKAHEAD = 0.4
 MOST_SKIPPED = 2 * LOOKAHEAD
 """Length of the path in which its nearest point is searched [m]: a path may come back to a place,
 and the robot stays on its own part of it."""
+SPACING = 0.1
+"""Distance of two points, at most [m]: points are added to a path that has fewer."""
 
 Point = tuple[float, float]
 
@@ -39,14 +42,14 @@ class Pursuit:
     """The place on a path, and the curvature to drive at, as plain mathematics.
 
     Args:
-        points: (x, y) of the path [m].
+        points: (x, y) of the path, at least one [m].
 
     Attributes:
-        nearest: The number of the point that the robot is nearest to; it never goes back.
+        nearest: The number of the nearest point, also of those added; it never goes back.
     """
 
     def __init__(self, points: Sequence[Point]) -> None:
-        self._points = points
+        self._points = [*chain.from_iterable(starmap(_piece, pairwise(points))), points[-1]]
         self.nearest = 0
 
     def advance(self, place: Point) -> None:
@@ -71,6 +74,14 @@ class Pursuit:
         target = next((p for p in ahead if math.dist(p, place) >= LOOKAHEAD), ahead[-1])
         angle = math.atan2(target[1] - place[1], target[0] - place[0]) - heading
         return 2 * math.sin(angle) / max(math.dist(target, place), LOOKAHEAD)
+
+
+def _piece(start: Point, end: Point) -> Iterator[Point]:
+    """Points from the start to before the end, each near the next, at most a thousand."""
+    count = math.ceil(max(1.0, min(1000.0, math.dist(start, end) / SPACING)))
+    for number in range(count):
+        part = number / count
+        yield start[0] + part * (end[0] - start[0]), start[1] + part * (end[1] - start[1])
 
 
 class PathFollower(Node):

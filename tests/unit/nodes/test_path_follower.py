@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import pytest
+
 from lcmtools.labs.nodes.path_follower import PathFollower, Point, Pursuit
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry, Path
@@ -43,6 +45,22 @@ def test_a_robot_stays_on_a_closed_path_and_comes_to_its_end() -> None:
     assert pursuit.is_over
     assert len(strays) * step > 0.95 * 2 * math.tau
     assert max(strays[100:]) < 0.03
+
+
+@pytest.mark.parametrize("piece", [0.5, 1.0, 4.0])
+def test_a_robot_follows_long_pieces(piece: float) -> None:
+    pursuit = Pursuit([(piece * n, 0.0) for n in range(round(8 / piece) + 1)])
+    x, y, heading, step = 0.0, 0.1, 0.0, 0.01
+    strays = []
+    while not pursuit.is_over and len(strays) < 900:
+        heading += step * pursuit.curvature((x, y), heading)
+        x, y = x + step * math.cos(heading), y + step * math.sin(heading)
+        pursuit.advance((x, y))
+        strays.append(abs(y))
+
+    assert pursuit.is_over
+    assert x == pytest.approx(8.0, abs=0.5)
+    assert max(strays) <= 0.1
 
 
 def test_it_drives_with_each_pose_and_stops_at_the_end(bench: Any) -> None:
