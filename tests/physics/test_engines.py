@@ -208,3 +208,16 @@ def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(
     (line,) = told
     assert line.startswith("MuJoCo: Nan, Inf or huge value in QPOS at DOF 0.")
     assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.skipif(not is_installed("bullet"), reason="pybullet is not installed")
+def test_robots_that_come_and_go_leave_no_shapes_in_bullet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with Simulation(Scene("one", robots=HUSKY_ALONE), engine="bullet") as simulation:
+        engine = simulation._world._engine
+        monkeypatch.setattr(engine, "_compound", None)  # makes one, which Bullet never gives up
+
+        for _ in range(3):
+            late = simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 9)))
+            simulation.remove(late)

@@ -53,14 +53,18 @@ class Bullet:
             solverResidualThreshold=1e-12,
             warmStartingFactor=1.0,
         )
+        self._shapes: dict[tuple[Part, ...], int] = {}
+        """Those made so far, shared by equal bodies: the engine cannot give one up again."""
         plane = bullet.createCollisionShape(bullet.GEOM_PLANE)
         self.ground = self._make(0.0, plane, ZERO, IDENTITY)
         bullet.changeDynamics(self.ground, -1, lateralFriction=scene.ground.friction)
 
     def add(self, body: RigidBody) -> int:
         """Add a body and return its number."""
-        parts = body.parts if body.is_robot or not body.mass else _with_rims(body.parts)
-        number = self._make(body.mass, self._compound(parts), body.position, body.rotation)
+        parts = tuple(body.parts if body.is_robot or not body.mass else _with_rims(body.parts))
+        if parts not in self._shapes:
+            self._shapes[parts] = self._compound(parts)
+        number = self._make(body.mass, self._shapes[parts], body.position, body.rotation)
         self._bullet.changeDynamics(number, -1, lateralFriction=body.friction)
         if body.mass:
             self._bullet.changeDynamics(
