@@ -1,8 +1,9 @@
 """Completing command lines in bash, zsh and fish.
 
-    bus, messages, programs
+    bus, messages, programs, logs
                 the completers: functions from a situation to candidates
     situation   the words before the cursor, the bus at a glance; candidates
+    recorded    a log at a glance, in place of the bus
     tree        the commands, options and arguments as plain data, from a file
     from_click  the file, made from the commands; never imported by a completion
     line        the option or argument that the word under the cursor belongs to

@@ -69,10 +69,14 @@ class Situation:
 
     @cached_property
     def graph(self) -> "Graph":
-        """The bus as it is now; empty where it cannot be reached."""
+        """The bus as it is now, or the log in its place; empty where it cannot be reached."""
         from lcmtools.bus.quick_probe import QuickProbe
 
         try:
+            if log := self.last("bag"):
+                from lcmtools.cli.completion.recorded import recorded_graph
+
+                return recorded_graph(log)
             if self.url.provider == "zenoh":  # the others announce nothing when asked
                 return self._discovered()
             with QuickProbe(self.url) as quick_probe:

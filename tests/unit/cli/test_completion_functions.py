@@ -1,12 +1,19 @@
 """Candidates at a place of the command line, for a bus that is known."""
 
+from pathlib import Path
+
+import lcm
 import pytest
 
+from lcmtools.bag.reindex import reindex_log
 from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.observe.log_file import LogFile
+from lcmtools.types.std_msgs import Header
 
 PUBLISHED = [
     ("/chatter", "std_msgs/String"),
@@ -242,3 +249,22 @@ def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:
         "__ns:=",
         "__name:=",
     ]
+
+
+@pytest.mark.parametrize("is_indexed", [True, False])
+def test_a_log_in_place_of_the_bus_has_the_names(*, is_indexed: bool, tmp_path: Path) -> None:
+    path = str(tmp_path / "ride.lcmlog")
+    log = lcm.EventLog(path, "w")
+    log.write_event(1, "/said", encode(Header()))
+    log.close()
+    if is_indexed:
+        with LogFile(path) as opened:
+            reindex_log(opened)
+
+    def found(source: Source, word: str, **given: list[str]) -> list[str]:
+        return [one.value for one in candidates(source, Situation(word, given, environment={}))]
+
+    assert found("bus:topics", "/", bag=[path]) == ["/said"]
+    assert "/said.frame_id" in found("messages:topics_and_fields", "/said.", bag=[path])
+    assert found("logs:topics", "", files=[path]) == ["/said"]
+    assert found("bus:topics", "/", bag=[f"{path}.missing"]) == []
