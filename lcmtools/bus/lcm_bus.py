@@ -1,8 +1,8 @@
 """The bus of nodes: an LCM instance, and the thread that receives.
 
 Subscribing, unsubscribing and receiving happen on the thread that has the right to receive. It
-drains the library at once, into queues of the subscribers that keep the newest messages. A lock
-keeps threads that publish or subscribe apart.
+drains the library at once, into queues of the subscribers that keep the newest messages. Threads
+that publish or subscribe are kept apart where liblcm does not do so.
 """
 
 import contextlib
@@ -89,12 +89,16 @@ class LcmBus:
         instance, paced = self._connection.instance, self._paced
         if instance is None:
             raise self._missing()
-        if paced and (len(payload) > PACED_ABOVE_BYTES or paced.has_waiting(channel)):
+        is_large = len(payload) > PACED_ABOVE_BYTES
+        if paced and (is_large or (paced.waiting and paced.has_waiting(channel))):
             paced.send(channel, payload)
             return
         try:
-            with self._sending:
+            if paced:  # liblcm has a lock of its own where it sends datagrams
                 instance.publish(channel, payload)
+            else:
+                with self._sending:
+                    instance.publish(channel, payload)
         except OSError as error:
             self._broken = instance
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error

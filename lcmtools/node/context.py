@@ -114,7 +114,7 @@ class Context:
         Returns as soon as callbacks have run, or when the time is over or the program should end.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
-        while self.ok():
+        while not self._stopping:
             has_run = False
             for one in callbacks:
                 has_run |= one.run_ready()
