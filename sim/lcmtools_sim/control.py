@@ -74,6 +74,7 @@ class Control:
         response.message = "everything is where it was at the start"
 
     def _step(self, request: sim_msgs.Step_Request, response: sim_msgs.Step_Response) -> None:
+        self._check_leads()
         if not 1 <= request.steps <= _MOST_STEPS:
             raise UsageError(f"steps must be from 1 to {_MOST_STEPS}, not {request.steps}")
         if not self._loop.paused:
@@ -87,6 +88,7 @@ class Control:
     def _set_rate(
         self, request: sim_msgs.SetRate_Request, response: sim_msgs.SetRate_Response
     ) -> None:
+        self._check_leads()
         if not 0 <= request.rate < math.inf:  # refuses NaN too
             raise UsageError(f"the rate must be 0 or more, not {request.rate:g}")
         self._loop.set_rate(request.rate)
@@ -148,6 +150,11 @@ class Control:
         response.image.data = snapshot(simulation.solids(), width, height, frame)
         response.image.format = "png"
         response.message = f"a picture of {width} x {height} pixels"
+
+    def _check_leads(self) -> None:
+        if not self._simulation.leads:
+            what = "this simulator follows the /clock of another one"
+            raise UsageError(what, "step that one, or set its rate")
 
     def _robots(self) -> dict[str, Robot]:
         return {robot.namespace: robot for robot in self._simulation.robots}

@@ -39,6 +39,7 @@ class Simulation(AbstractContextManager["Simulation"]):
     Attributes:
         scene: As given.
         steps: Their number so far.
+        leads: As given.
         misplaced: Warnings of movable objects that start inside another body, one line each.
         publishes_clock: True if its steps return the clock; else ``tick`` returns it on request.
 
@@ -49,7 +50,7 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
         self.scene = scene
-        self._leads = self.publishes_clock = leads
+        self.leads = self.publishes_clock = leads
         self._plans: dict[frozenset[float], _Plan] = {}
         """The sensors that are measured when these rates are due, until the fleet changes."""
         self._world = World(scene, engine=engine)
@@ -102,7 +103,7 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     def topics(self) -> dict[str, type[Message]]:
         """Every topic of its samples, with the type."""
-        found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self._leads else {}
+        found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self.leads else {}
         for robot in self.robots:
             for sensor in self._sensors[robot.namespace]:
                 found.update(sensor.topics())
@@ -113,7 +114,7 @@ class Simulation(AbstractContextManager["Simulation"]):
 
         Before the first call everything is measured, and so are the sensors of robots added later.
         """
-        self.publishes_clock = self._leads and subscribers(CLOCK_TOPIC) is not Subscribers.NONE
+        self.publishes_clock = self.leads and subscribers(CLOCK_TOPIC) is not Subscribers.NONE
         for sensors in self._sensors.values():
             for sensor in sensors:
                 sensor.select(subscribers)

@@ -15,7 +15,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.control import Control
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.scene import box
+from lcmtools_sim.scene import Scene, box
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Sample, Simulation
 
@@ -144,6 +144,18 @@ def test_a_senseless_number_of_steps_is_refused(node: Offered, steps: int) -> No
 
     assert not response.success
     assert response.message == f"steps must be from 1 to 1000000, not {steps}"
+
+
+def test_a_follower_has_no_time_of_its_own() -> None:
+    offered = Offered()
+    with Simulation(Scene("test"), leads=False) as simulation:
+        Control(offered, simulation, Loop(simulation, Outside(), Pacer(0.0), go_on=bool), list)
+
+        refused = [paused(offered).call("step", steps=5), offered.call("set_rate", rate=2.0)]
+
+        assert simulation.steps == 0
+    reason = "this simulator follows the /clock of another one; step that one, or set its rate"
+    assert [(one.success, one.message) for one in refused] == [(False, reason)] * 2
 
 
 def test_reset_brings_the_same_start_to_the_bit(
