@@ -6,8 +6,9 @@ one of them. Must not know nodes and the environment.
 """
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from lcmtools.errors import UsageError
 
@@ -26,14 +27,13 @@ _FLAGS = (*_FIELDS, "--param", "--remap", "-r")
 _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
 
 
-@dataclass(slots=True)
-class NodeArguments:
+class NodeArguments(NamedTuple):
     """The names, parameters and bus of a node's command line; None for what is not given."""
 
     namespace: str | None = None
     name: str | None = None
-    remaps: list[tuple[str, str]] = field(default_factory=list)  # (from, to), as written
-    parameters: dict[str, str] = field(default_factory=dict)  # private ones, name to YAML text
+    remaps: tuple[tuple[str, str], ...] = ()  # (from, to), as written
+    parameters: Mapping[str, str] = MappingProxyType({})  # private ones, name to YAML text
     lcm_url: str | None = None
     domain: str | None = None
 
@@ -65,9 +65,9 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
             break
         flag, equals, value = word.partition("=")
         if flag in _FLAGS and (equals or word == flag):
-            _take_flag(said, flag, value if equals else _next_value(flag, words))
+            said = _with_flag(said, flag, value if equals else _next_value(flag, words))
         elif assignment := _ASSIGNMENT.fullmatch(word):
-            _take_assignment(said, *assignment.groups())
+            said = _with_assignment(said, *assignment.groups())
         else:
             rest.append(word)
     return said, rest
@@ -122,33 +122,32 @@ def _next_value(flag: str, words: Iterator[str]) -> str:
     return value
 
 
-def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
+def _with_flag(said: NodeArguments, flag: str, value: str) -> NodeArguments:
     if flag in _FIELDS:
-        setattr(said, _FIELDS[flag], value)
-        return
+        field: dict[str, Any] = {_FIELDS[flag]: value}
+        return said._replace(**field)
     bare = value.lstrip("~/_")
     is_parameter = flag == "--param" and bare[:1].isalpha()
     assignment = _ASSIGNMENT.fullmatch(f"_{bare}" if is_parameter else value)
     if not assignment:
         raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
-    _take_assignment(said, *assignment.groups())
+    return _with_assignment(said, *assignment.groups())
 
 
-def _take_assignment(said: NodeArguments, key: str, value: str) -> None:
-    """Take a ``key:=value``; an empty value is taken away and ignored, as ROS does."""
+def _with_assignment(said: NodeArguments, key: str, value: str) -> NodeArguments:
+    """The arguments with ``key:=value``; without an empty value, which ROS ignores too."""
     if key in _IGNORED_SPECIALS or not value:
-        return
+        return said
     if key == "__ns":
-        said.namespace = value
-    elif key in ("__name", "__node"):
-        said.name = value
-    elif key.startswith("__"):
+        return said._replace(namespace=value)
+    if key in ("__name", "__node"):
+        return said._replace(name=value)
+    if key.startswith("__"):
         what = f"{key}:={value}: there is no such special name"
         raise UsageError(what, "the special names: __ns, __name")
-    elif key.startswith("_"):
-        said.parameters[key[1:]] = value
-    else:
-        said.remaps.append((key, value))
+    if key.startswith("_"):
+        return said._replace(parameters={**said.parameters, key[1:]: value})
+    return said._replace(remaps=(*said.remaps, (key, value)))
 
 
 _EXAMPLES = {

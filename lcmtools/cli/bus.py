@@ -111,7 +111,7 @@ def looking_names() -> Resolver:
     """The names of a command that looks: its namespace and its remaps."""
     said = bus_choice().names
     namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
-    return Resolver(resolve_namespace(namespace), remaps=tuple(said.remaps))
+    return Resolver(resolve_namespace(namespace), remaps=said.remaps)
 
 
 def looking_pattern(text: str, *, hidden: bool) -> Pattern:

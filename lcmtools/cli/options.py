@@ -74,9 +74,9 @@ def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
     said, _ = split_arguments(words)
     if said.parameters or said.name:
         raise UsageError(f"{words[0]} is for nodes", "this command takes __ns:= and a:=b")
-    names = ctx.ensure_object(BusChoice).names
-    names.namespace = names.namespace if said.namespace is None else said.namespace
-    names.remaps += said.remaps
+    choice = ctx.ensure_object(BusChoice)
+    namespace = choice.names.namespace if said.namespace is None else said.namespace
+    choice.names = NodeArguments(namespace, remaps=choice.names.remaps + said.remaps)
 
 
 names_options = together(

@@ -79,7 +79,7 @@ def plan_node(
     own = [word for word in words[:end] if word.startswith("_") and not word.startswith("__")]
     typed = split_arguments(own)[0].parameters
     if program.takes_names:
-        remaps = list(scope.remaps.items())
+        remaps = tuple(scope.remaps.items())
         names = NodeArguments(namespace_of(name), base_name_of(name), remaps, dict(parameters))
         words[end:end] = names.words()
     elif any(child.tag in ("remap", "param", "rosparam") for child in element.children):

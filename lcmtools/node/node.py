@@ -65,7 +65,7 @@ class Node(Parametric, Factory):
         namespace = arguments.namespace or namespace or context.default_namespace
         self.namespace = names.resolve_namespace(namespace)
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
-        resolver = names.Resolver(self.namespace, self.name, tuple(arguments.remaps))
+        resolver = names.Resolver(self.namespace, self.name, arguments.remaps)
         self.__identity = model.Node(
             name=self.name,
             id=uuid.uuid4().hex,

@@ -3,7 +3,6 @@
 import contextlib
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.url import BusUrl
@@ -26,7 +25,7 @@ def own_node(
         BusError: The bus cannot be reached, with what to type.
     """
     parameters = {"use_sim_time": "true"} if simulated else {}
-    context = open_context(url, replace(arguments, parameters=parameters))
+    context = open_context(url, arguments._replace(parameters=parameters))
     try:
         with Node(f"_lcmtools_{tool}_{os.getpid()}", tool=True, context=context) as node:
             yield node

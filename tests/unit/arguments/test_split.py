@@ -31,16 +31,16 @@ from lcmtools.errors import UsageError
         (["_a:=x:=y"], NodeArguments(parameters={"a": "x:=y"})),
         (["_a:={b: c}\nd"], NodeArguments(parameters={"a": "{b: c}\nd"})),
         (["_a:=1", "_a:=2"], NodeArguments(parameters={"a": "2"})),
-        (["a:=b"], NodeArguments(remaps=[("a", "b")])),
-        (["/a/b:=c"], NodeArguments(remaps=[("/a/b", "c")])),
-        (["~a:=b"], NodeArguments(remaps=[("~a", "b")])),
-        (["--remap", "a:=b"], NodeArguments(remaps=[("a", "b")])),
-        (["--remap=a:=b"], NodeArguments(remaps=[("a", "b")])),
-        (["-r", "a:=b"], NodeArguments(remaps=[("a", "b")])),
-        (["-r=a:=b"], NodeArguments(remaps=[("a", "b")])),
+        (["a:=b"], NodeArguments(remaps=(("a", "b"),))),
+        (["/a/b:=c"], NodeArguments(remaps=(("/a/b", "c"),))),
+        (["~a:=b"], NodeArguments(remaps=(("~a", "b"),))),
+        (["--remap", "a:=b"], NodeArguments(remaps=(("a", "b"),))),
+        (["--remap=a:=b"], NodeArguments(remaps=(("a", "b"),))),
+        (["-r", "a:=b"], NodeArguments(remaps=(("a", "b"),))),
+        (["-r=a:=b"], NodeArguments(remaps=(("a", "b"),))),
         (["-r", "__ns:=/x"], NodeArguments(namespace="/x")),
         (["-r", "_p:=1"], NodeArguments(parameters={"p": "1"})),
-        (["a:=b", "a:=c"], NodeArguments(remaps=[("a", "b"), ("a", "c")])),
+        (["a:=b", "a:=c"], NodeArguments(remaps=(("a", "b"), ("a", "c")))),
         (["--lcm-url", "memq://"], NodeArguments(lcm_url="memq://")),
         (
             ["--lcm-url=udpm://239.255.76.67:7667?ttl=0"],
@@ -80,12 +80,12 @@ def test_everything_else_stays_where_it_was(word: str) -> None:
 def test_taken_words_may_stand_anywhere() -> None:
     said, rest = split_arguments(["x", "a:=b", "y", "--ns", "/h", "z", "_p:=1"])
     assert rest == ["x", "y", "z"]
-    assert said == NodeArguments(namespace="/h", remaps=[("a", "b")], parameters={"p": "1"})
+    assert said == NodeArguments(namespace="/h", remaps=(("a", "b"),), parameters={"p": "1"})
 
 
 def test_nothing_is_taken_after_a_double_dash() -> None:
     said, rest = split_arguments(["a:=b", "--", "c:=d", "--ns", "--", "/x"])
-    assert said == NodeArguments(remaps=[("a", "b")])
+    assert said == NodeArguments(remaps=(("a", "b"),))
     assert rest == ["--", "c:=d", "--ns", "--", "/x"]
 
 

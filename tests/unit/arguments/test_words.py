@@ -14,7 +14,7 @@ TEXTS = st.text(min_size=1, max_size=8)
         NodeArguments,
         namespace=st.none() | TEXTS,
         name=st.none() | TEXTS,
-        remaps=st.lists(st.tuples(NAMES, TEXTS), max_size=3),
+        remaps=st.lists(st.tuples(NAMES, TEXTS), max_size=3).map(tuple),
         parameters=st.dictionaries(NAMES, TEXTS, max_size=3),
         lcm_url=st.none() | TEXTS,
         domain=st.none() | TEXTS,
