@@ -60,7 +60,7 @@ def constants(model: RobotModel, dt: float, timeout: float, friction: float) -> 
         gain=dt / (drive.time_constant + dt),
         largest_change=drive.max_acceleration * dt,
         largest_impulse=friction * drive.tyre_friction * body.mass / 2 * dt,
-        timeout=timeout,
+        timeout=timeout - dt / 2,  # between two steps: a sum of theirs is not exact
         height=body.centre_of_mass,
         base=body.base_height - body.centre_of_mass,
         mass=body.mass,

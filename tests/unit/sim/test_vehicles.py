@@ -58,8 +58,8 @@ def test_it_slides_where_the_ground_gives_too_little() -> None:
 def test_a_command_ends_with_its_timeout() -> None:
     vehicles = Vehicles(HUSKY, known(timeout=0.5), Variables(left_target=1, right_target=1), DT)
 
-    assert driven(vehicles, 119).left_target == 1.0
-    assert driven(vehicles, 3).left_target == 0.0
+    assert driven(vehicles, 120).left_target == 1.0
+    assert driven(vehicles, 1).left_target == 0.0
     assert driven(vehicles, 240 * 3).left == 0.0
 
 
