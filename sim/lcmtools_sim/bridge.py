@@ -14,9 +14,13 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import out_of_range
 from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robot import Robot
+from lcmtools_sim.robots.model import CommandTopic
 from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
 Command = JointState | Twist
+
+_Steered = tuple[str, tuple[CommandTopic, ...]]
+"""The namespace and the command topics of a robot: after a reset, those of another object."""
 
 _TYPES: dict[bool, tuple[type[Command], ...]] = {
     False: (JointState, Twist),
@@ -49,7 +53,8 @@ class Bridge:
         self._faults: dict[tuple[str, str], _Fault] = {}
         """By topic, and the text of a command that is ignored, or "" for one beyond the limits."""
         self._publishers: dict[str, Publisher[Message]] = {}
-        self._subscriptions: dict[Robot, list[Subscription]] = {}
+        self._robots: dict[_Steered, Robot] = {}
+        self._subscriptions: dict[_Steered, list[Subscription]] = {}
         # asks the nodes, whose answers have come by the first look
         self._subscribed: tuple[frozenset[str], bool] = node.subscribed_topics(), True
         self._next_update = 0.0
@@ -99,18 +104,19 @@ class Bridge:
 
     def refresh(self) -> None:
         """Publish and subscribe for the present robots."""
-        topics, robots = self._simulation.topics(), self._simulation.robots
+        topics = self._simulation.topics()
+        self._robots = {(one.namespace, one.model.commands): one for one in self._simulation.robots}
         for topic in self._publishers.keys() - topics.keys():
             self._node.destroy_publisher(self._publishers.pop(topic))
         for topic, message_type in topics.items():
             if topic not in self._publishers:
                 self._publishers[topic] = self._node.create_publisher(message_type, topic)
-        for robot in self._subscriptions.keys() - set(robots):
-            for subscription in self._subscriptions.pop(robot):
+        for steered in self._subscriptions.keys() - self._robots.keys():
+            for subscription in self._subscriptions.pop(steered):
                 self._node.destroy_subscription(subscription)
-        for robot in robots:
-            if robot not in self._subscriptions:
-                self._subscriptions[robot] = self._subscribe(robot)
+        for steered in self._robots:
+            if steered not in self._subscriptions:
+                self._subscriptions[steered] = self._subscribe(steered)
         self._simulation.select(self._subscribers)
         self.publish_clock()  # a reset has changed it
 
@@ -120,21 +126,22 @@ class Bridge:
             return Subscribers.KNOWN
         return Subscribers.POSSIBLE if may_have_others else Subscribers.NONE
 
-    def _subscribe(self, robot: Robot) -> list[Subscription]:
-        prefix = robot.namespace.rstrip("/")
-        group = f"wheel command of {robot.namespace}"
+    def _subscribe(self, steered: _Steered) -> list[Subscription]:
+        namespace, commands = steered
+        group = f"wheel command of {namespace}"
         made = []
-        for command in robot.model.commands:
-            topic = f"{prefix}/{command.name}"
-            callback = self._commander(robot, self._node.resolve_name(topic))
+        for command in commands:
+            topic = f"{namespace.rstrip('/')}/{command.name}"
+            callback = self._commander(steered, self._node.resolve_name(topic))
             types = _TYPES[command.is_twist]
             made.append(self._node.create_subscription(types, topic, callback, group=group))
         return made
 
-    def _commander(self, robot: Robot, topic: str) -> Callable[[Command], None]:
+    def _commander(self, steered: _Steered, topic: str) -> Callable[[Command], None]:
         """The callback of one command topic."""
 
         def command(message: Command) -> None:
+            robot = self._robots[steered]
             try:
                 robot.command(message)
             except ValueMismatch as error:

@@ -203,6 +203,19 @@ def test_every_command_topic_steers_its_own_robot(
     assert simulation.robots[0].targets == (0.4, 0)
 
 
+def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    before = list(node.subscriptions.values())
+    simulation.robots = [FakeRobot("/husky0"), FakeRobot("/")]
+
+    bridge.refresh()
+    before[0].callback(efforts(0.1, 0))
+
+    assert [*map(id, node.subscriptions.values())] == [*map(id, before)]
+    assert simulation.robots[0].targets == (0.1, 0)
+
+
 @pytest.mark.usefixtures("bridge")
 def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
     node: FakeNode, simulation: FakeSimulation
