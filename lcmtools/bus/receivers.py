@@ -64,11 +64,11 @@ class Receivers:
 
     def filled_by(self, packets: Sequence[Packet]) -> float:
         """Return the part of a socket's buffer that the short messages among these take, about."""
-        sizes = [*map(len, map(_PAYLOAD, packets))]
-        short = sum(sizes)
+        short = sum(map(len, map(_PAYLOAD, packets)))
         if short > SHORT_MESSAGE_MAX:
+            sizes = map(len, map(_PAYLOAD, packets))
             short = sum(size for size in sizes if size <= SHORT_MESSAGE_MAX)
-        taken = _SHORT_ROOM * len(sizes) + _MOST_GROWTH * short
+        taken = _SHORT_ROOM * len(packets) + _MOST_GROWTH * short
         return taken / (self._granted * len(self.short))
 
     def make_room(self, message_bytes: int) -> None:

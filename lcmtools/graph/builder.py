@@ -71,9 +71,9 @@ class GraphBuilder:
     def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
         """Learn from packets; return those with which nodes talk."""
         talk: list[Packet] = []
-        channel, sender, count = None, None, _Count(0)
+        channel, sender, count = None, None, None
         for packet in packets:
-            if packet[0] is channel and packet[3] is sender:  # a stream has long runs of one sender
+            if count and packet[0] is channel and packet[3] is sender:  # mostly, in a stream
                 count.add(packet)
             elif packet.channel in TALK_CHANNELS:
                 self.add(packet)

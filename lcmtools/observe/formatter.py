@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal
 
 from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
 from lcmtools.messages.fields import MessageClass, stamp
@@ -83,6 +83,7 @@ class MessageFormatter:
         notify: Callable[[str], None],
     ) -> None:
         self._decoder, self._options = decoder, options
+        self._condition, self._is_raw = options.condition, options.is_raw
         self._is_one_of_many, self._notify = is_one_of_many, notify
         self._table = CsvTable(self._tell)
         self._paths: dict[Path, tuple[Path, ...]] = {}
@@ -107,19 +108,16 @@ class MessageFormatter:
         return text
 
     def _shown(self, found: SelectedPacket) -> str | None:
-        paths, packet = self._paths_behind(found.path), found.packet
-        condition = self._options.condition
-        message: Message | None = None
-        if condition or not self._options.is_raw:
-            try:
-                message = self._decoder.decode(packet)
-            except DecodeError as reason:
-                return self._undecoded(found, reason)
-            if condition and not condition.matches(message):
-                return None
-        if self._options.is_raw:
+        paths, condition = self._paths_behind(found.path), self._condition
+        if self._is_raw and not condition:
             return self._raw(found)
-        return self._text(found, cast("Message", message), paths)
+        try:
+            message = self._decoder.decode(found.packet)
+        except DecodeError as reason:
+            return self._undecoded(found, reason)
+        if condition and not condition.matches(message):
+            return None
+        return self._raw(found) if self._is_raw else self._text(found, message, paths)
 
     def _paths_behind(self, topic: Path) -> tuple[Path, ...]:
         if topic not in self._paths:
