@@ -11,6 +11,7 @@ import socket
 import struct
 import sys
 import time
+from array import array
 from collections.abc import Iterator
 from itertools import chain
 
@@ -23,11 +24,13 @@ _HEADER = struct.Struct("@PIPNPNi4xI4x")  # struct mmsghdr
 _SIZE = 56  # the place in it of the datagram's size
 _ADDRESS_BYTES = 16  # struct sockaddr_in
 # two messages of cmsg(3), each with length, level and type: the arrival's time, of two numbers, and
-# the time to live; see kernel.request_arrival
-_ANCILLARY = struct.Struct("@8xQ2q8xQi0N")
-_OF_TIME, _OF_TTL = struct.unpack(
-    "@QQ", struct.pack("@4i", socket.SOL_SOCKET, 35, socket.IPPROTO_IP, socket.IP_TTL)
-)
+# the time to live; that is words of eight bytes
+_ANCILLARY = struct.Struct("@Nii2qNiii0N")
+_SECONDS, _FRACTION, _TTL = 2, 3, 6  # places among these words
+_KINDS = {  # see kernel.request_arrival
+    place: struct.unpack("@Q", struct.pack("@ii", *kind))[0]
+    for place, kind in {1: (socket.SOL_SOCKET, 35), 5: (socket.IPPROTO_IP, socket.IP_TTL)}.items()
+}
 _MOST_SENDERS = 1000  # that are remembered
 IS_POSSIBLE = sys.platform == "linux" and _HEADER.size == _SIZE + 8
 
@@ -56,7 +59,10 @@ class DatagramBatch:
         self._fresh = bytes(fresh)  # the call writes into the headers
         self._sizes = memoryview(self._headers).cast("I")[_SIZE // 4 :: _HEADER.size // 4]
         self._sources = memoryview(addresses).cast("Q")[:: _ADDRESS_BYTES // 8]
-        self._facts = memoryview(ancillary)
+        words = memoryview(ancillary).cast("Q")
+        self._kinds = {at: memoryview(array("Q", [kind] * _SLOTS)) for at, kind in _KINDS.items()}
+        self._facts = [words[place :: _ANCILLARY.size // 8] for place in range(_TTL)]
+        self._ttls = words.cast("B").cast("I")[2 * _TTL :: _ANCILLARY.size // 4]
 
     def take(self, most: int) -> Iterator[Datagram]:
         """Return those that have arrived, about so many at most; each is gone before the next.
@@ -86,19 +92,18 @@ class DatagramBatch:
         return 0
 
     def _received(self, count: int) -> Iterator[Datagram]:
-        """The datagrams in the first slots."""
-        data, known, learn = self._data, self._senders.get, self._learn
-        starts, sizes = range(0, count * _LARGEST, _LARGEST), self._sizes[:count].tolist()
-        sources = self._sources[:count].tolist()
-        facts = _ANCILLARY.iter_unpack(self._facts[: count * _ANCILLARY.size])
-        for start, size, source, (of_time, seconds, rest, of_ttl, ttl) in zip(
-            starts, sizes, sources, facts, strict=True
-        ):
-            payload, sender = data[start : start + size].tobytes(), known(source) or learn(source)
-            if of_time == _OF_TIME and of_ttl == _OF_TTL:
-                yield payload, sender, seconds * 1_000_000_000 + rest, ttl
-            else:  # not this system's
-                yield payload, sender, time.time_ns(), None
+        """The datagrams in the first slots: column by column, which takes a third of the time."""
+        starts, data, facts = range(0, count * _LARGEST, _LARGEST), self._data, self._facts
+        sizes = self._sizes[:count].tolist()
+        payloads = [data[at : at + size].tobytes() for at, size in zip(starts, sizes, strict=True)]
+        known, learn = self._senders.get, self._learn
+        senders = [known(one) or learn(one) for one in self._sources[:count].tolist()]
+        if any(facts[at][:count] != kinds[:count] for at, kinds in self._kinds.items()):
+            others = [time.time_ns()] * count, [None] * count  # not this system's
+            return zip(payloads, senders, *others, strict=True)
+        seconds, fractions = (facts[at][:count].tolist() for at in (_SECONDS, _FRACTION))
+        times = [one * 1_000_000_000 + rest for one, rest in zip(seconds, fractions, strict=True)]
+        return zip(payloads, senders, times, self._ttls[:count].tolist(), strict=True)
 
     def _learn(self, source: int) -> Sender:
         if len(self._senders) >= _MOST_SENDERS:

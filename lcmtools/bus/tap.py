@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from lcmtools.bus.datagram_batch import DatagramBatch
 
 _MAX_DATAGRAM = 65536
-_BATCH = 512  # datagrams taken in one turn
+_BATCH = 2048  # datagrams taken in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
 _OF_A_NAP = _BATCH // 2  # messages that may come meanwhile
