@@ -14,14 +14,16 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh_check import check_place
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
+from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
 
 _SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 0.8  # [s]
+_ANSWER_TIMEOUT = 5.0  # [s]; a busy server may take its time
 _PERIOD = 0.2  # [s] between two checks
 
 
 def check_bus(url: BusUrl) -> None:
-    """Make sure that the bus can be used. It takes under a second to find out.
+    """Make sure that the bus can be used. It mostly takes under a second to find out.
 
     Raises:
         BusError: It cannot, with what to do.
@@ -67,8 +69,13 @@ def _check_descriptors() -> None:
 
 
 def _check_server(url: BusUrl) -> None:
+    """Greet the server: liblcm waits without end for one that says nothing, and stops Python."""
     try:
-        socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
+        with socket.create_connection((url.host, url.port), _CONNECT_TIMEOUT) as server:
+            server.settimeout(_ANSWER_TIMEOUT)
+            server.sendall(CLIENT_GREETING)
+            if server.makefile("rb").read(len(SERVER_GREETING)) != SERVER_GREETING:
+                raise ConnectionError(0, "another program listens there")
     except OSError as error:
         hint = f"start one there: lcmtools relay --serve {url}"
         if isinstance(error, socket.gaierror):

@@ -12,6 +12,7 @@ from typing import Any
 import lcm
 import pytest
 
+from lcmtools.bus import preflight
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.lcm_listener import LcmListener
 from lcmtools.bus.tap import Tap
@@ -80,6 +81,30 @@ def test_no_tcpq_server_is_one_line_with_the_address(
         assert f"lcmtools relay --serve tcpq://127.0.0.1:{port}" in caught.value.hint
     assert watch.seconds() < 1.0
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_server_that_says_nothing_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a computer does that hangs: it takes connections, and liblcm waits without end."""
+    monkeypatch.setattr(preflight, "_ANSWER_TIMEOUT", 0.1)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        port = silent.getsockname()[1]
+        with pytest.raises(BusError, match=rf"no LCM server at 127.0.0.1:{port} \(no answer\)"):
+            preflight.check_bus(parse_url(f"tcpq://127.0.0.1:{port}"))
+
+
+def test_a_server_of_something_else_is_one_line() -> None:
+    def answer(server: socket.socket) -> None:
+        client, _ = server.accept()
+        with client:
+            client.sendall(b"SSH-2.0-")
+            while client.recv(100):
+                pass
+
+    with ThreadPoolExecutor(1) as threads, socket.create_server(("127.0.0.1", 0)) as other:
+        answering = threads.submit(answer, other)
+        with pytest.raises(BusError, match=r"\(another program listens there\)"):
+            preflight.check_bus(parse_url(f"tcpq://127.0.0.1:{other.getsockname()[1]}"))
+        answering.result(timeout=40)
 
 
 def test_an_unknown_tcpq_host_is_one_line() -> None:
