@@ -207,9 +207,9 @@ class ArrivalStream:
             self._clock.is_simulated |= any(packet.channel == CLOCK for packet in packets)
 
     def _look_again(self, packets: Sequence[Packet]) -> None:
-        is_new = any(packet.channel not in self._known for packet in packets)
-        if is_new or time.monotonic() >= self._next_look:
-            self._known.update(packet.channel for packet in packets)
+        channels = {packet.channel for packet in packets}
+        if not channels <= self._known or time.monotonic() >= self._next_look:
+            self._known |= channels
             self._learn()
 
     def _learn(self) -> None:
