@@ -11,7 +11,6 @@ from collections.abc import Collection, Iterable
 from lcmtools.bus.kernel import ANNOUNCED, SUBSCRIBED, attach, detach, mark
 from lcmtools.bus.socket_filter import (
     ENDING_BYTES,
-    FilterProgram,
     these_channels,
     these_endings,
     well_formed,
@@ -34,13 +33,25 @@ class ChannelFilter:
             mark(one, ANNOUNCED)
         # of several, others may belong to an instance that another thread has just made
         self._is_narrow = len(self._sockets) == 1
+        self._endings: Collection[bytes] = ()
+        """Of channels that pass, if they are told apart by these alone."""
+
+    def passes(self, channel: str) -> bool:
+        """Return whether a channel passes already: a fleet has thousands of one ending."""
+        return not self._is_narrow or _ending(channel) in self._endings
 
     def let_pass(self, channels: Collection[str]) -> None:
         """Let only these channels pass, and large messages; others, too, where these are many."""
         if not self._is_narrow:
             return
         (one,) = self._sockets
-        if not attach(one, _program(channels)):
+        self._endings, program = (), well_formed()
+        endings = {_ending(channel) for channel in channels}
+        if len(channels) <= _MOST:
+            program = these_channels(channels)
+        elif len(endings) <= _MOST and all(len(ending) == ENDING_BYTES for ending in endings):
+            self._endings, program = endings, these_endings(endings)
+        if not attach(one, program):
             self._is_narrow = False
             detach(one)
             attach(one, well_formed())
@@ -53,10 +64,5 @@ class ChannelFilter:
             self._sockets.pop().close()
 
 
-def _program(channels: Collection[str]) -> FilterProgram:
-    if len(channels) <= _MOST:
-        return these_channels(channels)
-    endings = {channel.encode()[-ENDING_BYTES:] for channel in channels}  # of a fleet, they are few
-    if len(endings) <= _MOST and all(len(ending) == ENDING_BYTES for ending in endings):
-        return these_endings(endings)
-    return well_formed()
+def _ending(channel: str) -> bytes:
+    return channel.encode()[-ENDING_BYTES:]

@@ -185,7 +185,8 @@ class LcmBus:
                 self._subscribe_channel(instance, channel)
 
     def _subscribe_channel(self, instance: Instance, channel: str) -> None:
-        self._connection.filter.let_pass({*self._subscriptions, channel})
+        if not self._connection.filter.passes(channel):
+            self._connection.filter.let_pass({*self._subscriptions, channel})
         with self._sending:
             subscription = instance.subscribe(re.escape(channel), self._dispatch)
         if subscription is None:

@@ -1,12 +1,15 @@
 """The filter before liblcm's socket, run here by a small machine of the tests' own."""
 
 import random
+import socket
 from collections.abc import Callable, Sequence
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lcmtools.bus import channel_filter
+from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.socket_filter import Instruction, these_channels, these_endings, well_formed
 from lcmtools.wire.datagram import Fragment, MalformedDatagram, fragments, parse, short_message
 
@@ -130,3 +133,17 @@ def test_large_messages_pass_on_all_channels(
     assert all(lets_pass(program, part) for part in fragments(1, "/camera/image", bytes(300_000)))
     assert not lets_pass(program, b"LC03" + bytes(15))
     assert not lets_pass(program, b"LC04\0\0\0\1/other\0")
+
+
+def test_a_fleets_next_robot_passes_a_filter_of_endings_already(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(channel_filter, "attach", lambda *_: True)  # as on Linux
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        passing = ChannelFilter([receiver])
+        passing.let_pass([f"/husky{number}/odometry" for number in range(50)])
+        of_few = passing.passes("/husky50/odometry")
+        passing.let_pass([f"/husky{number}/odometry" for number in range(51)])
+
+        assert (of_few, passing.passes("/husky51/odometry")) == (False, True)
+        assert not passing.passes("/husky51/imu")
