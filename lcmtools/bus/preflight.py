@@ -11,7 +11,6 @@ from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.zenoh_check import check_place
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
 from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
@@ -34,6 +33,8 @@ def check_bus(url: BusUrl) -> None:
     elif url.provider == "tcpq":
         _check_server(url)
     elif url.provider == "zenoh":
+        from lcmtools.bus.zenoh_check import check_place  # most buses are no Zenoh
+
         check_place(url.place)
     elif url.provider == "file":
         _check_log(url)
