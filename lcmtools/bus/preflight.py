@@ -13,7 +13,6 @@ from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
-from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
 
 _SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 0.8  # [s]
@@ -71,6 +70,8 @@ def _check_descriptors() -> None:
 
 def _check_server(url: BusUrl) -> None:
     """Greet the server: liblcm waits without end for one that says nothing, and stops Python."""
+    from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
+
     try:
         with socket.create_connection((url.host, url.port), _CONNECT_TIMEOUT) as server:
             server.settimeout(_ANSWER_TIMEOUT)
