@@ -22,9 +22,6 @@ class SideSpeeds(NamedTuple):
     right: float
 
 
-STOPPED = SideSpeeds(0.0, 0.0)
-
-
 def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
     """The side speeds for this forward speed and turn rate [m/s, rad/s], within the limits.
 
