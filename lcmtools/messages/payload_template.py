@@ -36,7 +36,8 @@ class PayloadTemplate:
 
     Attributes:
         payload: Of the message as it was given.
-        holes: Where each hole starts and ends in it, in the given order.
+        holes: Of each hole, in the given order, where it starts in it, and the numbers' ``struct``
+            codes ("2i", "1d1d1d").
 
     Raises:
         ValueMismatch: The message cannot be encoded, or a hole is no such field of it.
@@ -58,9 +59,8 @@ class PayloadTemplate:
             self._places[at] = 2 * number + 1
             end = start + self._packers[at].size
         self._parts.append(payload[end:])
-        starts = [start for (start, _), _ in sorted(found, key=lambda hole: hole[1])]
         self.payload = payload
-        self.holes = tuple((s, s + p.size) for s, p in zip(starts, self._packers, strict=True))
+        self.holes = tuple(hole for hole, _ in sorted(found, key=lambda one: one[1]))
 
     def fill(self, *rows: Iterable[float]) -> bytes:
         """The payload with these numbers in the holes, a row for each, in the holes' order.

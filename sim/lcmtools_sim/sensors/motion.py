@@ -5,8 +5,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
-import numpy as np
-
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import TransformStamped
@@ -80,7 +78,7 @@ class MotionSensor(SharedSensor):
     def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
         """The function that measures these sensors at once, as SharedSensor has it."""
         payloads = Payloads([(sensor.template, place) for sensor, place in sensors])
-        return lambda state: payloads.fill(self.rows(state), np.size(state.wheel_speeds.left))
+        return lambda state: payloads.fill(self.rows(state))
 
 
 def _planar_pose(state: RobotState) -> tuple[float, ...]:

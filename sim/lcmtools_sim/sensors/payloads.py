@@ -1,5 +1,7 @@
 """The payloads of many robots' messages of one kind, filled by arrays."""
 
+import re
+import struct
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -8,9 +10,7 @@ import numpy.typing as npt
 from lcmtools.messages.payload_template import PayloadTemplate
 
 Row = Sequence[float]
-"""The numbers of one hole of a template; arrays, where they are many robots'."""
-
-_Bytes = npt.NDArray[np.uint8]
+"""The numbers of one hole of a template; arrays, where they are many robots' (see ``Value``)."""
 
 
 class Payloads:
@@ -28,12 +28,11 @@ class Payloads:
         self._tables = [_Table(numbers, templates) for numbers in alike.values()]
         self._count = len(templates)
 
-    def fill(self, rows: Sequence[Row], count: int) -> list[bytes]:
-        """The payloads with these numbers of so many robots, a row for each hole."""
-        packed = [_packed(row, count) for row in rows]
+    def fill(self, rows: Sequence[Row]) -> list[bytes]:
+        """The payloads with these numbers, a row for each hole."""
         payloads = [b""] * self._count
         for table in self._tables:
-            for number, payload in table.filled(packed):
+            for number, payload in table.filled(rows):
                 payloads[number] = payload
         return payloads
 
@@ -50,25 +49,27 @@ class _Table:
         self, numbers: Sequence[int], templates: Sequence[tuple[PayloadTemplate, int]]
     ) -> None:
         self._numbers = numbers
-        self._holes = templates[numbers[0]][0].holes
-        payloads = [np.frombuffer(templates[number][0].payload, np.uint8) for number in numbers]
-        self._bytes = np.array(payloads)
-        places = [templates[number][1] for number in numbers]
-        first, count = places[0], len(places)
-        is_run = places == list(range(first, first + count))
-        self._robots = slice(first, first + count) if is_run else np.array(places)  # a view is fast
+        chosen = [templates[number] for number in numbers]
+        self._bytes = np.array([np.frombuffer(one.payload, np.uint8) for one, _ in chosen])
+        self._columns = [list(self._of_hole(*hole)) for hole in chosen[0][0].holes]
+        places = [place for _, place in chosen]
+        run = range(places[0], places[0] + len(places))
+        # a view is faster than a choice
+        self._robots = slice(run.start, run.stop) if places == list(run) else np.array(places)
 
-    def filled(self, packed: Sequence[_Bytes]) -> Iterator[tuple[int, bytes]]:
-        """The payloads with these bytes of all robots in the holes; each with its number."""
-        for (start, end), row in zip(self._holes, packed, strict=True):
-            self._bytes[:, start:end] = row[self._robots]
+    def filled(self, rows: Sequence[Row]) -> Iterator[tuple[int, bytes]]:
+        """The payloads with these numbers of all robots in the holes; each with its own number."""
+        for columns, row in zip(self._columns, rows, strict=True):
+            for column, values in zip(columns, row, strict=True):
+                is_one = isinstance(values, (int, float))
+                column[...] = values if is_one else values[self._robots]  # type: ignore[index] # an array
         payloads = self._bytes.view(f"V{self._bytes.shape[1]}")[:, 0]
         return zip(self._numbers, payloads.tolist(), strict=True)
 
-
-def _packed(row: Row, count: int) -> _Bytes:
-    """The bytes of a row's numbers in a message, for each robot."""
-    numbers = np.empty((count, len(row)), ">i4" if isinstance(row[0], int) else ">f8")
-    for column, values in enumerate(row):
-        numbers[:, column] = values
-    return numbers.view(np.uint8)
+    def _of_hole(self, start: int, codes: str) -> Iterator[npt.NDArray[np.generic]]:
+        """The numbers of a hole in all payloads, as views of their bytes."""
+        count, size = self._bytes.shape
+        for times, code in re.findall(r"(\d+)(\D)", codes):
+            for _ in range(int(times)):
+                yield np.ndarray(count, f">{code}", self._bytes, start, (size,))
+                start += struct.calcsize(f">{code}")

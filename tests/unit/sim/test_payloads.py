@@ -18,7 +18,7 @@ def test_each_payload_has_the_numbers_of_its_robot() -> None:
     speeds = np.array([0.5, -1.0, 9.0, 7.0, 1e300])
 
     filled = Payloads([(template(name), place) for name, place in robots]).fill(
-        [(speeds, 0.25, speeds * 2), (3, 500)], 5
+        [(speeds, 0.25, speeds * 2), (3, 500)]
     )
 
     assert filled == [
@@ -29,10 +29,10 @@ def test_each_payload_has_the_numbers_of_its_robot() -> None:
 
 def test_they_keep_their_numbers_when_others_are_filled() -> None:
     payloads = Payloads([(template("a"), 0), (template("b"), 1)])
-    first = payloads.fill([(np.array([1.0, 2.0]), 0.0, 0.0), (1, 0)], 2)
+    first = payloads.fill([(np.array([1.0, 2.0]), 0.0, 0.0), (1, 0)])
     kept = list(first)
 
-    payloads.fill([(np.array([3.0, 4.0]), 0.0, 0.0), (2, 0)], 2)
+    payloads.fill([(np.array([3.0, 4.0]), 0.0, 0.0), (2, 0)])
 
     assert (
         first
