@@ -89,8 +89,7 @@ class LcmBus:
         instance, paced = self._connection.instance, self._paced
         if instance is None:
             raise self._missing()
-        is_large = len(payload) > PACED_ABOVE_BYTES
-        if paced and (is_large or (paced.waiting and paced.has_waiting(channel))):
+        if paced and (len(payload) > PACED_ABOVE_BYTES or paced.has_waiting(channel)):
             paced.send(channel, payload)
             return
         try:

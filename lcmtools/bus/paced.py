@@ -33,11 +33,7 @@ _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
 class PacedSender:
-    """Sends large messages on a thread of its own, in the order given, from a port of its own.
-
-    Attributes:
-        waiting: The messages that wait, or are being sent: channels and payloads.
-    """
+    """Sends large messages on a thread of its own, in the order given, from a port of its own."""
 
     def __init__(self, url: BusUrl) -> None:
         self._address = (url.host, url.port)
@@ -45,7 +41,7 @@ class PacedSender:
         self._socket.bind(("", 0))  # so that the port is known before the first message
         self._cuts = cuts_datagrams(self._socket)
         self._seqno = 0
-        self.waiting: deque[tuple[str, bytes]] = deque()
+        self._waiting: deque[tuple[str, bytes]] = deque()
         self._waiting_bytes = 0
         self._changed = threading.Condition()
         self._closed = False
@@ -73,7 +69,7 @@ class PacedSender:
             self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)
             if self._closed:
                 raise BusError("the bus is closed")
-            self.waiting.append((channel, payload))
+            self._waiting.append((channel, payload))
             self._waiting_bytes += len(payload)
             self._changed.notify_all()
 
@@ -98,7 +94,7 @@ class PacedSender:
         """Send short messages of one size with one call; return False if none could be sent."""
         with self._changed:
             # a large one that is being sent has the newest number
-            if not self._cuts or self.waiting or self._closed:
+            if not self._cuts or self._waiting or self._closed:
                 return False
             numbered = enumerate(messages, self._seqno + 1)
             datagrams = [short_message(number, *message) for number, message in numbered]
@@ -111,10 +107,10 @@ class PacedSender:
 
     def has_waiting(self, channel: str) -> bool:
         """Return whether a message of this channel waits or is being sent: none may overtake it."""
-        if not self.waiting:
+        if not self._waiting:
             return False
         with self._changed:
-            return any(waiting == channel for waiting, _ in self.waiting)
+            return any(waiting == channel for waiting, _ in self._waiting)
 
     def close(self) -> None:
         """Send queued messages, for half a second at most, and close the socket."""
@@ -128,13 +124,13 @@ class PacedSender:
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closed or self.waiting)
-                if not self.waiting:
+                self._changed.wait_for(lambda: self._closed or self._waiting)
+                if not self._waiting:
                     return
-                channel, payload = self.waiting[0]
+                channel, payload = self._waiting[0]
             self._send_now(channel, payload)
             with self._changed:
-                self.waiting.popleft()  # only now: see has_waiting
+                self._waiting.popleft()  # only now: see has_waiting
                 self._waiting_bytes -= len(payload)
                 self._changed.notify_all()
 
