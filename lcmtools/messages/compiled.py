@@ -246,14 +246,16 @@ class _Reading:
         self._lines += [
             f"at = {self._here()}",
             f"end = at + {packer.size} * {size}",
-            "if end < at: raise malformed",
         ]
         if part.is_bytes:
-            self._lines.append(f"{target} = data[at:end]")
+            self._lines += ["if end < at: raise malformed", f"{target} = data[at:end]"]
         else:
-            self._lines.append(f"{target} = v = numbers({FORMATS[part.type]!r}, data[at:end])")
-            if IS_LITTLE:
-                self._lines.append("v.byteswap()")
+            made = f"{target} = v = numbers({FORMATS[part.type]!r}"
+            self._lines += [
+                f"if end > at: {made}, data[at:end]); {'v.byteswap()' if IS_LITTLE else 'pass'}",
+                f"elif end == at: {made})",
+                "else: raise malformed",
+            ]
         self._base, self._offset = "end", 0
         self._may_be_behind = True
         return True
