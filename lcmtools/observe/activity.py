@@ -98,6 +98,10 @@ class Activity:
         self._window = None if window is None else round(window * 1e9)
         self._channels: dict[str, _Channel] = {}
 
+    def __len__(self) -> int:
+        """Return the number of channels."""
+        return len(self._channels)
+
     def add(self, packet: Packet) -> None:
         """Count a packet."""
         channel = self._channels.get(packet.channel)

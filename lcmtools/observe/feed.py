@@ -19,8 +19,7 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
-PERIOD = 0.4
-"""Time between two snapshots [s]."""
+_PERIOD = 0.4  # [s] between two snapshots, where no other time is given
 _WINDOW = 2.0  # [s] that rates are about
 _SOON = 0.1  # [s] between the first few, and at most that the bus is waited for
 _FIRST = 10  # snapshots; while the screen is being made, this process itself may miss messages
@@ -51,21 +50,6 @@ class Snapshot:
         """Bytes per second of all channels."""
         return sum(row.bandwidth or 0.0 for row in self.rows)
 
-    def is_news_after(self, before: "Snapshot") -> bool:
-        """Return whether more has changed than numbers that go on."""
-        return self._outline() != before._outline() or any(  # noqa: SLF001 - its own kind
-            row.messages < old.messages for row, old in zip(self.rows, before.rows, strict=True)
-        )
-
-    def _outline(self) -> tuple[object, ...]:
-        return (
-            [
-                (r.channel, r.types, r.senders, r.listeners, r.is_silent, not r.rate)
-                for r in self.rows
-            ],
-            (self.plain_listeners, self.callback_errors, self.trouble, self.is_over),
-        )
-
     def row(self, channel: str) -> ChannelRow:
         """Return a channel's row; an empty one if it is unknown."""
         return next((row for row in self.rows if row.channel == channel), ChannelRow(channel))
@@ -74,8 +58,14 @@ class Snapshot:
 class Feed:
     """A thread that reads a bus, with a monitor of its own.
 
+    Args:
+        monitor: The bus; not closed here.
+        selection: The channels that have a row.
+        period: The time between two snapshots [s]; a new channel, for one, is in the next at once.
+
     Attributes:
         latest: The latest snapshot; another object each time.
+        on_snapshot: Called on this thread when there is a new one.
         listens_to_all: Announce to listen to all channels with a row: some nodes publish only for
             a subscriber. Else only those that are followed.
         listens_to_large: Of these, also to those of images and clouds.
@@ -83,8 +73,12 @@ class Feed:
             a latched one: its publisher does not send it again to a node that has had it.
     """
 
-    def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
+    def __init__(
+        self, monitor: BusMonitor, selection: ChannelSelection, period: float = _PERIOD
+    ) -> None:
         self.latest = Snapshot()
+        self.on_snapshot: Callable[[], object] = lambda: None
+        self._period = period
         self._monitor = monitor
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
@@ -99,7 +93,7 @@ class Feed:
         self._published: Sequence[str] = ()
         self._listeners: tuple[str, ...] = ()
         self._known: tuple[frozenset[int], set[str]] = frozenset(), set()
-        self._next_look = 0.0
+        self._next_look = self._next_snapshot = 0.0
         self._count = 0
         self._clears = threading.Event()
         self._ends = threading.Event()
@@ -134,26 +128,30 @@ class Feed:
         try:
             self._read()
         except EOFError:
-            self.latest = replace(self._snapshot(), trouble="the log has ended", is_over=True)
+            self._tell(replace(self._snapshot(), trouble="the log has ended", is_over=True))
         except LcmtoolsError as error:
-            self.latest = replace(self.latest, trouble=str(error), is_over=True)
+            self._tell(replace(self.latest, trouble=str(error), is_over=True))
         except Exception as error:  # noqa: BLE001 - shown on the screen, not in a thread's last words
             what = f"a fault of lcmtools ({type(error).__name__}: {error})"
-            self.latest = replace(self.latest, trouble=what, is_over=True)
+            self._tell(replace(self.latest, trouble=what, is_over=True))
+
+    def _tell(self, snapshot: Snapshot) -> None:
+        self.latest = snapshot
+        self.on_snapshot()
 
     def _read(self) -> None:
         with suppress(BusError, OSError):  # a network that fails now may come back
             self._monitor.discover()
-        next_snapshot = 0.0
         while not self._ends.is_set():
             trouble = self._receive()
             now = time.monotonic()
-            if now >= next_snapshot or trouble:
-                self.latest = replace(self._snapshot(), trouble=trouble)
+            if now >= self._next_snapshot or trouble:
+                self._tell(replace(self._snapshot(), trouble=trouble))
                 self._count += 1
                 if self._count == _FIRST:
                     self._before = self._monitor.losses()
-                next_snapshot = now + (PERIOD if self._count > _FIRST else _SOON)
+                is_soon = trouble or self._count <= _FIRST
+                self._next_snapshot = now + (_SOON if is_soon else self._period)
 
     def _receive(self) -> str:
         """Count what has arrived, and return the trouble of the network, "" for none."""
@@ -166,8 +164,12 @@ class Feed:
             self._clears.clear()
             self._activity.clear()
             self._before = self._monitor.losses()
+            self._next_snapshot = 0.0
+        known = len(self._activity)
         for packet in packets:
             self._activity.add(packet)
+        if len(self._activity) > known:
+            self._next_snapshot = 0.0
         if self._following.channels:
             for packet in packets:
                 self._following.pass_on(packet)

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import ClassVar
 
 import pytest
@@ -171,30 +170,49 @@ def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     assert found.row("A").rate is None
 
 
-def test_numbers_that_go_on_are_no_news() -> None:
-    row = ChannelRow("A", ("x/Y",), messages=5, rate=2.0, age=0.1)
-    before = Snapshot((row,))
-    later = replace(row, messages=9, bytes=50, rate=2.1, jitter=0.1, bandwidth=3.0, age=0.2)
-    assert not Snapshot((later,)).is_news_after(before)
+def test_a_new_channel_and_a_clear_do_not_wait_for_the_period(
+    wait_until: Callable[..., None],
+) -> None:
+    sent: list[Packet] = packets()
+    monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: [sent.pop()] if sent else []))
+    feed, told = Feed(monitor, ChannelSelection(), 1000.0), []
+    feed.on_snapshot = lambda: told.append(feed.latest)
+    feed.start()
+    try:
+        wait_until(lambda: len(told) == 10)  # the first ones, which come soon
+        sent.append(Packet("B", bytes(8), time.time_ns()))
+        wait_until(lambda: len(told) == 11)
+        assert [row.channel for row in feed.latest.rows] == ["A", "B"]
+        sent.append(Packet("B", bytes(8), time.time_ns()))
+        wait_until(lambda: not sent)
+        assert len(told) == 11
+        feed.clear()
+        wait_until(lambda: len(told) == 12)
+        assert feed.latest.row("A").messages == 0
+    finally:
+        feed.stop()
+    assert told[-1] is feed.latest
 
 
-@pytest.mark.parametrize(
-    "change", [{"types": ()}, {"senders": ("b",)}, {"age": 3.1}, {"rate": None}, {"messages": 0}]
-)
-def test_a_row_that_tells_something_else_is_news(change: dict[str, object]) -> None:
-    row = ChannelRow("A", ("x/Y",), messages=5, rate=2.0, age=0.1)
-    assert Snapshot((replace(row, **change),)).is_news_after(Snapshot((row,)))  # type: ignore[arg-type]
+def test_what_follows_a_trouble_does_not_wait_for_the_period(
+    wait_until: Callable[..., None],
+) -> None:
+    fails = False
 
+    def behaviour() -> list[Packet]:
+        if fails:
+            raise OSError(100, "Network is down")
+        return packets()
 
-@pytest.mark.parametrize(
-    "news",
-    [
-        Snapshot((ChannelRow("A"), ChannelRow("B"))),
-        Snapshot(),
-        Snapshot((ChannelRow("A"),), trouble="lost"),
-        Snapshot((ChannelRow("A"),), callback_errors=("x",)),
-        Snapshot((ChannelRow("A"),), is_over=True),
-    ],
-)
-def test_other_channels_and_troubles_are_news(news: Snapshot) -> None:
-    assert news.is_news_after(Snapshot((ChannelRow("A"),)))
+    feed = Feed(BusMonitor(MEMORY, "spy", {}, Bus(behaviour)), ChannelSelection(), 1000.0)
+    told: list[str] = []
+    feed.on_snapshot = lambda: told.append(feed.latest.trouble)
+    feed.start()
+    try:
+        wait_until(lambda: len(told) == 10)
+        fails = True
+        wait_until(lambda: told[-1])
+        fails = False
+        wait_until(lambda: not told[-1])
+    finally:
+        feed.stop()

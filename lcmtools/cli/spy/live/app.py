@@ -20,6 +20,8 @@ from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.monitor import BusMonitor
 
+_PERIOD = 1.0  # [s] between two drawings of the table where nothing but numbers changes
+
 
 class TerminalFile:
     """A terminal's stream that drops what is written after the terminal has closed.
@@ -120,7 +122,7 @@ class SpyApp(App[int]):
 
 def show(monitor: BusMonitor, selection: ChannelSelection, view: TableView) -> int:
     """Show the live view until it is left; return the exit code."""
-    feed = Feed(monitor, selection)
+    feed = Feed(monitor, selection, _PERIOD)
     app = SpyApp(str(monitor.url), feed, view)
     feed.start()
     try:

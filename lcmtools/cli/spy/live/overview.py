@@ -1,7 +1,7 @@
 """The table of channels on the screen, and its keys."""
 
-import time
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 from rich.text import Text
@@ -16,17 +16,16 @@ from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channel_columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
 from lcmtools.observe.channel_table import ColumnLayout, layout, natural_widths
 from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.feed import PERIOD, Feed, Snapshot
+from lcmtools.observe.feed import Feed, Snapshot
 
 _MUCH_LOSS = 0.01  # of what is sent
-_PERIOD = 1.0  # [s] between two drawings where nothing but numbers changes
 _SEARCH, _FILTER = "Search", "Filter"
 
 
 class Overview(LivePage):
-    """The table of channels."""
+    """The table of channels, drawn at each snapshot."""
 
-    period = PERIOD
+    period = None
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f1,h,question_mark", "app.explain", "Help"),
         Binding("f3,slash", "search", "Search"),
@@ -51,7 +50,6 @@ class Overview(LivePage):
         self._bus = bus
         self._feed = feed
         self._snapshot = Snapshot()
-        self._due = 0.0
         self._rows: list[ChannelRow] = []
         self._layout = ColumnLayout((), (), "")
         self._widest: dict[str, int] = {}
@@ -68,18 +66,13 @@ class Overview(LivePage):
     def on_mount(self) -> None:  # and its base's
         self.prompt.display = False
         self.table.focus()
+        self._feed.on_snapshot = partial(self.call_later, self.update)
 
     def on_screen_resume(self) -> None:
         self.draw()
 
     def update(self) -> None:
-        latest = self._feed.latest
-        is_seen = self.is_active or self.app.screen.is_modal
-        if latest is self._snapshot or not is_seen or (self.is_paused and not latest.is_over):
-            return
-        if time.monotonic() >= self._due or latest.is_news_after(self._snapshot):
-            self._due = time.monotonic() + _PERIOD
-            self._snapshot = latest
+        if self.is_active or self.app.screen.is_modal:
             self.draw()
 
     def action_sort(self, column: str) -> None:
@@ -157,6 +150,9 @@ class Overview(LivePage):
         width = self.table.size.width - 1  # beside the scroll bar
         if width < 1:
             return
+        latest = self._feed.latest
+        if not self.is_paused or latest.is_over:
+            self._snapshot = latest
         self._rows = self.view.rows(self._snapshot.rows, steady=True)
         for name, widest in natural_widths(self._rows, COLUMNS.values()).items():
             self._widest[name] = max(widest, self._widest.get(name, 0))  # it does not jump about

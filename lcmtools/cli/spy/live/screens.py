@@ -59,7 +59,7 @@ class Page(Screen[ScreenResultType]):
 class LivePage(Page[None]):
     """A screen that ``draw`` draws several times a second, unless it is paused."""
 
-    period = 0.2  # between two looks at what is new [s]
+    period: float | None = 0.2  # between two looks at what is new [s]; None for no looks
 
     def __init__(self, draw: Callable[[], None]) -> None:
         super().__init__()
@@ -76,7 +76,8 @@ class LivePage(Page[None]):
 
     def on_mount(self) -> None:
         self.draw()
-        self.set_interval(self.period, self.update)
+        if self.period:
+            self.set_interval(self.period, self.update)
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.draw)

@@ -14,7 +14,6 @@ from textual.events import Key, Resize
 from textual.geometry import Size
 
 from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
-from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.rows import RowTable
 from lcmtools.cli.spy.live.screens import LivePage, Page
 from lcmtools.messages.codec import encode
@@ -177,7 +176,6 @@ def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(LivePage, "period", 0.01)
-    monkeypatch.setattr(Overview, "period", 0.01)
     chance = random.Random(seed)  # noqa: S311 - no secret
     keys = ["escape", "left", "enter", "enter", "f1", "h", "f6", "f3", "f4", "x", "plus", "c", "r"]
 
@@ -187,7 +185,7 @@ def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
                 screen.app.post_message(Key(key, None))
             screen.planted.take(vector(chance.random(), number))
             screen.resize(chance.randint(1, 140), chance.randint(1, 40))
-            screen.planted.latest = Snapshot(ROWS[: chance.randint(0, len(ROWS))])
+            screen.planted.tell(Snapshot(ROWS[: chance.randint(0, len(ROWS))]))
             await asyncio.sleep(chance.random() / 50)
         await screen.until(lambda: screen.app.overview in screen.app.screen_stack)
         screen.app.action_leave()

@@ -58,10 +58,10 @@ def test_the_cursor_stays_on_its_row_while_the_order_changes() -> None:
         await screen.press("n", "I")
         assert screen.cursor == "/base/odom"
         rows = (ChannelRow("/aaa", messages=1), *ROWS)
-        screen.planted.latest = replace(screen.planted.latest, rows=rows)
+        screen.planted.tell(replace(screen.planted.latest, rows=rows))
         await screen.until(lambda: "45 channels" in screen.title)
         assert screen.cursor == "/base/odom"
-        screen.planted.latest = replace(screen.planted.latest, rows=ROWS[1:])
+        screen.planted.tell(replace(screen.planted.latest, rows=ROWS[1:]))
         await screen.until(lambda: "43 channels" in screen.title)
         assert screen.cursor == "/base/odom"
 
@@ -79,7 +79,7 @@ def test_a_new_number_draws_its_line_only(monkeypatch: pytest.MonkeyPatch) -> No
     async def script(screen: Screen) -> None:
         monkeypatch.setattr(RowTable, "render_line", noted)
         rows = ROWS[0], replace(ROWS[1], messages=901), *ROWS[2:]
-        screen.planted.latest = replace(screen.planted.latest, rows=rows)
+        screen.planted.tell(replace(screen.planted.latest, rows=rows))
         await screen.until(lambda: "901" in screen.text)
         assert drawn == {2}
 
@@ -135,7 +135,7 @@ def test_pause_clear_and_trouble() -> None:
     async def script(screen: Screen) -> None:
         await screen.press("space")
         assert "PAUSED" in screen.title
-        screen.planted.latest = Snapshot(ROWS[:1])
+        screen.planted.tell(Snapshot(ROWS[:1]))
         await screen.pilot.pause(0.5)  # more than two looks at what is new
         assert "44 channels" in screen.title
         await screen.press("space")
@@ -143,7 +143,7 @@ def test_pause_clear_and_trouble() -> None:
         assert "PAUSED" not in screen.title
         await screen.press("c")
         assert screen.planted.clears == 1
-        screen.planted.latest = replace(screen.planted.latest, trouble="the log has ended")
+        screen.planted.tell(replace(screen.planted.latest, trouble="the log has ended"))
         await screen.until(lambda: "the log has ended" in screen.text)
 
     look(script)
@@ -154,12 +154,12 @@ def test_what_callbacks_raise_is_shown_above_the_table() -> None:
 
     async def script(screen: Screen) -> None:
         assert "lcm-sink (pid 7) listens" in screen.text
-        screen.planted.latest = replace(screen.planted.latest, callback_errors=errors[:1])
+        screen.planted.tell(replace(screen.planted.latest, callback_errors=errors[:1]))
         await screen.until(lambda: screen.text.splitlines()[1] == errors[0])
-        screen.planted.latest = replace(screen.planted.latest, callback_errors=errors)
+        screen.planted.tell(replace(screen.planted.latest, callback_errors=errors))
         more = f"{errors[0]} (and 1 more; see lcmtools wtf)"
         await screen.until(lambda: screen.text.splitlines()[1] == more)
-        screen.planted.latest = replace(screen.planted.latest, callback_errors=("/a: \x1b[2J",))
+        screen.planted.tell(replace(screen.planted.latest, callback_errors=("/a: \x1b[2J",)))
         await screen.until(lambda: screen.text.splitlines()[1] == r"/a: \x1b[2J")
 
     look(script)
