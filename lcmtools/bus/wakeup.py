@@ -24,12 +24,13 @@ class WakeupEvent:
         self._read, self._write = _ends()
         self.fileno: Callable[[], int] = self._read.fileno
         """Returns the descriptor that can be read while it is set."""
-        self._is_set = False
+        self.is_set = False
+        """True from ``set`` until it is cleared."""
 
     def set(self) -> None:
         """Wake the waiting thread, or let its next wait return at once."""
-        if not self._is_set:
-            self._is_set = True
+        if not self.is_set:
+            self.is_set = True
             with contextlib.suppress(OSError, ValueError):  # closed: gone
                 self._write.write(_ONE)
 
@@ -44,7 +45,7 @@ class WakeupEvent:
         with contextlib.suppress(OSError, ValueError):
             self._read.read(_MUCH)
         # after reading: a thread that sets it in between has its work ready
-        self._is_set = False
+        self.is_set = False
 
     def close(self) -> None:
         """Free the descriptors."""

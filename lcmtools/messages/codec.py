@@ -40,9 +40,11 @@ def encode(message: Message) -> bytes:
     cls = type(message)
     try:
         try:
-            return _payload(message, cls)
+            known = coder(cls)
+            return b"".join((known.fingerprint, *known.write(message)))
         except _NOT_PLAIN:
-            return _payload(_conformed(message, cls), cls)
+            plain, known = _conformed(message, cls), coder(cls)
+            return b"".join((known.fingerprint, *known.write(plain)))
     except Misfit as misfit:
         raise misfit.mismatch(type_name(cls)) from None
     except RecursionError:
@@ -112,11 +114,6 @@ def describe_payload(data: bytes) -> str:
     number = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(number)
     return names[0] if names else f"an unknown type (fingerprint {number:#018x})"
-
-
-def _payload(message: Message, cls: type[Message]) -> bytes:
-    known = coder(cls)
-    return b"".join((known.fingerprint, *known.write(message)))
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:

@@ -229,3 +229,70 @@ def test_a_signal_handler_may_shut_down_while_the_node_waits(bus_url: str) -> No
     finally:
         signal.signal(signal.SIGALRM, before)
     assert not lcmtools.ok()
+
+
+@pytest.fixture
+def stream(other: LcmBus) -> Iterator[None]:
+    """Messages on "a", a millisecond or two after each other, until the test ends."""
+    ended = threading.Event()
+
+    def send() -> None:
+        while not ended.wait(0.001):
+            other.publish("a", b"x")
+
+    with ThreadPoolExecutor() as pool:
+        pool.submit(send)
+        yield
+        ended.set()
+
+
+@pytest.mark.usefixtures("stream")
+def test_a_stream_keeps_no_request_and_no_event_waiting(bus: LcmBus, never: WakeupEvent) -> None:
+    receivers, others = Receivers(bus), Receivers(bus, "b")
+    receivers.wait(bus, never, 10)
+    with ThreadPoolExecutor() as pool:
+        made = pool.submit(bus.subscribe, "c", lambda *_: None)
+        while not made.done():
+            bus.wait(never, _LONG)
+    bus.publish("b", b"x")
+    others.wait(bus, never)
+    receivers.wait(bus, never, len(receivers.threads) + 10)
+    never.set()
+    while never.is_set:  # cleared by the wait that it ends
+        bus.wait(never, _LONG)
+
+
+@pytest.fixture
+def in_a_stream(
+    bus: LcmBus, other: LcmBus, never: WakeupEvent, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The bus counts what comes as a stream, whose next message it awaits without end."""
+    receivers = Receivers(bus)
+    with ThreadPoolExecutor() as pool:
+        while not bus._is_streaming:
+            pool.submit(lambda: time.sleep(0.001) or other.publish("a", b"x"))
+            receivers.wait(bus, never, len(receivers.threads) + 1)
+    monkeypatch.setattr(lcm_bus, "_GAP", 3_600_000)
+
+
+@pytest.mark.usefixtures("in_a_stream")
+def test_a_short_wait_is_short_in_a_stream_too(bus: LcmBus, never: WakeupEvent) -> None:
+    bus.wait(never, 0.01)
+    assert bus._is_streaming  # it could have waited for the next message, but for the time
+
+
+@pytest.mark.usefixtures("in_a_stream")
+def test_a_signal_ends_a_wait_in_a_stream_and_frees_the_right_to_receive(
+    bus: LcmBus, never: WakeupEvent
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        with pytest.raises(KeyboardInterrupt):
+            bus.wait(never, None)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    bus.subscribe("b", lambda *_: None)
