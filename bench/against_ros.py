@@ -17,9 +17,10 @@ figure by ours (for messages a second ours by ROS's): above 1, ours is better.
 """
 
 import shutil
+import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
@@ -122,6 +123,16 @@ def ros_environment(cache: str) -> dict[str, str]:
     }
 
 
+def missing(programs: Sequence[str]) -> list[str]:
+    """Return those of these programs that are not installed, and Python's packages for nodes."""
+    found = [name for name in programs if shutil.which(name, path="/usr/bin") is None]
+    for name in ("rospy", "geometry_msgs.msg"):
+        command = [_PYTHON, "-c", f"import {name}"]
+        if subprocess.run(command, capture_output=True, check=False).returncode:
+            found.append(name.partition(".")[0])
+    return found
+
+
 def ros_node(name: str, rate: float) -> list[str]:
     """The command of a ROS node."""
     return [_PYTHON, "-c", _ROS_NODE, name, f"{rate}"]
@@ -217,9 +228,8 @@ def _lcm_system() -> Iterator[list[Child]]:
 def main() -> None:
     """Measure and print."""
     rounds = rounds_asked(__doc__, 11)
-    missing = [name for name in _NEEDED if shutil.which(name, path="/usr/bin") is None]
-    if missing:
-        print(f"nothing to compare with: {', '.join(missing)} not installed (Debian's packages)")
+    if absent := missing(_NEEDED):
+        print(f"nothing to compare with: {', '.join(absent)} not installed (Debian's packages)")
         return
     isolate()
     compare(rounds, _SECONDS)

@@ -6,7 +6,6 @@ Belongs here: streams, and the processor time of who reads them. The goals are i
 import os
 import pty
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -140,9 +139,8 @@ def echoed(environment: Environment) -> tuple[float, int]:
 
 def rostopic(cache: str, hertz: float, rounds: int) -> float:
     """The share of a core [%] of ``rostopic echo`` on a stream [Hz]; nan if not installed."""
-    missing = [one for one in ("rostopic", "roscore") if shutil.which(one, path="/usr/bin") is None]
-    if missing:
-        print(f"(no anchor: {', '.join(missing)} not installed, see against_ros.py --help)")
+    if absent := against_ros.missing(("rostopic", "roscore")):
+        print(f"(no anchor: {', '.join(absent)} not installed, see against_ros.py --help)")
         return nan
     environment = {**os.environ, **against_ros.ros_environment(cache)}
     with _ros_stream(environment, hertz):
