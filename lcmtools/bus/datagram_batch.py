@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from lcmtools.wire.packet import Datagram, Sender
 
 _SLOTS = 64  # datagrams that are taken with one call
-_AT_ONCE = int(socket.MSG_DONTWAIT)
 _LARGEST = 65536  # bytes of a datagram
 _PART = struct.Struct("@PN")  # struct iovec
 _HEADER = struct.Struct("@PIPNPNi4xI4x")  # struct mmsghdr
@@ -54,7 +53,6 @@ class DatagramBatch:
             ends = source + _ADDRESS_BYTES, _FACTS.size - _ADDRESS_BYTES
             fresh += _HEADER.pack(source, _ADDRESS_BYTES, part, 1, *ends, 0, 0)
         self._fresh = bytes(fresh)  # the call writes into the headers
-        self._written = _SLOTS  # headers, by the call before
         self._sizes = memoryview(self._headers).cast("I")[_SIZE // 4 :: _HEADER.size // 4]
         self._words = memoryview(self._facts).cast("Q")
 
@@ -71,10 +69,10 @@ class DatagramBatch:
                 return
 
     def _receive(self) -> int:
-        written = self._written * _HEADER.size
-        self._headers[:written] = self._fresh[:written]
-        count: int = self._call(self._receiver.fileno(), self._start, _SLOTS, _AT_ONCE, None)
-        self._written = count + 1 if 0 <= count < _SLOTS else _SLOTS
+        self._headers[:] = self._fresh
+        count: int = self._call(
+            self._receiver.fileno(), self._start, _SLOTS, socket.MSG_DONTWAIT, None
+        )
         if count >= 0:
             return count
         number = ctypes.get_errno()

@@ -61,7 +61,7 @@ class Feed:
     Args:
         monitor: The bus; not closed here.
         selection: The channels that have a row.
-        period: The time between two snapshots [s]; a new channel, for one, is in the next at once.
+        period: The time between two snapshots [s]; a new channel brings the next one at once.
 
     Attributes:
         latest: The latest snapshot; another object each time.
