@@ -75,7 +75,6 @@ export default class Steer {
     this.speed = element("output", { class: "mono" });
     this.rate = element("output", { class: "mono" });
     this.status = element("p", { class: "steer-status", role: "status" });
-    this.warning = element("p", { class: "notice", role: "status", hidden: true });
     this.stopButton = button("Stop", () => this.stop(), { class: "stop" });
     this.gamepad = element("input", {
       type: "checkbox",
@@ -123,10 +122,10 @@ export default class Steer {
         onfocusout: (/** @type {FocusEvent} */ event) => this.leave(event),
       },
       element("div", { class: "tools" }, choice),
-      this.warning,
       element(
         "div",
         { class: "steer-room" },
+        this.context.notice,
         element("div", { class: "steer-pad" }, this.forward, this.pad, this.turn),
         element(
           "div",
@@ -333,9 +332,7 @@ export default class Steer {
     for (const control of [this.forward, this.turn, this.stopButton]) control.disabled = Boolean(obstacle);
     const others = this.state.others ?? [];
     const also = others.length && !obstacle ? `${others.join(", ")} commands ${this.topic} too` : "";
-    const warning = this.refusal || also;
-    this.warning.hidden = !warning;
-    write(this.warning, warning);
+    this.context.tell(this, this.refusal || also);
     write(this.status, obstacle || this.stateText(Boolean(share)));
   }
 
