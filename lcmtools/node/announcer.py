@@ -38,6 +38,7 @@ class Announcer:
         self._due = time.monotonic() + _CHANGE_DELAY
         self._rested = 0.0
         self._answer_due = math.inf
+        self._owes_another = False
         self._is_behind = True
         self._nonce = 0
         self._closed = False
@@ -97,6 +98,8 @@ class Announcer:
         answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
         with self._changed:
             self._nonce = probe.nonce or self._nonce
+            # who requests twice fears that one answer may be lost
+            self._owes_another = self._answer_due < math.inf
             self._answer_due = min(self._answer_due, answer)
             self._changed.notify()
 
@@ -108,7 +111,9 @@ class Announcer:
                 if self._closed:
                     return
                 began = time.monotonic()
-                self._due, self._answer_due = began + PERIOD, math.inf
+                self._due = began + PERIOD
+                self._answer_due = began + ANSWER_SPREAD if self._owes_another else math.inf
+                self._owes_another = False
                 nonce, self._nonce = self._nonce, 0
             work_began = time.thread_time()  # a busy computer makes no node a large one
             with self._sending:

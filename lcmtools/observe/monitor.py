@@ -41,9 +41,10 @@ if TYPE_CHECKING:  # a bus does without logs
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
+_AT_LEAST_AFAR = 0.1  # [s] the same between computers: a wireless link may take some tens of ms
 _AHEAD = 0.025  # [s] before a look that count as waiting, where the request was sent so early
 _AGAIN = 0.02  # [s] after which a second request is sent, where datagrams may be lost
-_AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
+_AT_MOST = 0.25  # [s] more on a bus where nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
@@ -193,18 +194,27 @@ class BusMonitor:
                 count(packet)
         return self.graph()
 
-    def _await_nodes(self, *, foreign: bool) -> None:
+    def _request(self) -> float:
+        """Request all nodes to announce themselves, if that is not done; return the moment."""
         asked, self._asked = self._asked, 0.0
         if not asked:
             self.probe()
         now = time.monotonic()
-        start = changed = max(asked, now - _AHEAD) if asked else now
-        # between computers the request, or an answer, may be lost: two are seldom lost
-        probe_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
+        start = max(asked, now - _AHEAD) if asked else now
+        if self._is_between_computers:
+            # the request, or an answer, may be lost: two are seldom lost
+            deque(self.packets(start + _AGAIN - now), maxlen=0)
+            self.probe()
+            start = time.monotonic()
+        return start
+
+    def _await_nodes(self, *, foreign: bool) -> None:
+        start = changed = self._request()
+        soonest = start + (_AT_LEAST_AFAR if self._is_between_computers else _AT_LEAST)
         with contextlib.suppress(EOFError):  # a log that has ended is complete
             # where this process itself was held up, what has come meanwhile still counts
             while (
-                not _complete(time.monotonic(), start, changed)
+                not _complete(time.monotonic(), soonest, changed)
                 or self._observer.is_awaiting
                 or self._receives_talk(0.0)
                 or self._awaits_known_node()
@@ -212,9 +222,6 @@ class BusMonitor:
                 if time.monotonic() - start > _FOREIGN:
                     self._recall()
                     break
-                if time.monotonic() >= probe_again:
-                    self.probe()
-                    probe_again = math.inf
                 if self._receives_talk(QUIET / 2):
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
@@ -230,6 +237,10 @@ class BusMonitor:
     def send_trouble(self) -> str:
         """The reason why the last announcement was not sent; "" for none."""
         return self._presence.trouble
+
+    @property
+    def _is_between_computers(self) -> bool:
+        return self.url.is_multicast and self.url.ttl > 0
 
     @property
     def _is_present(self) -> bool:
@@ -310,6 +321,5 @@ class BusMonitor:
             self.receive(min(left, 0.1))
 
 
-def _complete(now: float, start: float, changed: float) -> bool:
-    waited = now - start
-    return waited > _AT_MOST or (waited > _AT_LEAST and now - changed > QUIET)
+def _complete(now: float, soonest: float, changed: float) -> bool:
+    return now > min(max(soonest, changed + QUIET), soonest + _AT_MOST)

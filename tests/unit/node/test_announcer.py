@@ -219,6 +219,31 @@ def test_a_node_that_rests_after_a_long_description_answers_who_asks(
     announcer.close()
 
 
+def test_a_node_that_was_held_up_answers_twice_who_asked_twice(
+    bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A command asks twice since one answer may be lost; two are enough for any number."""
+    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
+    described: list[None] = []
+    goes_on = threading.Event()
+
+    def describe() -> list[model.Node]:
+        described.append(None)
+        goes_on.wait()
+        return []
+
+    announcer = Announcer(bus, describe)
+    wait_until(lambda: described)
+    for _ in range(5):
+        _probe(bus)
+    goes_on.set()
+    wait_until(lambda: len(described) == 3)
+    _probe(bus)
+    wait_until(lambda: len(described) == 4)
+    announcer.close()
+    assert len(described) == 4
+
+
 def test_a_command_line_that_is_not_utf8_is_announced(
     begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
 ) -> None:

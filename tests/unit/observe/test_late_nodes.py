@@ -18,7 +18,9 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 
 URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+BETWEEN_COMPUTERS = parse_url("udpm://239.255.76.67:7667?ttl=1")
 LATE = 0.6  # [s], as on a computer with many busy programs
+SOON = 0.04  # [s]
 
 
 class LateObserver:
@@ -27,13 +29,13 @@ class LateObserver:
     is_live, is_log, is_awaiting, has_strangers, port = True, False, False, False, 0
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
-    def __init__(self, node: Node) -> None:
-        self._node, self._asked, self.requests = node, 0.0, 0
+    def __init__(self, node: Node, late: float = LATE) -> None:
+        self._node, self._late, self._asked, self.requests = node, late, 0.0, 0
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the announcement when it is due."""
         time.sleep(timeout)
-        if not self._asked or time.monotonic() < self._asked + LATE:
+        if not self._asked or time.monotonic() < self._asked + self._late:
             return []
         self._asked = 0.0
         return [Packet(NODE_CHANNEL, encode_announcement(Announcement(self._node)), time.time_ns())]
@@ -46,6 +48,20 @@ class LateObserver:
 
     def close(self) -> None:
         """There is nothing to leave."""
+
+
+class LossyObserver(LateObserver):
+    """The same on a busy computer, where the first request is lost on its way to another."""
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """Return late if nothing has come."""
+        return super().receive(timeout) or super().receive(0.1 if self.requests < 2 else 0.0)
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Note the request; the first one does not arrive."""
+        super().send(channel, payload)
+        if self.requests == 1:
+            self._asked = 0.0
 
 
 @pytest.fixture
@@ -78,3 +94,11 @@ def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path: Pat
     assert observer.requests == 0
     monitor.settle(foreign=False)
     assert observer.requests == 1
+
+
+def test_a_second_request_is_sent_however_busy_this_computer_is(tmp_path: Path) -> None:
+    observer = LossyObserver(Node("/driver", "1", host="other", pid=1), SOON)
+    environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    monitor = BusMonitor(BETWEEN_COMPUTERS, "test", environment, observer)
+    assert [node.name for node in monitor.settle(foreign=False).nodes] == ["/driver"]
+    assert observer.requests == 2
