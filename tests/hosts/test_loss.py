@@ -97,7 +97,7 @@ def test_a_full_buffer_of_the_kernel_is_not_the_network(
     assert "lcm-sink" in found["stuck-listeners"][0]
     assert _losses(ada) == {}
     sink.send_signal(signal.SIGCONT)
-    assert _losses(bob) == {}
+    wait_until(lambda: _losses(bob) == {})  # on a busy computer 50 ms of room may still be too few
 
 
 def test_a_full_queue_of_a_node_is_neither_network_nor_kernel(
