@@ -25,7 +25,7 @@ from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import MessageFormatter
 from lcmtools.observe.selection import select_topics
 
-_NAP = 0.01  # [s] that messages may wait for each other on their way to a screen
+_NAP = 0.02  # [s] that those of a stream may wait for each other on their way to a screen: a frame
 _ALL_TOPICS = "**"
 
 
