@@ -15,13 +15,13 @@ from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
 
 _SELECT_LIMIT = 1024
-_CONNECT_TIMEOUT = 0.8  # [s]
+_CONNECT_TIMEOUT = 3.5  # [s]; what a full line loses of it is sent again after 1 s and 3 s
 _ANSWER_TIMEOUT = 5.0  # [s]; a busy server may take its time
 _PERIOD = 0.2  # [s] between two checks
 
 
 def check_bus(url: BusUrl) -> None:
-    """Make sure that the bus can be used. It mostly takes under a second to find out.
+    """Make sure that the bus can be used. It takes some seconds where a server does not answer.
 
     Raises:
         BusError: It cannot, with what to do.
