@@ -58,14 +58,12 @@ def rate_row(times: Sequence[float], now: float) -> CheckResult:
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
     cause = rate_cause(len(times), rate, now - times[-1])
-    return CheckResult(
+    what, wanted, is_ok = (
         "rate of commands",
         f"{_RATE:g} Hz within {BAND:.0%}",
-        f"{rate:.2f} Hz",
-        is_ok=is_within(rate, _RATE),
-        hint=cause.text,
-        cause=cause.key,
+        is_within(rate, _RATE),
     )
+    return CheckResult(what, wanted, f"{rate:.2f} Hz", is_ok, cause.text, cause.key)
 
 
 def rate_cause(count: int, rate: float, silent: float) -> Cause:
@@ -83,16 +81,11 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
 def velocity_row(twist: Twist) -> CheckResult:
     """Return the row of the velocity of a command."""
     forward, turn_rate = twist.linear.x, twist.angular.z
-    cause = velocity_cause(twist)
     is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
-    return CheckResult(
-        "velocity commanded",
-        f"{_FORWARD:g} m/s, {_TURN_RATE:g} rad/s",
-        f"{forward:g} m/s, {turn_rate:g} rad/s",
-        is_ok=is_alike and not misplaced(twist),
-        hint=cause.text,
-        cause=cause.key,
-    )
+    is_ok, cause = is_alike and not misplaced(twist), velocity_cause(twist)
+    wanted = f"{_FORWARD:g} m/s, {_TURN_RATE:g} rad/s"
+    measured = f"{forward:g} m/s, {turn_rate:g} rad/s"
+    return CheckResult("velocity commanded", wanted, measured, is_ok, cause.text, cause.key)
 
 
 def velocity_cause(twist: Twist) -> Cause:
@@ -116,14 +109,10 @@ def circle_row(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist
     radius = fit_radius([(place.x, place.y) for place in path])
     cause = circle_cause(radius, touches, twist)
     stuck = f", stuck on {touches[0]}" if touches else ""
-    return CheckResult(
-        "circle that it drives",
-        f"{_RADIUS:.3f} m within {BAND:.0%}",
-        f"{'none' if radius is None else f'{radius:.3f} m'}{stuck}",
-        is_ok=radius is not None and is_within(radius, _RADIUS),
-        hint=cause.text,
-        cause=cause.key,
-    )
+    wanted = f"{_RADIUS:.3f} m within {BAND:.0%}"
+    measured = f"{'none' if radius is None else f'{radius:.3f} m'}{stuck}"
+    is_ok = radius is not None and is_within(radius, _RADIUS)
+    return CheckResult("circle that it drives", wanted, measured, is_ok, cause.text, cause.key)
 
 
 def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -> Cause:
@@ -157,14 +146,9 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         return
     found = ranges_in(program.printed(), scans[-1].ranges)
     cause = ranges_cause(program.printed(), scans[-1].ranges, found)
-    yield CheckResult(
-        what,
-        wanted,
-        f"{', '.join(found[:3])} m" if found else "none",
-        is_ok=bool(found) and _lines(program) > 1,
-        hint=cause.text,
-        cause=cause.key,
-    )
+    measured = f"{', '.join(found[:3])} m" if found else "none"
+    is_ok = bool(found) and _lines(program) > 1
+    yield CheckResult(what, wanted, measured, is_ok, cause.text, cause.key)
 
 
 def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:

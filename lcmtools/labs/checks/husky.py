@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of, explain_number
-from lcmtools.labs.checks.observations import TrueState
+from lcmtools.labs.checks.observations import Desire, TrueState
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
     LONGEST,
@@ -56,7 +56,7 @@ class _Robot:
         seen = self._bench.recorder
         self._first_command = len(seen.commands)
         self._start = seen.motion[-1].time if seen.motion else 0.0
-        seen.desire(step.forward, step.turn_rate)
+        seen.desired.append(Desire(seen.time, step.forward, step.turn_rate))
 
     def run(self, step: Step) -> StepRun:
         """Return what has been observed since the velocity was desired."""
@@ -90,10 +90,7 @@ class _Robot:
         self._bench.wait(lambda: self._samples and is_settled(), LONGEST / 2 / self._bench.rate)
 
     def _take_odometry(self, odometry: Odometry) -> None:
-        stamp, twist = odometry.header.stamp, odometry.twist.twist
-        place = odometry.pose.pose.position
-        time = stamp.sec + stamp.nsec / 1e9
-        self._samples.append(TrueState(time, place.x, place.y, twist.linear.x, twist.angular.z))
+        self._samples.append(TrueState.by(odometry))
 
     def _repeat(self) -> None:
         """Publish it some times: a program does not get one whenever it has odometry.

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from lcmtools.labs.catalogue import LabProgram
 from lcmtools.messages.registry import Message
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.std_msgs import Time
 
 _TRACEBACK = "Traceback (most recent call last):"
 _FRAME = re.compile(r'\s+File "(?P<file>.+)", line (?P<line>\d+)')
@@ -35,6 +37,14 @@ class TrueState:
     y: float
     forward: float
     turn_rate: float
+
+    @classmethod
+    def by(cls, odometry: Odometry) -> "TrueState":
+        """Return the state that odometry gives."""
+        place, twist = odometry.pose.pose.position, odometry.twist.twist
+        return cls(
+            seconds(odometry.header.stamp), place.x, place.y, twist.linear.x, twist.angular.z
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +160,11 @@ class Observations:
     code: int | None = None
     look: BusLook | None = None
     path: Sequence[tuple[float, float]] = ()
+
+
+def seconds(stamp: Time) -> float:
+    """Return a stamp's time [s]."""
+    return float(stamp.sec + stamp.nsec / 1e9)
 
 
 def last_failure(printed: str) -> Failure | None:

@@ -10,7 +10,13 @@ from typing import TypeVar
 from lcmtools.bag.log import Log
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.catalogue import Lab, LabProgram
-from lcmtools.labs.checks.observations import CommandMessage, Desire, Observations, TrueState
+from lcmtools.labs.checks.observations import (
+    CommandMessage,
+    Desire,
+    Observations,
+    TrueState,
+    seconds,
+)
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -58,7 +64,7 @@ class RecordedRun:
     def motion(self, *topics: str) -> list[TrueState]:
         """Return the robot's motion by the first of its topics that is in the log."""
         for topic in topics:
-            if found := [_state(one) for _, one in self.messages(self.name(topic), Odometry)]:
+            if found := [TrueState.by(one) for _, one in self.messages(self.name(topic), Odometry)]:
                 return found
         return []
 
@@ -132,12 +138,5 @@ def _topics(run: RecordedRun) -> Sequence[str]:
 def _simulated(message: Message, now: float) -> float:
     """Return the simulated time that a message tells; it never goes back."""
     if isinstance(message, Clock):
-        return max(now, message.clock.sec + message.clock.nsec / 1e9)
-    return max(now, _state(message).time) if isinstance(message, Odometry) else now
-
-
-def _state(odometry: Odometry) -> TrueState:
-    place, twist, stamp = odometry.pose.pose.position, odometry.twist.twist, odometry.header.stamp
-    return TrueState(
-        stamp.sec + stamp.nsec / 1e9, place.x, place.y, twist.linear.x, twist.angular.z
-    )
+        return max(now, seconds(message.clock))
+    return max(now, seconds(message.header.stamp)) if isinstance(message, Odometry) else now

@@ -7,12 +7,11 @@ from typing import TypeVar
 
 from lcmtools import Node
 from lcmtools.labs.catalogue import Lab, LabProgram
-from lcmtools.labs.checks.observations import CommandMessage, Desire, Touch, TrueState
+from lcmtools.labs.checks.observations import CommandMessage, Desire, Touch, TrueState, seconds
 from lcmtools.messages.registry import Message
 from lcmtools.types.gazebo_msgs import ContactsState
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
-from lcmtools.types.std_msgs import Time
 
 BUMPER = "lab_bumper"
 """The topic, below the robot's, of the contacts that a check's world adds."""
@@ -77,31 +76,21 @@ class Recorder:
 
             self._node.create_subscription(message_types, topic, take, DEPTH)
 
-    def desire(self, forward: float, turn_rate: float) -> None:
-        """Record that a velocity is desired from now on [m/s], [rad/s]."""
-        self.desired.append(Desire(self.time, forward, turn_rate))
-
     def _take_clock(self, clock: Clock) -> None:
-        now = _seconds(clock.clock)
+        now = seconds(clock.clock)
         self.duration += max(0.0, now - self.time) / self.rate
         self.time = now
 
     def _take_motion(self, odometry: Odometry) -> None:
-        place, twist = odometry.pose.pose.position, odometry.twist.twist
-        time = _seconds(odometry.header.stamp)
-        self.motion.append(TrueState(time, place.x, place.y, twist.linear.x, twist.angular.z))
+        self.motion.append(TrueState.by(odometry))
 
     def _take_contacts(self, contacts: ContactsState) -> None:
         place = self.motion[-1] if self.motion else TrueState(0.0, 0.0, 0.0, 0.0, 0.0)
         self.touches += [
-            Touch(_seconds(contacts.header.stamp), state.collision2_name, place.x, place.y)
+            Touch(seconds(contacts.header.stamp), state.collision2_name, place.x, place.y)
             for state in contacts.states
         ]
 
     def _take_log(self, log: Log) -> None:
         if log.level >= Log.WARN and log.name == self._simulator:
             self.warnings.append(log.msg)
-
-
-def _seconds(stamp: Time) -> float:
-    return float(stamp.sec + stamp.nsec / 1e9)

@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
+from lcmtools.cli.declare import (
+    argument,
+    duration,
+    examples,
+    option,
+    rate,
+    subcommand,
+    whole_number,
+)
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import UsageError
@@ -28,7 +36,15 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
     return command
 
 
-@subcommand("check")
+@subcommand("check", json_option)
+@examples(
+    "lab check husky",
+    'lab check husky --controller "python my_controller.py"',
+    'lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"',
+    'lab check husky --controller "python mine.py" --plot mine.png',
+    "lab check dolly --programs class/ --junit results.xml",
+    "lab check husky --bag drive.lcmlog",
+)
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
 @_program_options
 @option(
@@ -44,7 +60,6 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @option("--plot", type=_FILE, help="Write a PNG of velocities and the path.")
 @option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
-@json_option
 def command(
     name: str,
     *,
@@ -72,15 +87,6 @@ def command(
 
     With --bag no program is run: the messages of a log are judged in the same way, as far as they
     are what the lab asks for, and what they do not allow to judge is said.
-
-    \b
-    Examples:
-      lcmtools lab check husky
-      lcmtools lab check husky --controller "python my_controller.py"
-      lcmtools lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"
-      lcmtools lab check husky --controller "python mine.py" --plot mine.png
-      lcmtools lab check dolly --programs class/ --junit results.xml
-      lcmtools lab check husky --bag drive.lcmlog
     """
     from lcmtools.labs.checks.class_check import ClassCheck
     from lcmtools.labs.checks.reporters import junit as junit_text

@@ -5,29 +5,20 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.bus import open_monitor
-from lcmtools.cli.declare import CONTEXT, argument, flag, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import columns, show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.labs.catalogue import LABS, Lab, find_lab
 from lcmtools.labs.skeletons import NAMES, copy_skeleton
 
 
-@subcommand("list")
-@json_option
+@subcommand("list", json_option)
+@examples("lab list", "lab list --json")
 def list_labs(*, as_json: bool) -> None:
-    """List the labs.
-
-    \b
-    Examples:
-      lcmtools lab list
-      lcmtools lab list --json
-    """
-    if as_json:
-        document([_plain(lab) for lab in LABS.values()])
-        return
-    width = max(map(len, LABS))
-    lines(f"{lab.name:{width}}  {lab.title}" for lab in LABS.values())
+    """List the labs."""
+    rows = columns([(lab.name, lab.title) for lab in LABS.values()])
+    show(list(map(_plain, LABS.values())), rows, as_json=as_json)
 
 
 def _plain(lab: Lab) -> dict[str, object]:
@@ -38,8 +29,8 @@ def _plain(lab: Lab) -> dict[str, object]:
     return {**plain, "programs": programs, "steps": [*lab.steps]}
 
 
-@click.command("start", context_settings={**CONTEXT, "ignore_unknown_options": True})
-@bus_options
+@subcommand("start", bus_options, ignore_unknown_options=True)
+@examples("lab start husky", "lab start pioneer --view")
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
 @argument(
     "arguments",
@@ -52,11 +43,6 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     """Run a lab's simulator until Ctrl-C, and show what to type next.
 
     ARGUMENTS are passed to the simulator: --rate 4, --view; see lcmtools run sim --help.
-
-    \b
-    Examples:
-      lcmtools lab start husky
-      lcmtools lab start pioneer --view
     """
     from lcmtools.cli import run
 
@@ -75,10 +61,10 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
 
 
-@subcommand("skeleton")
+@subcommand("skeleton", json_option)
+@examples("lab skeleton simple_controller", "lab skeleton kinect_viewer my_lab")
 @flag("-l", "--list", "show_list", help="List the skeletons.")
 @flag("--force", help="Overwrite an existing file.")
-@json_option
 @argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
 @argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
 def skeleton(
@@ -87,21 +73,16 @@ def skeleton(
     """Copy a lab's node with TODOs into DIR (else here), to complete.
 
     It runs unchanged, with python; its first lines show the command.
-
-    \b
-    Examples:
-      lcmtools lab skeleton simple_controller
-      lcmtools lab skeleton kinect_viewer my_lab
     """
     if show_list and name:
         raise UsageError("--list takes no skeleton's name", "leave out one of them")
     if show_list:
-        document(list(NAMES)) if as_json else lines(NAMES)
+        show(list(NAMES), NAMES, as_json=as_json)
         return
     if not name:
         raise UsageError(
             "the skeleton's name is missing", "lcmtools lab skeleton --list shows them"
         )
     path = copy_skeleton(name, folder, overwrite=force)
-    document({"file": str(path)}) if as_json else lines([str(path)])
+    show({"file": str(path)}, [str(path)], as_json=as_json)
     talk(f"fill in its TODOs, and run it: python {path}")
