@@ -27,12 +27,9 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 def _program_options(command: Callable[..., int]) -> Callable[..., int]:
     for lab in reversed([*LABS.values()]):
         for program in reversed(lab.programs):
-            command = option(
-                f"--{program.option}",
-                metavar="COMMAND",
-                help=f"Lab {lab.name}: your {program.node}.",
-                completer="files",
-            )(command)
+            text = f"Lab {lab.name}: your {program.node}."
+            add = option(f"--{program.option}", metavar="COMMAND", help=text, completer="files")
+            command = add(command)
     return command
 
 
