@@ -28,14 +28,10 @@ FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2"
 
 @dataclass(slots=True)
 class Exported:
-    """The messages that were handed on.
+    """The messages that were handed on."""
 
-    Attributes:
-        messages: Their number.
-        left_out: Sentences on what was left out, by the reason.
-    """
-
-    messages: int = 0
+    messages: int = 0  # their number
+    # Sentences on what was left out, by the reason.
     left_out: dict[str, str] = field(default_factory=dict)
 
     def tell(self, reason: str, text: str) -> None:

@@ -36,14 +36,10 @@ class Imported(NamedTuple):
 
 @dataclass(slots=True)
 class RosImport:
-    """The types for what is read, and what could not be.
+    """The types for what is read, and what could not be."""
 
-    Attributes:
-        types: The types that were translated.
-        left_out: Why messages were left out, and how many for each reason.
-    """
-
-    types: dict[str, RecordedType] = field(default_factory=dict)
+    types: dict[str, RecordedType] = field(default_factory=dict)  # the types that were translated
+    # Why messages were left out, and how many for each reason.
     left_out: dict[str, int] = field(default_factory=dict)
     _classes: dict[str, type[Message]] = field(default_factory=dict)
 

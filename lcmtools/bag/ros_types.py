@@ -34,17 +34,11 @@ _FILLER = "structure_needs_at_least_one_member"  # rosbags's, in a type without 
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """A type of ROS.
+    """A type of ROS."""
 
-    Attributes:
-        name: As ROS 2 spells it: "sensor_msgs/msg/LaserScan".
-        definition: Its fields, and those of the types of its fields, as bags keep them.
-        digest: The MD5 that ROS 1 compares.
-    """
-
-    name: str
-    definition: str
-    digest: str
+    name: str  # as ROS 2 spells it: "sensor_msgs/msg/LaserScan"
+    definition: str  # its fields, and those of the types of its fields, as bags keep them
+    digest: str  # the MD5 that ROS 1 compares
 
 
 @dataclass(frozen=True, slots=True)

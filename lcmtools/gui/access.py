@@ -39,19 +39,14 @@ class Refused(Exception):  # noqa: N818 - named for what happened
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """The rules of one server.
+    """The rules of one server."""
 
-    Attributes:
-        names: The names by which it may be addressed, as in the header Host, without port.
-        any_address: It may be addressed by any IP address too, which no website can take over.
-        tokens: The token of each right; empty where none is needed.
-        is_read_only: Nobody may command.
-    """
-
+    # The names by which it may be addressed, as in the header Host, without port.
     names: frozenset[str]
+    # It may be addressed by any IP address too, which no website can take over.
     any_address: bool = False
-    tokens: Mapping[str, str] | None = None
-    is_read_only: bool = False
+    tokens: Mapping[str, str] | None = None  # the token of each right; empty where none is needed
+    is_read_only: bool = False  # nobody may command
 
     def rights(self, host: str, target: str) -> tuple[str, ...]:
         """Return the rights of who requests ``target`` (path and query) of ``host`` (the header).

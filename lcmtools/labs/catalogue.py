@@ -9,27 +9,17 @@ from lcmtools.names import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class LabProgram:
-    """A program that a lab has a student write.
+    """A program that a lab has a student write."""
 
-    Attributes:
-        option: Its name on the command line of lab check.
-        node: The model answer and the skeleton, nodes of the same name.
-        arguments: Names that connect it; added unless the command line has a := of its own.
-        publishes: Topics of which it is to publish one.
-        types: The message types that these may have.
-        subscribes: Topics that it is to subscribe to.
-        has_keys: It is driven by keys, and not by its callbacks.
-        rate: Simulated seconds per second of its check, where simulated time counts.
-    """
-
-    option: str
-    node: str
+    option: str  # its name on the command line of lab check
+    node: str  # the model answer and the skeleton, nodes of the same name
+    # Names that connect it; added unless the command line has a := of its own.
     arguments: tuple[str, ...] = ()
-    publishes: tuple[str, ...] = ()
-    types: tuple[str, ...] = ()
-    subscribes: tuple[str, ...] = ()
-    has_keys: bool = False
-    rate: float = 4.0
+    publishes: tuple[str, ...] = ()  # topics of which it is to publish one
+    types: tuple[str, ...] = ()  # the message types that these may have
+    subscribes: tuple[str, ...] = ()  # topics that it is to subscribe to
+    has_keys: bool = False  # it is driven by keys, and not by its callbacks
+    rate: float = 4.0  # simulated seconds per second of its check, where simulated time counts
 
     @property
     def answer(self) -> tuple[str, ...]:
@@ -39,25 +29,15 @@ class LabProgram:
 
 @dataclass(frozen=True, slots=True)
 class Lab:
-    """A lab.
+    """A lab."""
 
-    Attributes:
-        name: Its name on the command line.
-        title: Its subject, in one line.
-        world: The simulator's world.
-        simulator: The simulator's node in that world.
-        robot: The robot's namespace in that world.
-        programs: The programs that a student writes.
-        steps: Commands to type next, in a second terminal.
-    """
-
-    name: str
-    title: str
-    world: str
-    simulator: str
-    robot: str
-    programs: tuple[LabProgram, ...]
-    steps: tuple[str, ...]
+    name: str  # its name on the command line
+    title: str  # its subject, in one line
+    world: str  # the simulator's world
+    simulator: str  # the simulator's node in that world
+    robot: str  # the robot's namespace in that world
+    programs: tuple[LabProgram, ...]  # the programs that a student writes
+    steps: tuple[str, ...]  # commands to type next, in a second terminal
 
 
 _HUSKY = Lab(

@@ -36,17 +36,11 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class PixelFormat:
-    """The format of a pixel.
-
-    Attributes:
-        kind: Its meaning.
-        number: The type code of its numbers, as of ``array``: B, H or f.
-        channels: The order of its numbers: "rgb", "bgra", or one letter for a single one.
-    """
+    """The format of a pixel."""
 
     kind: Kind
-    number: str = "B"
-    channels: str = "v"
+    number: str = "B"  # the type code of its numbers, as of ``array``: B, H or f
+    channels: str = "v"  # the order of its numbers: "rgb", "bgra", or one letter for a single one
 
     @property
     def size(self) -> int:
@@ -82,19 +76,12 @@ FORMATS = {
 
 @dataclass(frozen=True, slots=True)
 class Pixels:
-    """The pixels of an image, from top to bottom and from left to right, without gaps.
+    """The pixels of an image, from top to bottom and from left to right, without gaps."""
 
-    Attributes:
-        width: Number of columns.
-        height: Number of rows.
-        format: The format of a pixel.
-        data: Their numbers, the least significant byte first.
-    """
-
-    width: int
-    height: int
+    width: int  # number of columns
+    height: int  # number of rows
     format: PixelFormat
-    data: bytes
+    data: bytes  # their numbers, the least significant byte first
 
     def every(self, step: int) -> "Pixels":
         """Return each ``step``-th pixel of each ``step``-th row, from the first on."""

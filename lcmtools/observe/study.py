@@ -122,13 +122,10 @@ class Study:
 
 @dataclass(frozen=True, slots=True)
 class Sparkline:
-    """A number over time, the smallest and the largest.
+    """A number over time, the smallest and the largest."""
 
-    Attributes:
-        bars: Its mean in each interval, the newest last, scaled to 0 .. 1; an interval without
-            samples repeats the one before. There are none before the first sample.
-    """
-
+    # Its mean in each interval, the newest last, scaled to 0 .. 1; an interval without samples
+    # repeats the one before. There are none before the first sample.
     bars: tuple[float, ...] = ()
     low: float = 0.0
     high: float = 0.0

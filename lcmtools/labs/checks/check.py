@@ -34,17 +34,11 @@ _NOTHING_SAID = "it printed nothing"
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A program to be checked.
+    """A program to be checked."""
 
-    Attributes:
-        program: Which one of the lab it is.
-        command: Its command line.
-        is_answer: It is the model answer of lcmtools.
-    """
-
-    program: LabProgram
-    command: Sequence[str]
-    is_answer: bool = False
+    program: LabProgram  # which one of the lab it is
+    command: Sequence[str]  # its command line
+    is_answer: bool = False  # it is the model answer of lcmtools
 
 
 def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:

@@ -18,17 +18,11 @@ _FLAT = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """The response to a step, with the usual measures of control engineering.
+    """The response to a step, with the usual measures of control engineering."""
 
-    Attributes:
-        reached: Mean of the last second, in the value's unit.
-        settled_after: [s] until it stays within the band; None when it does not.
-        overshoot: Beyond the target, as a part of the step; 0 when it never was.
-    """
-
-    reached: float
-    settled_after: float | None
-    overshoot: float
+    reached: float  # mean of the last second, in the value's unit
+    settled_after: float | None  # [s] until it stays within the band; None when it does not
+    overshoot: float  # beyond the target, as a part of the step; 0 when it never was
 
 
 def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:

@@ -91,74 +91,44 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """A topic that the program publishes or subscribes to.
-
-    Attributes:
-        topic: Its name.
-        type: The type's name; "" where not known.
-        messages: Number of messages.
-        calls: Calls of the callback; of a publisher, 0.
-        longest: The longest call, of a running one so far [s].
-        busy: The time of all calls [s].
-        offered: The type that others publish on it, where it cannot take that.
-    """
+    """A topic that the program publishes or subscribes to."""
 
     topic: str
-    type: str = ""
+    type: str = ""  # the type's name; "" where not known
     messages: int = 0
-    calls: int = 0
-    longest: float = 0.0
-    busy: float = 0.0
-    offered: str = ""
+    calls: int = 0  # calls of the callback; of a publisher, 0
+    longest: float = 0.0  # the longest call, of a running one so far [s]
+    busy: float = 0.0  # the time of all calls [s]
+    offered: str = ""  # the type that others publish on it, where it cannot take that
 
 
 @dataclass(frozen=True, slots=True)
 class BusLook:
-    """The program as a look at the bus shows it.
+    """The program as a look at the bus shows it."""
 
-    Attributes:
-        nodes: The names of its nodes.
-        publications: The topics on which it publishes.
-        subscriptions: Those that it has subscribed to.
-        runs_callbacks: A callback of it has been called, a timer's too.
-        failures: Exceptions that its nodes announce.
-        findings: What wtf finds of it, with the remedies.
-    """
-
-    nodes: Sequence[str] = ()
-    publications: Sequence[Wire] = ()
-    subscriptions: Sequence[Wire] = ()
-    runs_callbacks: bool = False
-    failures: Sequence[Failure] = ()
-    findings: Sequence[str] = ()
+    nodes: Sequence[str] = ()  # the names of its nodes
+    publications: Sequence[Wire] = ()  # the topics on which it publishes
+    subscriptions: Sequence[Wire] = ()  # those that it has subscribed to
+    runs_callbacks: bool = False  # a callback of it has been called, a timer's too
+    failures: Sequence[Failure] = ()  # exceptions that its nodes announce
+    findings: Sequence[str] = ()  # what wtf finds of it, with the remedies
 
 
 @dataclass(frozen=True, slots=True)
 class Observations:
-    """Everything that was observed of one program's run.
+    """Everything that was observed of one program's run."""
 
-    Attributes:
-        program: Which program of the lab it is.
-        commands: Messages on the topics that it is to publish.
-        desired: The velocities that were desired of it.
-        motion: The robot's true motion.
-        touches: The robot's contacts.
-        warnings: What the simulator warned of.
-        printed: What it printed, the end of it where it is long.
-        code: Its exit code if it ended by itself, negative for a signal; None while it runs.
-        look: What the bus shows of it; None before that was looked at.
-        path: The path that the robot is to follow [m]; empty where there is none.
-    """
-
-    program: LabProgram
-    commands: Sequence[CommandMessage] = ()
-    desired: Sequence[Desire] = ()
-    motion: Sequence[TrueState] = ()
-    touches: Sequence[Touch] = ()
-    warnings: Sequence[str] = ()
-    printed: str = ""
+    program: LabProgram  # which program of the lab it is
+    commands: Sequence[CommandMessage] = ()  # messages on the topics that it is to publish
+    desired: Sequence[Desire] = ()  # the velocities that were desired of it
+    motion: Sequence[TrueState] = ()  # the robot's true motion
+    touches: Sequence[Touch] = ()  # the robot's contacts
+    warnings: Sequence[str] = ()  # what the simulator warned of
+    printed: str = ""  # what it printed, the end of it where it is long
+    # Its exit code if it ended by itself, negative for a signal; None while it runs.
     code: int | None = None
-    look: BusLook | None = None
+    look: BusLook | None = None  # what the bus shows of it; None before that was looked at
+    # The path that the robot is to follow [m]; empty where there is none.
     path: Sequence[tuple[float, float]] = ()
 
 

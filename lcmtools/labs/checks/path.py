@@ -30,19 +30,14 @@ Point = tuple[float, float]
 
 @dataclass
 class DrivenPath:
-    """A robot's way along a path.
+    """A robot's way along a path."""
 
-    Attributes:
-        points: (x, y) of the path, LEAST_POSES or more [m].
-        along: The distance along the path that the robot has come [m]; it never goes back.
-        offsets: The robot's states, and its distance from the path [m], positive to the left.
-        last_progress: Simulated time of the last progress that counts [s].
-    """
-
-    points: Sequence[Point]
+    points: Sequence[Point]  # (x, y) of the path, LEAST_POSES or more [m]
+    # The distance along the path that the robot has come [m]; it never goes back.
     along: float = 0.0
+    # The robot's states, and its distance from the path [m], positive to the left.
     offsets: list[tuple[TrueState, float]] = field(default_factory=list)
-    last_progress: float = 0.0
+    last_progress: float = 0.0  # simulated time of the last progress that counts [s]
 
     def __post_init__(self) -> None:
         """Measure the path."""

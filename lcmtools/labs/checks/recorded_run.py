@@ -39,17 +39,11 @@ class RecordedMessage:
 
 @dataclass(slots=True)
 class RecordedRun:
-    """All messages of a lab's topics in a log, in the order of their recording.
-
-    Attributes:
-        lab: The lab.
-        topics: The messages by topic.
-        end: The time of the log's last message [s].
-    """
+    """All messages of a lab's topics in a log, in the order of their recording."""
 
     lab: Lab
-    topics: dict[str, list[RecordedMessage]] = field(default_factory=dict)
-    end: float = 0.0
+    topics: dict[str, list[RecordedMessage]] = field(default_factory=dict)  # the messages by topic
+    end: float = 0.0  # the time of the log's last message [s]
 
     def name(self, topic: str) -> str:
         """Return the full name of a topic of the robot."""

@@ -16,50 +16,30 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """The result of checking one requirement.
+    """The result of checking one requirement."""
 
-    Attributes:
-        what: The requirement, in a few words.
-        wanted: The value that the lab specifies, with its unit.
-        measured: The value that was measured, with its unit.
-        is_ok: True if the requirement is met.
-        hint: The cause if it is not, or what to look at next.
-        cause: The key of the cause; rows of the same cause have the same.
-        follows: The row whose cause is the cause of this one; "" for none.
-        said: The program's own last words, beside the first row of a cause.
-        findings: What wtf finds of the program on the check's own bus.
-    """
-
-    what: str
-    wanted: str
-    measured: str
-    is_ok: bool
-    hint: str = ""
-    cause: str = ""
-    follows: str = ""
-    said: str = ""
-    findings: tuple[str, ...] = ()
+    what: str  # the requirement, in a few words
+    wanted: str  # the value that the lab specifies, with its unit
+    measured: str  # the value that was measured, with its unit
+    is_ok: bool  # True if the requirement is met
+    hint: str = ""  # the cause if it is not, or what to look at next
+    cause: str = ""  # the key of the cause; rows of the same cause have the same
+    follows: str = ""  # the row whose cause is the cause of this one; "" for none
+    said: str = ""  # the program's own last words, beside the first row of a cause
+    findings: tuple[str, ...] = ()  # what wtf finds of the program on the check's own bus
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The results of one program.
+    """The results of one program."""
 
-    Attributes:
-        program: Its option on the command line ("controller").
-        command: Its command line.
-        results: Its rows.
-        observations: What was observed of it; None if it could not be run.
-        is_answer: It is the model answer of lcmtools.
-        duration: The time that the check takes where the simulation keeps its pace, without the
-            simulator's start [s].
-    """
-
-    program: str
-    command: Sequence[str]
-    results: Sequence[CheckResult]
-    observations: Observations | None = None
-    is_answer: bool = False
+    program: str  # its option on the command line ("controller")
+    command: Sequence[str]  # its command line
+    results: Sequence[CheckResult]  # its rows
+    observations: Observations | None = None  # what was observed of it; None if it could not be run
+    is_answer: bool = False  # it is the model answer of lcmtools
+    # The time that the check takes where the simulation keeps its pace, without the simulator's
+    # start [s].
     duration: float = 0.0
 
     @property

@@ -19,15 +19,10 @@ REST_SPEED = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """The motion of the robot's body.
+    """The motion of the robot's body."""
 
-    Attributes:
-        forward: Along its x axis [m/s].
-        turn_rate: About its z axis, positive to the left [rad/s].
-    """
-
-    forward: float
-    turn_rate: float
+    forward: float  # along its x axis [m/s]
+    turn_rate: float  # about its z axis, positive to the left [rad/s]
 
     def __str__(self) -> str:
         """As a log line shows it."""
@@ -57,14 +52,10 @@ class Gains:
     the controller's zero cancels the lag's pole, and the closed loop is a first-order lag of
     0.15 s / kp: no steady error, no overshoot (S. Skogestad, Simple analytic rules for model
     reduction and PID controller tuning, Journal of Process Control 13, 2003, without delay).
-
-    Attributes:
-        kp: Effort per speed error [s/m].
-        ki: Effort per speed error and second [1/m].
     """
 
-    kp: float = 1.0
-    ki: float = 6.7
+    kp: float = 1.0  # effort per speed error [s/m]
+    ki: float = 6.7  # effort per speed error and second [1/m]
 
 
 class SideControl:

@@ -45,22 +45,14 @@ class Motion:
     """The present motion of a robot that is driven as by teleop_twist_keyboard.
 
     A key sets the direction of driving, or changes how fast. Capitals mean the same.
-
-    Attributes:
-        speed: Forward speed that is set [m/s].
-        turn: Turn rate that is set [rad/s].
-        speed_limit: Largest speed [m/s].
-        turn_limit: Largest turn rate [rad/s].
-        direction: Forward (1), backward (-1) or neither.
-        rotation: Left (1), right (-1) or neither.
     """
 
-    speed: float = 0.5
-    turn: float = 1.0
-    speed_limit: float = 1000.0
-    turn_limit: float = 1000.0
-    direction: int = 0
-    rotation: int = 0
+    speed: float = 0.5  # forward speed that is set [m/s]
+    turn: float = 1.0  # turn rate that is set [rad/s]
+    speed_limit: float = 1000.0  # largest speed [m/s]
+    turn_limit: float = 1000.0  # largest turn rate [rad/s]
+    direction: int = 0  # forward (1), backward (-1) or neither
+    rotation: int = 0  # left (1), right (-1) or neither
 
     def after(self, key: str) -> "Motion":
         """Return the motion once a key is pressed; a key without a meaning stops the robot."""
@@ -129,19 +121,12 @@ class HeldKey:
 
 @dataclass(frozen=True, slots=True)
 class Sliders:
-    """The positions of two sliders with the keys of rqt's robot steering, and the arrows.
+    """The positions of two sliders with the keys of rqt's robot steering, and the arrows."""
 
-    Attributes:
-        forward: Forward speed [m/s].
-        turn_rate: Turn rate [rad/s], positive to the left.
-        most_forward: Largest forward speed, and backward too [m/s].
-        most_turn_rate: Largest turn rate to either side [rad/s].
-    """
-
-    forward: float = 0.0
-    turn_rate: float = 0.0
-    most_forward: float = 1.0
-    most_turn_rate: float = 3.0
+    forward: float = 0.0  # forward speed [m/s]
+    turn_rate: float = 0.0  # turn rate [rad/s], positive to the left
+    most_forward: float = 1.0  # largest forward speed, and backward too [m/s]
+    most_turn_rate: float = 3.0  # largest turn rate to either side [rad/s]
 
     def after(self, key: str) -> "Sliders":
         """Return the sliders once a key is pressed."""

@@ -21,18 +21,13 @@ _LEVELS = 255
 class ColorOptions:
     """The colours of depth.
 
-    Attributes:
-        color_map: Its colours from near to far.
-        near: Depth of its beginning [m]; None: by the picture.
-        far: Depth of its end [m]; None: by the picture.
-
     Raises:
         UsageError: The ends are exchanged.
     """
 
-    color_map: Sequence[Color]
-    near: float | None = None
-    far: float | None = None
+    color_map: Sequence[Color]  # its colours from near to far
+    near: float | None = None  # depth of its beginning [m]; None: by the picture
+    far: float | None = None  # depth of its end [m]; None: by the picture
 
     def __post_init__(self) -> None:
         """Check the ends."""
@@ -42,17 +37,12 @@ class ColorOptions:
 
 @dataclass(frozen=True, slots=True)
 class ColoredPicture:
-    """A picture in colours.
+    """A picture in colours."""
 
-    Attributes:
-        image: Its pixels (RGB).
-        near: Depth of the lightest colour [mm]; None where the picture is not of depth.
-        far: Depth of the darkest colour [mm].
-    """
-
-    image: PIL.Image.Image
+    image: PIL.Image.Image  # its pixels (RGB)
+    # Depth of the lightest colour [mm]; None where the picture is not of depth.
     near: int | None = None
-    far: int | None = None
+    far: int | None = None  # depth of the darkest colour [mm]
 
     @property
     def legend_ends(self) -> tuple[str, str]:

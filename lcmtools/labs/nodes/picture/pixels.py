@@ -27,16 +27,11 @@ _RAW_COLORS = {"rgb": "RGB", "bgr": "BGR", "rgba": "RGBX", "bgra": "BGRX"}
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture.
+    """A picture."""
 
-    Attributes:
-        image: Its pixels: depth in mm (mode I) or m (mode F), grey (L or I), or colour (RGB).
-        encoding: The message's.
-        kind: The meaning of a pixel.
-    """
-
+    # Its pixels: depth in mm (mode I) or m (mode F), grey (L or I), or colour (RGB).
     image: PIL.Image.Image
-    encoding: str
+    encoding: str  # the message's
     kind: Kind
 
     def fitted(self, width: int, height: int) -> "Picture":
