@@ -107,8 +107,16 @@ def _usage_error(error: click.ClickException, command: str) -> int:
     command = context.command_path if context else command
     message = " ".join(error.format_message().split()).rstrip(".")
     message = _of_variable(error) or f"{message[:1].lower()}{message[1:]}"
+    if isinstance(error, click.NoSuchOption) and (instead := _of_ros(command, error.option_name)):
+        message = f"no such option '{error.option_name}'; {instead}"
     talk(f"{message} (see {command} --help)", command)
     return error.exit_code
+
+
+def _of_ros(command: str, option: str) -> str:
+    from lcmtools.cli.ros import option_instead
+
+    return option_instead(command, option)
 
 
 def _of_variable(error: click.ClickException) -> str:

@@ -1,6 +1,6 @@
 """Commands of ROS and catkin that are typed behind ``lcmtools``, and what takes their place.
 
-Imported only where a command is unknown.
+Imported only where a command or an option is unknown.
 """
 
 import shlex
@@ -18,6 +18,7 @@ _PANELS = (
     "lcmtools gui opens topics, plots, images, the graph and steering in the browser; spy, plot,"
     " graph and run steering do so in the terminal"
 )
+_COMPRESS = "bag record --compress zstd compresses as it records; zstd and lz4 do so with any log"
 _NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 
 
@@ -68,6 +69,9 @@ Instead = str | tuple[str, ...] | Callable[[Sequence[str]], list[str]]
 """A hint where there is no such command; or the words in its place, or a function of the rest."""
 
 _INSTEAD: Mapping[str, Instead] = {
+    "bag compress": _COMPRESS,
+    "bag convert": "lcmtools bag export writes other formats, bag import reads bags of ROS",
+    "bag decompress": _COMPRESS,
     "catkin": _catkin,
     "catkin_create_pkg": _create_package,
     "catkin_init_workspace": _NO_BUILD,
@@ -117,6 +121,51 @@ _INSTEAD: Mapping[str, Instead] = {
     "tf_echo": "lcmtools echo /tf",
     "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
 }
+_NO_QOS = "LCM has no QoS: delivery is best effort"
+_NO_DAEMON = "there is no daemon to wait for: the nodes answer at once"
+_AS_IT_COMES = "messages are written as they come"
+_PACK = "--compress zstd or lz4"
+_SPLIT = "--split 1GB, or 10m, begins another file then"
+_OPTIONS: Mapping[str, str] = {
+    "--include-hidden-topics": "lcmtools list --all lists the hidden ones too",
+    "--no-daemon": _NO_DAEMON,
+    "--qos": _NO_QOS,
+    "--spin-time": _NO_DAEMON,
+    "--tcpnodelay": "LCM uses UDP",
+    "bag filter -p": "lcmtools echo -b FILE --filter EXPR prints them",
+    "bag filter --print": "lcmtools echo -b FILE --filter EXPR prints them",
+    "bag info --freq": "the rates are shown without it",
+    "bag info -y": "--json is for programs",
+    "bag info --yaml": "--json is for programs",
+    "bag play --bags": "each word is a log; -t may be repeated",
+    "bag play -d": "nothing has to connect; -w waits for subscribers",
+    "bag play --delay": "nothing has to connect; -w waits for subscribers",
+    "bag play --hz": "--clock publishes 100 times a second",
+    "bag play -i": "-r 0 is as fast as possible",
+    "bag play --immediate": "-r 0 is as fast as possible",
+    "bag play -k": "LCM keeps no latched message for those that come later",
+    "bag play --keep-alive": "LCM keeps no latched message for those that come later",
+    "bag play --pause-topics": "SPACE pauses and resumes, . plays one message",
+    "bag play --prefix": "--ns /replay puts all topics below /replay",
+    "bag play --queue": "nothing queues: each message is sent when it is due",
+    "bag play --rate-control-topic": "-r, and the keys up and down, set the rate",
+    "bag play --skip-empty": "the right arrow goes on by 5 s, ] by a minute",
+    "bag record -b": _AS_IT_COMES,
+    "bag record --bz2": _PACK,
+    "bag record --buffsize": _AS_IT_COMES,
+    "bag record --chunksize": _AS_IT_COMES,
+    "bag record -e": "TOPIC may be a pattern in quotes: '/husky*/**'",
+    "bag record -j": _PACK,
+    "bag record --lz4": _PACK,
+    "bag record --max-bag-duration": _SPLIT,
+    "bag record --max-bag-size": _SPLIT,
+    "bag record --regex": "TOPIC may be a pattern in quotes: '/husky*/**'",
+    "bag record --size": _SPLIT,
+    "launch -p": "LCM has no master; --lcm-url and --domain choose the bus",
+    "launch --required": "required is a key of a node in the file",
+    "run --prefix": "put it in front: gdb --args lcmtools run NODE",
+}
+"""Hints for the options of ROS: of every command, or of one."""
 _PREFIXES = ("ament", "catkin", "colcon", "gz", "ros", "rqt", "rviz", "tf2_")
 
 
@@ -141,3 +190,14 @@ def instead(group: str, words: Sequence[str]) -> list[str]:
     replaced = [*found, *rest] if isinstance(found, tuple) else found(rest)
     talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
     return replaced
+
+
+def option_instead(command: str, name: str) -> str:
+    """Return what takes the place of an option of ROS, as a hint; "" for what is no such option.
+
+    Args:
+        command: The command that it was typed for, such as "lcmtools topic hz".
+        name: The option, such as "--tcpnodelay".
+    """
+    family = name if not name.startswith("--qos") else "--qos"
+    return _OPTIONS.get(f"{command.partition(' ')[2]} {name}") or _OPTIONS.get(family, "")

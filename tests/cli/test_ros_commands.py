@@ -5,7 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click import Command
 
+from lcmtools.cli.bag.play import command as play
+from lcmtools.cli.bag.record import command as record
 from lcmtools.cli.ros import instead
 from lcmtools.errors import UsageError
 
@@ -88,3 +91,18 @@ def test_what_is_meant_is_done(cli: Run, tmp_path: Path, monkeypatch: pytest.Mon
 def test_a_node_whose_package_has_its_name_is_run(cli: Run) -> None:
     said = cli("run", "image_view", "image_view", "--foo").err
     assert said.startswith("lcmtools run image_view: unknown argument '--foo'")
+
+
+@pytest.mark.parametrize(
+    ("command", "typed", "read"),
+    [
+        (play, "a -u 5 -l --wait-for-subscribers",
+         {"duration": 5, "loop": True, "wait_subscribers": True}),
+        (record, "-O a --split 1GB --max-splits 3",
+         {"output": "a", "split": "1GB", "max_files": 3}),
+    ],
+)  # fmt: skip
+def test_options_of_rosbag_have_its_meaning(
+    command: Command, typed: str, read: dict[str, object]
+) -> None:
+    assert read.items() <= command.make_context("", typed.split()).params.items()

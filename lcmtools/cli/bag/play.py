@@ -33,14 +33,26 @@ def _rate(value: str | float) -> float:
     "bag play front.lcmlog rear.lcmlog --start end-30s --loop",
 )
 @argument("files", nargs=-1, required=True, metavar="FILE...", completer="files")
-@option("-r", "--rate", type=_rate, default=1.0, help="Speed: 2 is twice as fast, 0 at once.")
+@option(
+    "-r",
+    "--rate",
+    metavar="RATE",
+    type=_rate,
+    default=1.0,
+    help="Speed: 2 is twice as fast, 0 at once.",
+)
 @window_options
-@option("--duration", type=duration, help="Play so much of the log at most.")
+@option("-u", "--duration", type=duration, help="Play so much of the log at most.")
 @flag("-l", "--loop", help="Begin again at the end.")
 @topics_option
 @exclude_option
 @flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
-@flag("-w", "--wait-subscribers", help="Wait until each topic has a subscriber.")
+@flag(
+    "-w",
+    "--wait-subscribers",
+    "--wait-for-subscribers",
+    help="Wait until each topic has a subscriber.",
+)
 @flag("-p", "--pause", help="Begin with a pause.")
 @flag("--force", help="Play though other programs publish, or a robot obeys.")
 @flag("-q", "--quiet", help="Show no progress.")

@@ -33,6 +33,7 @@ choice_options = together(
 file_options = together(
     option(
         "-o",
+        "-O",
         "--output",
         metavar="FILE",
         default=USUAL_NAME,
@@ -47,7 +48,13 @@ file_options = together(
         help="Compress the log (extra 'bag').",
     ),
     option("--split", metavar="SIZE|TIME", help="Begin another file then."),
-    option("--max-files", metavar="N", type=whole_number(1), help="Keep the last N files."),
+    option(
+        "--max-files",
+        "--max-splits",
+        metavar="N",
+        type=whole_number(1),
+        help="Keep the last N files.",
+    ),
 )
 """The files."""
 
