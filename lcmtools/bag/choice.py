@@ -10,14 +10,10 @@ _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 
 
 class RecordedTopics:
-    """A choice of topics.
+    """A choice of topics and patterns; none for all topics, unless nodes are named.
 
-    Args:
-        topics: Topics and patterns; none for all topics, unless nodes are named.
-        exclude: Topics and patterns that are left out.
-        nodes: Nodes whose topics are wanted, those that they publish and subscribe to.
-        hidden: Hidden topics are among all topics, and match patterns.
-        names: The namespace and the remaps that topics are read by.
+    The topics of ``nodes`` are those that they publish and subscribe to. ``hidden`` ones are among
+    all topics, and match patterns.
     """
 
     def __init__(

@@ -75,11 +75,7 @@ class StandingCommand(NamedTuple):
 
 
 class LastCommands:
-    """The last command of each topic that was played.
-
-    Args:
-        tracks: The topics that are played.
-    """
+    """The last command of each topic that was played."""
 
     def __init__(self, tracks: Iterable[Track]) -> None:
         self._tracks = {track.topic: track for track in tracks}
@@ -92,9 +88,7 @@ class LastCommands:
     def take(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
         """Return the commands that stand and would be obeyed, and then forget them.
 
-        Args:
-            graph: The bus.
-            heard: Programs that are no nodes may listen too.
+        If others are ``heard``, programs that are no nodes may listen too.
         """
         tracks = [self._tracks[topic] for topic in self._last]
         obeyed = [one for one in tracks if obeying(graph, one) or (heard and is_command(one))]

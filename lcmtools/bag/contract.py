@@ -1,14 +1,14 @@
 """A contract that a log can be held against: topics, types, rates, gaps, losses.
 
 topics:
-/husky0/odometry:
-type: nav_msgs/Odometry
-min_rate: 45        # [Hz]
-max_rate: 55
-max_gap: 0.5        # [s] without a message
-min_messages: 100
-/camera/**:           # at least one topic that matches, and each that does
-min_rate: 5
+  /husky0/odometry:
+    type: nav_msgs/Odometry
+    min_rate: 45        # [Hz]
+    max_rate: 55
+    max_gap: 0.5        # [s] without a message
+    min_messages: 100
+  /camera/**:           # at least one topic that matches, and each that does
+    min_rate: 5
 others: false           # no other topics
 max_lost: 0             # messages, of all senders together
 min_duration: 10        # [s]

@@ -70,21 +70,15 @@ def export(
     compression: Compression = "zstd",
     force: bool = False,
 ) -> Exported:
-    """Write messages to a file or folder in another format.
+    """Write messages to a file or folder in another format, one of ``FORMATS``.
 
-    CSV and Parquet have a file for each topic: a target without a suffix is a folder for them.
-
-    Args:
-        packets: The messages.
-        decoder: Finds their types.
-        target: The file or folder, which appears when it is complete.
-        format_: One of ``FORMATS``.
-        compression: Of MCAP.
-        force: Take the place of a file that exists.
+    CSV and Parquet have a file for each topic: a target without a suffix is a folder for them. It
+    appears when it is complete. ``compression`` is that of MCAP.
 
     Raises:
         MissingExtra: A library is missing.
-        LcmtoolsError: The target exists or cannot be written, or nothing could be handed on.
+        LcmtoolsError: The target exists, and not ``force``; it cannot be written; or nothing could
+            be handed on.
     """
     done = Exported()
     with (

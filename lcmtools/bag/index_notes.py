@@ -24,11 +24,7 @@ _FINGERPRINT_BYTES = 8
 
 
 class IndexNotes:
-    """The notes of one recording.
-
-    Args:
-        monitor: The bus.
-        worker: Looks up what takes a while; it has one thread.
+    """The notes of one recording; ``worker``, of one thread, looks up what takes a while.
 
     Attributes:
         losses: The losses since the beginning by the sender's name, of those that have lost any.

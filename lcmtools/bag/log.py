@@ -1,9 +1,9 @@
 """A log for Python: what is in it, and its messages.
 
 with lcmtools.bag.open("ride.lcmlog") as log:
-print(log.duration, list(log.topics))
-for arrival in log.messages("/husky0/odometry", start="10s", end="end-1m"):
-print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
+    print(log.duration, list(log.topics))
+    for arrival in log.messages("/husky0/odometry", start="10s", end="end-1m"):
+        print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
 """
 
 import sys

@@ -13,9 +13,7 @@ from lcmtools.errors import LcmtoolsError
 def output_beside(target: Path, *, force: bool = False) -> Iterator[Path]:
     """Give the path to write to; it takes the target's place at the end, or goes with an error.
 
-    Args:
-        target: A file, or a folder.
-        force: Take the place of a file that exists; never that of a folder.
+    With ``force`` also that of a file that exists; never that of a folder.
 
     Raises:
         LcmtoolsError: The target exists, or cannot be written.

@@ -75,15 +75,7 @@ def play(
     notify: Notify = lambda _: None,
     on_position: OnPosition = lambda _: None,
 ) -> Result:
-    """Play logs on a bus, merged by their times.
-
-    Args:
-        paths: The logs.
-        url: The bus.
-        choice: The topics, and their names there.
-        manner: Rate, times and more.
-        notify: Gets what a person should read.
-        on_position: Called ten times a second.
+    """Play logs on a bus, merged by their times; ``on_position`` is called ten times a second.
 
     Raises:
         BusError: A log cannot be read, or the bus cannot be reached.

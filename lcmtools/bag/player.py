@@ -28,21 +28,13 @@ class Position(NamedTuple):
 
 
 class Player:
-    """The schedule of a log's messages.
+    """The schedule of a log's messages, those between the times of ``window`` [ns since 1970].
 
     Every message is due by its time in the log and by when playing began, paused or changed its
     rate, so that delays do not add up.
 
-    Args:
-        messages: The messages between two times.
-        window: The first and the last time that are played [ns since 1970].
-        rate: Seconds of the log in a second; 0 for as fast as possible.
-        loops: Start again at the end.
-        is_paused: Begin with a pause.
-        now: The time of the clock.
-
     Attributes:
-        rate: As above.
+        rate: Seconds of the log in a second; 0 for as fast as possible.
         is_paused: Nothing is due.
         is_over: There is no more message.
     """

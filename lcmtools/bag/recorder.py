@@ -87,13 +87,8 @@ def open_bus(
 class BagRecorder(AbstractContextManager["BagRecorder"]):
     """A recording, which begins and ends with its context.
 
-    Args:
-        monitor: The bus, with whole messages; its owner closes it.
-        choice: The topics.
-        series: The files.
-        limits: Its bounds.
-        snapshot: Keep messages in memory until ``save`` is called; None to write all.
-        paused: Begin paused.
+    The monitor, with whole messages, is closed by its owner. With ``snapshot`` messages are kept in
+    memory until ``save`` is called.
 
     Raises:
         LcmtoolsError: A file exists, or cannot be written; also at the end of the context.

@@ -20,10 +20,7 @@ _STORAGE = {"db3": "SQLITE3", "mcap": "MCAP"}
 class McapFile(AbstractContextManager["McapFile"]):
     """An MCAP file that is being written, with ROS's schemas, which Foxglove and PlotJuggler read.
 
-    Args:
-        path: The file.
-        encoding: ROS 2's, or ROS 1's.
-        compression: Of chunks.
+    The encoding is ROS 2's or ROS 1's; the compression is that of chunks.
 
     Raises:
         MissingExtra: The library is missing.

@@ -54,9 +54,8 @@ def topic_file(topic: str, suffix: str) -> str:
 class CsvFiles(AbstractContextManager["CsvFiles"]):
     """Comma-separated values, a file for each topic, as ``echo --csv`` prints them.
 
-    Args:
-        path: The file, for one topic; without a suffix a folder, which is made.
-        tell: Called with what is left out.
+    A path without a suffix is that of a folder, which is made. ``tell`` is called with what is left
+    out.
     """
 
     def __init__(self, path: Path, tell: Tell) -> None:

@@ -81,13 +81,9 @@ def time_window(
     *,
     duration: float | None = None,
 ) -> tuple[int, int]:
-    """Return the first and the last time [ns since 1970] that are meant in a log.
+    """Return the first and the last time [ns since 1970] that are meant in a log of a ``span``.
 
-    Args:
-        span: The log's own.
-        start: Where to begin; None for the log's start.
-        end: Where to end; None for the log's end.
-        duration: How long from the start on [s], at most.
+    Without ``start`` or ``end`` it begins or ends as the log does; it has ``duration`` [s] at most.
 
     Raises:
         UsageError: Nothing of the log lies between them.

@@ -12,13 +12,8 @@ from lcmtools.wire.packet import Packet
 class Trigger:
     """A condition on the messages of a topic: "/estop m.data".
 
-    Args:
-        text: The topic, and the expression behind it.
-        names: The namespace and the remaps that the topic is read by.
-        announced: The types that nodes announce for a channel.
-
     Raises:
-        UsageError: It is none.
+        UsageError: The text is none.
     """
 
     def __init__(

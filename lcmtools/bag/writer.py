@@ -39,12 +39,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     """A log that is being written, and its index.
 
     ``add`` only takes messages; ``flush`` writes them, or ``write``, on another thread, a batch of
-    them that ``take`` has returned.
-
-    Args:
-        path: The log.
-        force: Take the place of a file that exists.
-        compression: Write compressed frames, one for each batch; None for a plain log.
+    them that ``take`` has returned: a compressed frame, if there is a ``compression``. With
+    ``force`` it takes the place of a file that exists.
 
     Attributes:
         path: The log.

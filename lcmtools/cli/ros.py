@@ -172,9 +172,7 @@ _PREFIXES = ("ament", "catkin", "colcon", "gz", "ros", "rqt", "rviz", "tf2_")
 def instead(group: str, words: Sequence[str]) -> list[str]:
     """Return the words that take the place of a command of ROS; none for what is no such command.
 
-    Args:
-        group: The group that it is typed in, such as "param"; "" for ``lcmtools`` itself.
-        words: The command and its arguments.
+    ``group`` is the one that it is typed in, such as "param"; "" for ``lcmtools`` itself.
 
     Raises:
         UsageError: There is no such command here; with what takes its place.

@@ -10,12 +10,7 @@ from lcmtools.terminal import is_terminal
 
 
 class StatusLine(AbstractContextManager["StatusLine"]):
-    """A line on standard error that is written over; nothing where that is no terminal.
-
-    Args:
-        command: The name before what is said.
-        is_quiet: Show no line.
-    """
+    """A line on standard error that is written over; nothing if quiet, or that is no terminal."""
 
     def __init__(self, command: str, *, is_quiet: bool = False) -> None:
         self._command, self._is_quiet = command, is_quiet

@@ -54,11 +54,8 @@ def loose_ends(
 ) -> list[End]:
     """The publications, or subscriptions, of live nodes that have nothing at the other end.
 
-    Args:
-        graph: The nodes, and the messages that were seen.
-        role: That of the endpoints.
-        of_tools: Those of commands too.
-        beside_plain: There are programs that are no nodes, which may publish.
+    Those of commands too, if ``of_tools``. Programs that are no nodes may publish what is missing,
+    if ``beside_plain``.
     """
     live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER

@@ -12,13 +12,10 @@ _BEHIND = 0.5  # of its buffer that waits, where a program reads too slowly
 
 
 class BufferDrops:
-    """The drops between two readings of the table of sockets.
+    """The drops between two readings of the table of sockets by inode.
 
-    Args:
-        before: The sockets by inode.
-        after: The same, later.
-        filtered: Those whose filter drops on purpose.
-        overflows: Of all sockets together, in a time within that of the two readings.
+    Sockets whose filter drops on purpose are ``filtered``. ``overflows`` are those of all sockets
+    together, in a time within that of the two readings.
     """
 
     def __init__(

@@ -100,12 +100,9 @@ class Access:
 def access_for(
     address: str | None, own_names: Iterable[str] = (), *, is_read_only: bool = False
 ) -> Access:
-    """Return the rules for a server.
+    """Return the rules for a server that others may reach at an address, or this computer alone.
 
-    Args:
-        address: That others may reach it at; None for this computer alone.
-        own_names: This computer's names.
-        is_read_only: Nobody may command.
+    With ``is_read_only`` nobody may command.
     """
     if address is None or address in _LOCAL:
         return Access(frozenset(_LOCAL), is_read_only=is_read_only)

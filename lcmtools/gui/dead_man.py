@@ -26,10 +26,8 @@ class DeadMansSwitch:
     """The topics that pages drive.
 
     One page at a time drives a topic. It is stopped when that page lets go, is gone or is silent
-    for HOLD, and when any page stops it; then that which drove has to let go first.
-
-    Args:
-        stops: How often a stop is sent, as any one of them may be lost.
+    for HOLD, and when any page stops it; then that which drove has to let go first. A stop is sent
+    ``stops`` times, as any one of them may be lost.
     """
 
     def __init__(self, stops: int = 1) -> None:

@@ -37,14 +37,7 @@ class Socket(Protocol):
 
 
 class BrowserPage:
-    """One page.
-
-    Args:
-        socket: The connection to it.
-        source: What it looks at.
-        streams: Those of all pages.
-        rights: What it may do.
-    """
+    """One page, at the other end of a socket."""
 
     def __init__(
         self, socket: Socket, source: Source, streams: StreamPool, rights: tuple[str, ...]

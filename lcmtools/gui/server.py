@@ -40,11 +40,8 @@ _CLOSE_TIMEOUT = 1.0  # [s] for a page's answer when the server ends
 class Server:
     """A server of pages.
 
-    Args:
-        source: What pages look at.
-        access: Who may open one.
-        view: The panel that is shown at first, and its settings; empty for all panels.
-        notify: Called with what the person should read, as of a page that sends rubbish.
+    ``view`` is the panel that is shown at first, and its settings; empty for all panels. ``notify``
+    is called with what the person should read, as of a page that sends rubbish.
     """
 
     def __init__(

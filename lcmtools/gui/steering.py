@@ -19,12 +19,7 @@ _END = 1.0  # [s] at most for the stops when the server ends
 
 
 class Steering:
-    """The commands of all pages; for any thread.
-
-    Args:
-        publishers: What publishes them.
-        is_lossy: A message may be lost on the way.
-    """
+    """The commands of all pages, for any thread; on a lossy bus one may be lost on the way."""
 
     def __init__(self, publishers: Publishers, *, is_lossy: bool) -> None:
         self._publishers = publishers
@@ -50,13 +45,9 @@ class Steering:
         return self.drive(page, topic, request.text("type"), velocity)
 
     def drive(self, page: int, topic: str, kind: str, velocity: tuple[float, float]) -> str:
-        """Publish a command; return why it does not count, "" if it does.
+        """Publish a command of a page; return why it does not count, "" if it does.
 
-        Args:
-            page: Who drives.
-            topic: The topic.
-            kind: The type of its messages.
-            velocity: Forward [m/s], and the turn rate to the left [rad/s].
+        The velocity is forward [m/s], and the turn rate to the left [rad/s].
         """
         with self._changed:
             try:

@@ -18,11 +18,8 @@ class VelocityCommand:
 
     The message itself or, beside a header, its only message has ``linear.x`` and ``angular.z``.
 
-    Args:
-        cls: Its class.
-
     Raises:
-        ValueError: It is none.
+        ValueError: The class is none of these.
     """
 
     def __init__(self, cls: type[Message]) -> None:

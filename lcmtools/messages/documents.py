@@ -39,9 +39,8 @@ class _OpenDocument(ValueMismatch):
 class Documents:
     """Takes a text line by line and returns each document that is complete and not empty.
 
-    Args:
-        keeps_empty: Return empty ones between lines of ``---`` too, as echo prints messages without
-            fields; such a one has a line, if only a blank one.
+    With ``keeps_empty`` those between lines of ``---`` too, as echo prints messages without fields;
+    such a one has a line, if only a blank one.
     """
 
     def __init__(self, *, keeps_empty: bool = False) -> None:

@@ -49,10 +49,7 @@ class ServiceType(Protocol):
 class Registry:
     """All types of some sources; an earlier source wins where two have the same name.
 
-    Args:
-        sources: The fixed sources.
-        supply: The user's own types.
-        warn: Called with a warning about a type that is used.
+    ``supply`` gives the user's own types; ``warn`` is called with a warning about one that is used.
     """
 
     def __init__(

@@ -78,14 +78,9 @@ def is_simulated(graph: Graph) -> bool:
 class ArrivalStream:
     """The packets of some topics, as they come; ``graph`` is that of the last look.
 
-    Args:
-        monitor: The bus or the log.
-        selections: The topics.
-        names: The namespace and the remaps that topics are read by.
-        wall_time: Use the computer's clock even if a simulator publishes /clock.
-        strict_time: Leave out packets that arrive before the simulated time is known; a log has
-            simulated time from its first message on /clock on.
-        keep: True for packets that count; None for all.
+    With ``strict_time`` packets are left out that arrive before the simulated time is known; a log
+    has it from its first message on /clock on. With ``wall_time`` times are the computer's even if
+    a simulator publishes /clock. Only packets count for which ``keep`` is true.
 
     Attributes:
         is_one_of_many: Arrivals may be of several topics.

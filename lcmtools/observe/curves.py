@@ -44,15 +44,10 @@ class Curve:
 
 
 class Curves:
-    """The curves of the fields that are selected, on a bus or in a log.
+    """The curves of fields, topics with field paths behind them, on a bus or in a log.
 
-    Args:
-        monitor: The bus or the log.
-        fields: Topics with field paths behind them.
-        names: The namespace and the remaps that topics are read by.
-        tell: Called with a sentence: about what is left out, once for each reason; when it takes
-            long.
-        window: Only so many seconds are kept; None for all.
+    ``tell`` is called with a sentence: about what is left out, once for each reason; when it takes
+    long. Only ``window`` [s] are kept, or all.
 
     Raises:
         UsageError: A path is wrong.

@@ -23,13 +23,9 @@ class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
 class Decoder:
     """Turns packets into messages.
 
-    Two types with the same fields have the same fingerprint. The type that the person names wins,
-    else the one that nodes announce for the channel, else the likeliest.
-
-    Args:
-        announced: The types that nodes announce for a channel (``BusMonitor.types_of``).
-        named: The type that the person names.
-        keep_stray: Keep bytes in strings that are not UTF-8 (see ``codec.decode``).
+    Two types with the same fields have the same fingerprint. The type that the person ``named``
+    wins, else the one that nodes announce for the channel (``BusMonitor.types_of``), else the
+    likeliest. ``keep_stray`` is that of ``codec.decode``.
     """
 
     def __init__(

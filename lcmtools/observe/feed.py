@@ -56,12 +56,10 @@ class Snapshot:
 
 
 class Feed:
-    """A thread that reads a bus, with a monitor of its own.
+    """A thread that reads a bus, with a monitor of its own; the bus is not closed here.
 
-    Args:
-        monitor: The bus; not closed here.
-        selection: The channels that have a row.
-        period: The time between two snapshots [s]; a new channel brings the next one at once.
+    A snapshot of the channels of ``selection`` is made every ``period`` [s], and at once for a new
+    channel.
 
     Attributes:
         latest: The latest snapshot; another object each time.

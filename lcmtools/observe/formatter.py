@@ -66,13 +66,9 @@ class DisplayOptions:
 
 
 class MessageFormatter:
-    """Turns packets into texts.
+    """Turns packets into texts, which name their topics if that ``is_one_of_many``.
 
-    Args:
-        decoder: Decodes them.
-        options: The form and the parts that are shown.
-        is_one_of_many: Returns whether each text must name its topic.
-        notify: Called with a sentence about what is left out, once for each reason.
+    ``notify`` is called with a sentence about what is left out, once for each reason.
     """
 
     def __init__(

@@ -117,12 +117,8 @@ class MeasurementReport(Generic[FoundT]):
 class Measurement(Generic[ItemT, FoundT]):
     """A measurement of topics on a bus; of a log, read at once, by its own times.
 
-    Args:
-        monitor: The bus or the log.
-        windows: The window of each topic, as typed.
-        item: Makes what a window takes of a message; None for one that does not count.
-        options: Which messages count, and for how long.
-        notify: Called with a sentence for the person.
+    ``windows`` has the window of each topic, as typed; ``item`` makes what a window takes of a
+    message, None for one that does not count. ``notify`` is called with a sentence for the person.
 
     Attributes:
         channels: The channels that are listened to, one for each topic; none on a log.
@@ -283,14 +279,10 @@ def counted(
     *,
     with_messages: bool = False,
 ) -> tuple[Graph, Counters]:
-    """Return a bus's graph, and the counters of the endpoints in it.
+    """Return a bus's graph, and the counters of the endpoints in it, of topics as they are typed.
 
-    Args:
-        monitor: The bus.
-        words: The topics, as typed.
-        wait: How long to count [s]; None for as long as it takes, half a second at most.
-        names: The namespace and the remaps that they are read by.
-        with_messages: Count also where the rates are announced but no message has come.
+    It counts for ``wait`` [s], or for as long as it takes, half a second at most: ``with_messages``
+    also where the rates are announced but no message has come.
 
     Raises:
         LcmtoolsError: A topic is not on the bus; with what may have been meant.

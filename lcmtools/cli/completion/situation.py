@@ -29,10 +29,8 @@ FILES = Candidate("")  # the files, which the shell itself completes
 class Situation:
     """The words before the cursor, and the bus at a glance.
 
-    Args:
-        word: The part that is typed, as the command would receive it.
-        given: The words before, by the parameters' names.
-        environment: The environment variables.
+    ``word`` is the part that is typed, as the command would receive it; ``given`` has the words
+    before, by the parameters' names.
     """
 
     def __init__(

@@ -26,11 +26,8 @@ def notify(*texts: str) -> None:
 def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -> int:
     """Run the nodes of a plan until all have ended; return the exit code.
 
-    Args:
-        plan: What to run.
-        output: "screen" or "log" for all nodes; None as the file has it.
-        timeouts: How long nodes may take to end.
-        wait: Wait for a working bus first.
+    ``output`` is "screen" or "log" for all nodes; None as the file has it. With ``wait`` they wait
+    for a working bus first.
     """
     url = chosen_url()
     notify(*plan.notes)

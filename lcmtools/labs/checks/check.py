@@ -42,14 +42,10 @@ class Run:
 
 
 def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
-    """Return the programs to be checked.
+    """Return the programs to be checked; the lab's names are added to commands that have none.
 
-    The lab's names are added unless a command line has some of its own.
-
-    Args:
-        lab: The lab.
-        programs: The student's command lines by option; of none, the nodes of the workspace that
-            have the names of the lab's are checked or, if there are none, the model answers.
+    ``programs`` are the student's command lines by option; of none, the nodes of the workspace that
+    have the names of the lab's are checked or, if there are none, the model answers.
 
     Raises:
         UsageError: A program is of another lab, a command line is wrong, or a file of the workspace
@@ -92,17 +88,10 @@ def check(
     time_limit: float = float("inf"),
     show: Callable[[CheckResult], object] = lambda _: None,
 ) -> tuple[Report, Mapping[str, Any]]:
-    """Check a program on a test bench of its own.
+    """Check a program on a test bench of its own; return the report, and the world file's content.
 
-    Args:
-        lab: The lab.
-        run: The program.
-        rate: Simulated seconds per second; None for what suits it.
-        time_limit: Real time for all of it [s].
-        show: Called with each result as it comes.
-
-    Returns:
-        The report, and the content of the world file.
+    It runs at ``rate`` simulated seconds per second, or at what suits it, and may take
+    ``time_limit`` [s] of real time in all. ``show`` is called with each result as it comes.
 
     Raises:
         UsageError: The program cannot be started.

@@ -36,14 +36,10 @@ class _Job:
 
 
 class ClassCheck:
-    """Checks the submissions in a folder.
+    """Checks the submissions in a folder, ``jobs`` programs at a time.
 
-    Args:
-        lab: The lab.
-        commands: Command lines by option, with {program} in them; see ``programs_of``.
-        arguments: Further arguments of ``lab check``.
-        plot: A PNG file's path, to which the names of submission and program are added.
-        jobs: The number of programs that are checked at a time.
+    ``commands`` are those of ``programs_of``, with {program} in them; ``arguments`` are further
+    ones of ``lab check``. The names of submission and program are added to the path ``plot``.
     """
 
     def __init__(
@@ -59,11 +55,9 @@ class ClassCheck:
         self._is_over = threading.Event()
 
     def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:
-        """Check them; return the reports by the submissions' names.
+        """Check each file or folder; return the reports by the submissions' names.
 
-        Args:
-            folder: Each file or folder in it is a submission.
-            show: Called with a submission's name and the report of a program of it, as it comes.
+        ``show`` is called with a submission's name and the report of a program of it, as it comes.
 
         Raises:
             UsageError: The folder has no submissions, or a command line is wrong.

@@ -79,10 +79,8 @@ def _missing_module(words: str) -> str:
 def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | None:
     """Return the exception that its callbacks raise, if they do.
 
-    Args:
-        observed: What was observed.
-        frequent_only: Only one that can be why the robot does not do as it should: of a callback
-            that raises most of the time, not now and then.
+    ``frequent_only`` is for one that can be why the robot does not do as it should: of a callback
+    that raises most of the time, not now and then.
     """
     failures = list(observed.look.failures) if observed.look else []
     if not failures and (printed := last_failure(observed.printed)):

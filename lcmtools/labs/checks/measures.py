@@ -26,11 +26,9 @@ class Response:
 
 
 def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
-    """Return the response in samples of (time since the step [s], value), at least one.
+    """Return the response in samples of (time since the step [s], value), in order of time.
 
-    Args:
-        samples: In order of time.
-        target: What was wanted, not 0.
+    There is at least one; ``target``, what was wanted, is not 0.
     """
     end = samples[-1][0]
     reached = statistics.fmean(value for time, value in samples if time >= end - _LAST)
@@ -83,11 +81,8 @@ def explained(depths: Sequence[int], colors: Sequence[Sequence[float]]) -> float
 
     The correlation ratio (eta squared; K. Pearson, 1905). Any colour map is as good as another:
     pixels of the same depth must look the same. A picture of something else, one upside down or one
-    that is all black explains little or nothing.
-
-    Args:
-        depths: Per pixel, in any unit; 0 means that there is no reading.
-        colors: Of the same pixels in the picture; each has one number, or three.
+    that is all black explains little or nothing. ``depths`` has a number for each pixel, in any
+    unit, 0 where there is no reading; ``colors`` one or three for each pixel of the picture.
     """
     total = _scatter(colors)
     if total <= 0.0:

@@ -26,12 +26,7 @@ _SHAPES = ("box", "table", "cylinder", "sphere")
 
 
 def plot(world: Mapping[str, Any], reports: Sequence[Report]) -> bytes:
-    """Return a PNG file with a row for each program: forward speed, turn rate, and the path.
-
-    Args:
-        world: The world file's content.
-        reports: Those of the programs.
-    """
+    """Return a PNG file with a row for each program: forward speed, turn rate, and the path."""
     seen = [report for report in reports if report.observations]
     size = 2 * _WIDTH, max(1, len(seen)) * _HEIGHT
     image = Image.new("RGB", size, "white")

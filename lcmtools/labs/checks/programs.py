@@ -22,14 +22,9 @@ _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not f
 
 
 class CheckedProgram(ChildProcess):
-    """A program whose output goes into a file.
+    """A program whose output goes into a file; ``guard`` ends it with this process.
 
-    Args:
-        command: Its words.
-        environment: Its variables.
-        output: The file for what it prints.
-        guard: Ends it with this process.
-        has_keys: Give it a terminal to read keys from.
+    With ``has_keys`` it has a terminal to read keys from.
 
     Raises:
         UsageError: It cannot be started.

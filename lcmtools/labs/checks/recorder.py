@@ -22,16 +22,10 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 
 class Recorder:
-    """Records what happens on a check's bus, as long as its node spins.
-
-    Args:
-        node: The observer.
-        lab: The lab.
-        program: The program of it that is checked.
-        rate: Simulated seconds per second.
+    """Records what happens on a check's bus, as long as its node, the observer, spins.
 
     Attributes:
-        rate: The same, now.
+        rate: Simulated seconds per second, now.
         time: Simulated time [s].
         duration: The simulated time that has passed, each part of it divided by its rate [s].
         commands: Messages on the topics that the program is to publish.

@@ -49,11 +49,8 @@ class TimeLimitReached(Exception):  # noqa: N818 - no error: a result
 class TestBench:
     """A simulator with a lab's world, on a bus of its own.
 
-    Args:
-        lab: The lab.
-        program: The program of it that is checked.
-        rate: Simulated seconds per second; None for what suits the program.
-        time_limit: Real time for all of it [s].
+    It runs at ``rate`` simulated seconds per second, or at what suits the program that is checked,
+    and may take ``time_limit`` [s] of real time in all.
 
     Attributes:
         node: The observer, which also commands the robot.
@@ -139,10 +136,8 @@ class TestBench:
     ) -> CheckResult:
         """Wait for what is to come of the program first; return its row, or that of its failure.
 
-        Args:
-            has_come: It is there.
-            patience: The time for it [s]; a cause that time does not mend is reported earlier.
-            row: Its row, with the hint of the failure.
+        It has ``patience`` [s]; a cause that time does not mend is reported earlier. ``row`` has
+        the hint of the failure.
         """
         program, start = self.program, time.monotonic()
         assert program is not None

@@ -39,9 +39,8 @@ def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
 def own_arguments(args: Sequence[str] | None, help_text: str) -> list[str] | None:
     """Return the arguments that are not for every node; None if ``--help`` was one, and answered.
 
-    Args:
-        args: The command line without the program's name; None for ``sys.argv``.
-        help_text: The node's own help: its purpose, its topics, an example.
+    ``args`` is the command line without the program's name, else that of ``sys.argv``;
+    ``help_text`` the node's own help: its purpose, its topics, an example.
 
     Raises:
         UsageError: An argument for every node is wrong.

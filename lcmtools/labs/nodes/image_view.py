@@ -22,11 +22,7 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
 class ImageView(Node):
-    """Shows the pictures of a topic.
-
-    Args:
-        viewer: Where they are shown.
-    """
+    """Shows the pictures of a topic."""
 
     def __init__(self, viewer: Viewer) -> None:
         super().__init__("image_view")

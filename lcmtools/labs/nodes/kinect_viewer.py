@@ -21,11 +21,7 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
 class KinectViewer(Node):
-    """Shows the pictures of the Kinect.
-
-    Args:
-        viewer: Where they are shown.
-    """
+    """Shows the pictures of the Kinect."""
 
     def __init__(self, viewer: Viewer) -> None:
         super().__init__("kinect_viewer")

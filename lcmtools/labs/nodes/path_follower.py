@@ -39,10 +39,7 @@ Point = tuple[float, float]
 
 
 class Pursuit:
-    """The place on a path, and the curvature to drive at, as plain mathematics.
-
-    Args:
-        points: (x, y) of the path, at least one [m].
+    """The place on a path of (x, y) [m], and the curvature to drive at, as plain mathematics.
 
     Attributes:
         nearest: The number of the nearest point, also of those added; it never goes back.

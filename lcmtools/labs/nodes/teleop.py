@@ -32,11 +32,9 @@ from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 
 class Teleop(Driver):
-    """Publishes the velocity that the keys set.
+    """Publishes the velocity that the keys set, as TwistStamped if ``stamped``.
 
-    Args:
-        hold: Stop when a key is let go.
-        stamped: Publish TwistStamped.
+    With ``hold`` the robot stops when a key is let go.
     """
 
     key_help = MOTION_HELP

@@ -65,12 +65,9 @@ class SideControl:
         self._integral = 0.0
 
     def effort(self, error: float, step: float, gains: Gains) -> float:
-        """Return the effort to apply now, in [-1, 1].
+        """Return the effort to apply now, in [-1, 1], at an error of desired minus measured [m/s].
 
-        Args:
-            error: Desired minus measured speed [m/s].
-            step: Time since the last call [s].
-            gains: Those that count now.
+        ``step`` is the time since the last call [s].
         """
         integral = self._integral + gains.ki * error * step
         wanted = gains.kp * error + integral
@@ -96,10 +93,7 @@ class VelocityControl:
     def efforts(self, desired: Velocity, measured: Velocity, time: int) -> tuple[float, float]:
         """Return the efforts of the left and right wheels, each in [-1, 1].
 
-        Args:
-            desired: The desired velocity.
-            measured: The velocity by odometry.
-            time: The time of the measurement [ns].
+        ``measured`` is the velocity by odometry, at ``time`` [ns].
         """
         step = self._step(time)
         speeds = measured.side_speeds()

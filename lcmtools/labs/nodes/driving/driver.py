@@ -42,9 +42,6 @@ class _DrivingState(Protocol):
 class Driver(Node, ABC):
     """A node that commands a velocity by keys.
 
-    Args:
-        name: The node's own name.
-
     Attributes:
         key_help: The meaning of its keys, for a person at a terminal.
         motion: The state of driving; set by the subclass.

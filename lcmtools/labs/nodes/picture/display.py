@@ -49,12 +49,8 @@ class Display(ABC):
 class LineDisplay(Display):
     """A line for each picture, and a PNG file if one is wanted.
 
-    Args:
-        options: The colours.
-        file: The file's path, or ""; %d in it counts from 0, %04d with four digits. Without one the
-            file always has the newest picture.
-        as_values: Depth is written in 16-bit millimetres, and not in colour.
-        as_json: The lines are JSON.
+    In the path of ``file`` %d counts from 0, %04d with four digits; without one it always has the
+    newest picture. With ``as_values`` depth is written in 16-bit millimetres, and not in colour.
     """
 
     def __init__(self, options: ColorOptions, file: str, *, as_values: bool, as_json: bool) -> None:

@@ -49,12 +49,9 @@ _LEGEND_COLUMNS = _LEGEND_WIDTH + len("near 00.5 m  00.5 m far")
 
 
 class ScreenDisplay(Display):
-    """Shows pictures on the terminal's other screen, or one of them among the text.
+    """Shows pictures on the terminal's other screen, or a single one, which stays, among the text.
 
-    Args:
-        options: The colours.
-        graphics: One of GRAPHICS, or "auto" for the best that the terminal has.
-        is_single: One picture is shown, and stays.
+    ``graphics`` is one of GRAPHICS, or "auto" for the best that the terminal has.
     """
 
     def __init__(self, options: ColorOptions, graphics: str, *, is_single: bool) -> None:
@@ -188,15 +185,10 @@ def _screen_size() -> ConsoleDimensions:
 
 
 def _query(*, answers: bool) -> tuple[str, CellSize]:
-    """Query the terminal at standard input and output for its graphics.
+    """Return the best of GRAPHICS that the terminal has, and the size of a character [pixels].
 
-    It must hand over keys one by one; what is typed meanwhile is lost.
-
-    Args:
-        answers: False for a terminal that cannot be read from: blocks are for all.
-
-    Returns:
-        The best of GRAPHICS that it has, and the size of a character [pixels].
+    It must hand over keys one by one; what is typed meanwhile is lost. One that cannot be read from
+    ``answers`` nothing, and has blocks.
     """
     answer = b""
     if answers:

@@ -60,10 +60,7 @@ def open_viewer(args: Sequence[str] | None, help_text: str) -> "Viewer | None":
 
 
 class Viewer:
-    """Shows the newest of the pictures that it takes.
-
-    Args:
-        options: As read by ``viewer_parser``.
+    """Shows the newest of the pictures that it takes; ``viewer_parser`` reads its options.
 
     Raises:
         UsageError: Options contradict each other.

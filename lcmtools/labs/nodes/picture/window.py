@@ -23,9 +23,6 @@ _USUAL_SIZE = "640x480"
 class WindowDisplay(Display):
     """Shows pictures in a window, as large as that is; closing it, q and Escape end.
 
-    Args:
-        options: The colours.
-
     Raises:
         LcmtoolsError: There is no display.
     """
