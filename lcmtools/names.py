@@ -127,7 +127,7 @@ def check_length(channel: str, name: str = "") -> str:
         what = f"'{channel}'{source} has {size} bytes and {limit}"
         raise InvalidName(what, "use a shorter name or namespace")
     if not channel or "\0" in channel:
-        raise InvalidName("a channel name must not be empty or contain a zero byte")
+        raise InvalidName(f"{channel!r}: a channel name must not be empty or contain a zero byte")
     return channel
 
 

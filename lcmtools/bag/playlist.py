@@ -188,8 +188,7 @@ class Playlist(AbstractContextManager["Playlist"]):
 def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
     for log, blocks in logs:
         if not blocks:
-            hint = "is it a log of LCM?" if log.size else "it is empty"
-            raise LcmtoolsError(f"{log.path} has no messages", hint)
+            raise LcmtoolsError(f"{log.path} has no messages", "it is empty")
     every = [block for _, blocks in logs for block in blocks]
     return min(one.first_time for one in every), max(one.last_time for one in every)
 

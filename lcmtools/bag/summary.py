@@ -6,7 +6,6 @@ Must not know how it is shown. What the index does not have is read, of each eve
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.log_file import LogFile
@@ -90,11 +89,7 @@ class LogSummary:
 
 
 def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
-    """Return the summary of a log; ``progress`` is called while it is read.
-
-    Raises:
-        LcmtoolsError: There is something in the file, and no message.
-    """
+    """Return the summary of a log; ``progress`` is called while it is read."""
     builder = known_nodes(log)
     names = {number: one.name for number, one in log.index.senders.items()}
     topics: dict[str, TopicSummary] = {}
@@ -112,8 +107,6 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
     for topic in topics.values():
         seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
         topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
-    if log.size and not blocks:
-        raise LcmtoolsError(f"no message is in {log.path}", "it is no LCM log")
     start = min((block.first_time for block in blocks), default=0)
     end = max((block.last_time for block in blocks), default=0)
     return LogSummary(

@@ -58,6 +58,9 @@ class LogFile(AbstractContextManager["LogFile"]):
             for number, one in self.index.senders.items()
             if one.sender
         }
+        if self.data and not self.index.blocks and next(self.events(), None) is None:
+            self.close()
+            raise BusError(f"no message is in {path}", "it is no LCM log")
 
     def __exit__(self, *_: object) -> None:
         """Close the file."""

@@ -146,7 +146,7 @@ def test_what_cannot_be_played(
 
 def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
     (tmp_path / "text").write_text("no log\n")
-    with pytest.raises(LcmtoolsError, match=r"text has no messages; is it a log of LCM\?"):
+    with pytest.raises(LcmtoolsError, match=r"no message is in .*text; it is no LCM log"):
         Playlist([log("a", ("/a", 0)), tmp_path / "text"], Choice())
     with pytest.raises(LcmtoolsError, match=r"empty has no messages; it is empty"):
         Playlist([log("empty")], Choice())

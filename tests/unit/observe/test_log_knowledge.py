@@ -21,6 +21,7 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, SocketTable, is_here
 from lcmtools.observe.sources import LogObserver
 from lcmtools.types.std_msgs import String
+from lcmtools.wire.log import SYNC
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
@@ -155,6 +156,8 @@ def vars_of(found: list[object]) -> list[dict[str, object]]:
         (b"#ROSBAG V2.0\n", "is no LCM log but a ROS bag; lcmtools bag import "),
         (b"SQLite format 3\0", "is no LCM log but a database of SQLite, as ROS 2 bags are; "),
         (b"\x89PNG\r\n\x1a\n", "is no LCM log but a PNG image"),
+        (b"no log of anything", "no message is in .*; it is no LCM log"),
+        (SYNC, "no message is in .*; it is no LCM log"),
     ],
 )
 def test_a_foreign_file_is_named(head: bytes, text: str, tmp_path: Path) -> None:
