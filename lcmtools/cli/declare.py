@@ -13,6 +13,8 @@ from lcmtools.settings import parse_bytes, parse_duration
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
+_DIGITS = 18  # of a count, which thereby fits 64 bits
+_LEAST_RATE = 1e-9  # [Hz]; a clock does not hold longer periods
 CONTEXT: Mapping[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -107,7 +109,7 @@ def rate(value: str | float) -> float:
         number = float(value)
     except ValueError:
         raise click.BadParameter(f"'{value}' is not a number") from None
-    if not 0 < number < float("inf"):
+    if not _LEAST_RATE < number < float("inf"):
         raise click.BadParameter("the rate must be greater than zero")
     return number
 
@@ -117,7 +119,8 @@ def whole_number(lowest: int) -> Callable[[str | int], int]:
 
     def read(value: str | int) -> int:
         text = str(value)
-        if not (text.isascii() and text.isdigit() and int(text) >= lowest):
+        is_number = text.isascii() and text.isdigit() and len(text) <= _DIGITS
+        if not is_number or int(text) < lowest:
             raise click.BadParameter(f"'{value}' is not a whole number from {lowest} on")
         return int(text)
 

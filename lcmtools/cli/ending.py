@@ -20,6 +20,7 @@ USAGE = UsageError.exit_code
 BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 
+_SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
 _CHANGED = ("LCMTOOLS_COLOR", "LCMTOOLS_DEBUG", "NO_COLOR", "COLUMNS", "LINES")
 """Environment variables that options set for the command and the processes that it starts."""
@@ -42,7 +43,8 @@ def interrupting_signals() -> Iterator[list[int]]:
     """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt; yield their numbers.
 
     Also where SIGINT was ignored when the process began, as a shell script has it for what it
-    starts with "&": kill -INT ends a command there as it ends rostopic.
+    starts with "&": kill -INT ends a command there as it ends rostopic. One that Python ignores,
+    because it comes while an object is finalized, comes again.
     """
     signals: list[int] = []
 
@@ -52,10 +54,20 @@ def interrupting_signals() -> Iterator[list[int]]:
         signals.append(number)
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, interrupt) for number in _ending_signals()}
+    def interrupt_again(ignored: "sys.UnraisableHookArgs") -> None:
+        if ignored.exc_type is KeyboardInterrupt:  # came in a clean-up, as each import has one
+            signal.setitimer(signal.ITIMER_REAL, _SOON)
+        else:
+            show(ignored)
+
+    numbers = (*_ending_signals(), signal.SIGALRM)
+    before = {number: signal.signal(number, interrupt) for number in numbers}
+    show, sys.unraisablehook = sys.unraisablehook, interrupt_again
     try:
         yield signals
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        sys.unraisablehook = show
         for number, handler in before.items():
             signal.signal(number, handler)
 
