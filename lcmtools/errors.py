@@ -108,6 +108,16 @@ class MissingExtra(LcmtoolsError):  # noqa: N818
     exit_code = 3
 
 
+@contextmanager
+def needing_extra(extra: str, who_needs: str) -> Iterator[None]:
+    """Raise an import that fails as MissingExtra: "MCAP needs" the extra "mcap"."""
+    try:
+        yield
+    except (ImportError, MissingExtra) as error:
+        what = f"{who_needs} the extra '{extra}'"
+        raise MissingExtra(what, f"pip install -e '.[{extra}]'") from error
+
+
 class NothingReceived(LcmtoolsError):  # noqa: N818
     """Nothing came within the time given."""
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, os_errors_as
 
 
 @contextmanager
@@ -24,10 +24,9 @@ def output_beside(target: Path, *, force: bool = False) -> Iterator[Path]:
         raise LcmtoolsError(f"{target} exists", "name another file, or add --force")
     scratch = target.with_name(f".{target.name}.{os.getpid()}")
     try:
-        scratch.mkdir()
-        yield scratch / target.name
-        (scratch / target.name).rename(target)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {target}: {error.strerror or error}") from error
+        with os_errors_as(f"cannot write {target}"):
+            scratch.mkdir()
+            yield scratch / target.name
+            (scratch / target.name).rename(target)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)

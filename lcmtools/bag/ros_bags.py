@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from lcmtools.bag.ros_types import RosTypes, RosVersion
-from lcmtools.errors import MissingExtra
+from lcmtools.errors import needing_extra
 from lcmtools.messages.registry import Message
 from lcmtools.observe.decoding import Decoder
 from lcmtools.wire.packet import Packet
@@ -29,10 +29,8 @@ class McapFile(AbstractContextManager["McapFile"]):
     def __init__(
         self, path: Path, encoding: Encoding = "cdr", compression: Compression = "zstd"
     ) -> None:
-        try:
+        with needing_extra("mcap", "MCAP needs"):
             from mcap.writer import CompressionType, Writer
-        except ImportError as error:
-            raise MissingExtra("MCAP needs the extra 'mcap'", "pip install -e '.[mcap]'") from error
         self._types = RosTypes(1 if encoding == "ros1" else 2)
         self._encoding = encoding
         self._file = path.open("wb")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lcmtools.bag.ros_types import Conversion, RosVersion, parts, ros_store
-from lcmtools.errors import LcmtoolsError, MissingExtra, UnknownType
+from lcmtools.errors import LcmtoolsError, UnknownType, needing_extra, os_errors_as
 from lcmtools.messages.registry import Message, Registry, message_class
 from lcmtools.packages.user_types import user_types
 from lcmtools.wire.log_index import RecordedType
@@ -76,10 +76,8 @@ class RosImport:
                 yield self._message(connection.topic, conversion, name, made, time)
 
     def _mcap(self, path: Path) -> Iterator[Imported]:
-        try:
+        with needing_extra("mcap", "MCAP needs"):
             from mcap.reader import make_reader
-        except ImportError as error:
-            raise MissingExtra("MCAP needs the extra 'mcap'", "pip install -e '.[mcap]'") from error
         stores: dict[int, tuple[Conversion, str, Callable[..., Any]] | None] = {}
         with path.open("rb") as file:
             for schema, channel, message in make_reader(file).iter_messages():
@@ -159,11 +157,8 @@ def _lcm_name(name: str) -> str:
 
 
 def _start(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(16)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot read {path}: {error.strerror}") from error
+    with os_errors_as(f"cannot read {path}"), path.open("rb") as file:
+        return file.read(16)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from lcmtools.errors import DecodeError, LcmtoolsError, MissingExtra
+from lcmtools.errors import DecodeError, LcmtoolsError, needing_extra
 from lcmtools.messages.fields import Field, fields, is_time
 from lcmtools.messages.registry import Message, type_name
 
@@ -67,12 +67,8 @@ def ros_store(version: RosVersion | None) -> "Typestore":
     Raises:
         MissingExtra: The library for ROS's formats is missing.
     """
-    try:
+    with needing_extra("mcap", "ROS's formats need"):
         from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingExtra(
-            "ROS's formats need the extra 'mcap'", "pip install -e '.[mcap]'"
-        ) from error
     known = {None: Stores.EMPTY, 1: Stores.ROS1_NOETIC, 2: Stores.LATEST}
     return get_typestore(known[version])
 

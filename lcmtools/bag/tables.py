@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lcmtools.bag.columns import TIME, table, with_times
-from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.errors import UsageError, needing_extra
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, type_name
@@ -183,11 +183,8 @@ class ParquetFiles(ColumnsOfTopics):
 
     def __init__(self, path: Path, tell: Tell) -> None:
         super().__init__(path, tell)
-        try:
+        with needing_extra("parquet", "Parquet needs"):
             import pyarrow as pa  # noqa: F401 - before anything is read
-        except ImportError as error:
-            hint = "pip install -e '.[parquet]'"
-            raise MissingExtra("Parquet needs the extra 'parquet'", hint) from error
 
     def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
         """Write the files."""

@@ -13,13 +13,10 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh_check import check_place, refusal
 from lcmtools.bus.zenoh_config import settings_of
 from lcmtools.bus.zenoh_url import Address, locator_address
-from lcmtools.errors import BusError, MissingExtra
+from lcmtools.errors import BusError, needing_extra
 
-try:
+with needing_extra("zenoh", "a bus of Zenoh needs"):
     import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which needs it as well
-except ImportError as error:
-    hint = "pip install -e '.[zenoh]'"
-    raise MissingExtra("a bus of Zenoh needs the extra 'zenoh'", hint) from error
 
 _IMPORTED_BY = os.getpid()
 _STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at most

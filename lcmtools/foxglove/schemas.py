@@ -3,7 +3,7 @@
 import json
 
 from lcmtools.bag.ros_types import RosTypes, Schema
-from lcmtools.errors import DecodeError, LcmtoolsError, MissingExtra, ValueMismatch
+from lcmtools.errors import DecodeError, LcmtoolsError, ValueMismatch, needing_extra
 from lcmtools.messages.fill import fill
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, type_name
@@ -11,11 +11,6 @@ from lcmtools.messages.registry import Message, type_name
 ROS1, JSON = "ros1", "json"
 ENCODINGS = (JSON, ROS1)
 """The encodings of clients' messages, the preferred one first."""
-
-
-def missing_extra() -> MissingExtra:
-    """Return the error where the extra "foxglove" is missing."""
-    return MissingExtra("foxglove needs the extra 'foxglove'", "pip install -e '.[foxglove]'")
 
 
 class Schemas:
@@ -26,10 +21,8 @@ class Schemas:
     """
 
     def __init__(self) -> None:
-        try:
+        with needing_extra("foxglove", "foxglove needs"):  # it has ROS's types, too
             self._types = RosTypes(1)
-        except MissingExtra as error:  # the extra "foxglove" has that library, too
-            raise missing_extra() from error
         self._found: dict[type[Message], tuple[str, Schema]] = {}
 
     def of(self, cls: type[Message]) -> tuple[str, Schema]:

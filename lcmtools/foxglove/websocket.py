@@ -6,8 +6,7 @@ from contextlib import AbstractContextManager
 from typing import Any, Protocol, cast
 
 from lcmtools.bag.ros_types import Schema
-from lcmtools.errors import BusError
-from lcmtools.foxglove.schemas import missing_extra
+from lcmtools.errors import BusError, needing_extra
 
 _MOST_WAITING = 256
 """Messages that wait for a slow client; of more the oldest are left out."""
@@ -67,11 +66,9 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
     def __init__(
         self, address: tuple[str, int], clients: Clients, encodings: Iterable[str] = ()
     ) -> None:
-        try:
+        with needing_extra("foxglove", "foxglove needs"):
             import foxglove
             from foxglove.websocket import Capability, StatusLevel
-        except ImportError as error:
-            raise missing_extra() from error
         logging.getLogger("foxglove").addHandler(logging.NullHandler())  # of clients that are gone
         self._package: Any = foxglove
         self._level = StatusLevel.Error

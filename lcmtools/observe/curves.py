@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import cast
 
 from lcmtools.clock import join_stamp
-from lcmtools.errors import DecodeError, LcmtoolsError, MissingExtra, UsageError
+from lcmtools.errors import DecodeError, UsageError, needing_extra, os_errors_as
 from lcmtools.messages.fields import is_time, visible_fields
 from lcmtools.messages.layout import is_generated
 from lcmtools.messages.path import Path, select
@@ -24,7 +24,6 @@ PICTURES = (".png", ".svg", ".pdf")
 """The endings of pictures."""
 _MOST_CURVES = 20  # of a path: more cannot be told apart
 _HINT = "name a field of numbers"
-_EXTRA = "pip install -e '.[plot]'"
 
 
 @dataclass(slots=True)
@@ -173,11 +172,9 @@ def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
     """
     if path.suffix not in PICTURES:
         raise UsageError(f"{path} is no picture", f"end it in {', '.join(PICTURES)}")
-    try:
+    with needing_extra("plot", "pictures of curves need"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtra("pictures of curves need the extra 'plot'", _EXTRA) from error
     figure = Figure(figsize=(10, 5), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -187,10 +184,8 @@ def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
     axes.set_xlabel("time [s]")
     axes.grid(visible=True, alpha=0.3)
     axes.legend(loc="best")
-    try:
+    with os_errors_as(f"cannot write {path}"):
         figure.savefig(path, dpi=120)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
 
 
 def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool) -> str:
@@ -199,10 +194,8 @@ def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool
     Raises:
         MissingExtra: plotext is missing.
     """
-    try:
+    with needing_extra("plot", "curves in a terminal need"):
         import plotext
-    except ImportError as error:
-        raise MissingExtra("curves in a terminal need the extra 'plot'", _EXTRA) from error
     plotext.clear_figure()
     plotext.theme("pro" if colored else "clear")
     plotext.plotsize(width, height)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from typing import Any, Literal
 
-from lcmtools.errors import MissingExtra
+from lcmtools.errors import needing_extra
 
 Compression = Literal["zstd", "lz4"]
 SUFFIXES: dict[Compression, str] = {"zstd": ".zst", "lz4": ".lz4"}
@@ -56,8 +56,5 @@ def decompressed(kind: Compression, chunks: Iterable[bytes]) -> Iterator[bytes]:
 
 
 def _library(kind: Compression) -> Any:  # noqa: ANN401 - a module without types
-    try:
+    with needing_extra("bag", f"logs compressed with {kind} need"):
         return import_module("zstandard" if kind == "zstd" else "lz4.frame")
-    except ImportError as error:
-        what = f"logs compressed with {kind} need the extra 'bag'"
-        raise MissingExtra(what, "pip install -e '.[bag]'") from error
