@@ -3,10 +3,13 @@
 import contextlib
 import shutil
 import sys
+import time
 from contextlib import AbstractContextManager
 
 from lcmtools.cli.output import talk
 from lcmtools.terminal import is_terminal
+
+_SHOWN_EVERY = 0.5  # [s]
 
 
 class StatusLine(AbstractContextManager["StatusLine"]):
@@ -16,6 +19,8 @@ class StatusLine(AbstractContextManager["StatusLine"]):
         self._command, self._is_quiet = command, is_quiet
         self.shows = not is_quiet and is_terminal(sys.stderr)
         self._shown = ""
+        self._time = 0.0
+        self._totals: tuple[int, ...] = ()
 
     def __exit__(self, *_: object) -> None:
         """Leave the last line where it is."""
@@ -28,6 +33,18 @@ class StatusLine(AbstractContextManager["StatusLine"]):
         if self.shows and text != self._shown:
             self._shown = text
             _write(f"\r{text}\x1b[K")
+
+    def rates(self, *totals: int) -> list[float]:
+        """Return the growth of totals [1/s] since the last line; none if it is not time for one."""
+        now = time.monotonic()
+        if not self._totals:
+            self._time, self._totals = now, totals
+        seconds = now - self._time
+        if not self.shows or seconds < _SHOWN_EVERY:
+            return []
+        found = [(new - old) / seconds for new, old in zip(totals, self._totals, strict=True)]
+        self._time, self._totals = now, totals
+        return found
 
     def talk(self, text: str) -> None:
         """Say something above the line."""

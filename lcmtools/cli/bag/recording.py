@@ -2,10 +2,8 @@
 
 import shutil
 import sys
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
 from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
@@ -21,7 +19,6 @@ from lcmtools.observe.losses import Loss
 from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
 
 _TURN = 0.1  # [s] between looks at keys and requests
-_SHOWN_EVERY = 0.5  # [s]
 _PAUSE, _SAVE, _END = " ", "s", "q"
 
 
@@ -29,7 +26,7 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
     """Show a recording in a line, take keys and requests, until it ends by itself."""
     with ExitStack() as stack:
         line = stack.enter_context(StatusLine("lcmtools bag record"))
-        shown = _Shown(recorder, series, line)
+        trouble = recorder.progress().trouble
         keys = None
         if line.shows and is_terminal(sys.stdin):
             keys = TerminalKeys(stack.enter_context(Terminal(keys=True)))
@@ -40,7 +37,12 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 if key == _END:
                     return
                 _press(key, recorder)
-            shown.show()
+            progress = recorder.progress()
+            if progress.trouble != trouble:
+                trouble = progress.trouble
+                line.talk(trouble or "the bus is back")
+            if rates := line.rates(progress.messages, progress.bytes):
+                line.write(_status(progress, rates, series))
 
 
 @contextmanager
@@ -95,43 +97,22 @@ def losses_text(losses: Mapping[str, Loss]) -> str:
     return "lost " + ", ".join(f"{loss} of {name}" for name, loss in by_size)
 
 
-class _Shown:
-    """The line of a terminal that shows a recording, and what is said above it."""
-
-    def __init__(self, recorder: BagRecorder, series: LogSeries, line: StatusLine) -> None:
-        self._recorder, self._series, self._line = recorder, series, line
-        self._last = recorder.progress()
-        self._time = time.monotonic()
-
-    def show(self) -> None:
-        """Report trouble with the bus when it begins and ends; write the line, if it is time."""
-        now, progress = time.monotonic(), self._recorder.progress()
-        if progress.trouble != self._last.trouble:
-            self._line.talk(progress.trouble or "the bus is back")
-            self._last = replace(self._last, trouble=progress.trouble)
-        seconds = now - self._time
-        if self._line.shows and seconds >= _SHOWN_EVERY:
-            self._line.write(self._text(progress, seconds))
-            self._last, self._time = progress, now
-
-    def _text(self, progress: Progress, seconds: float) -> str:
-        rate = (progress.messages - self._last.messages) / seconds
-        flow = (progress.bytes - self._last.bytes) / seconds
-        parts = [
-            f"{_counted(progress.messages)}, {rate:.0f}/s",
-            f"{size_text(progress.bytes)}, {size_text(flow)}/s",
-        ]
-        if not progress.is_writing:
-            kept = f"{_counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
-            parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
-        if progress.is_paused:
-            parts.insert(0, "paused (space goes on)")
-        folder = self._series.paths[-1].parent if self._series.paths else Path()
-        with suppress(OSError):
-            parts.append(f"{size_text(shutil.disk_usage(folder).free)} free")
-        lost = sum(loss.lost for loss in progress.losses.values())
-        parts.append(f"{lost} lost" if lost else "none lost")
-        return "; ".join(parts)
+def _status(progress: Progress, rates: Sequence[float], series: LogSeries) -> str:
+    parts = [
+        f"{_counted(progress.messages)}, {rates[0]:.0f}/s",
+        f"{size_text(progress.bytes)}, {size_text(rates[1])}/s",
+    ]
+    if not progress.is_writing:
+        kept = f"{_counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
+        parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
+    if progress.is_paused:
+        parts.insert(0, "paused (space goes on)")
+    folder = series.paths[-1].parent if series.paths else Path()
+    with suppress(OSError):
+        parts.append(f"{size_text(shutil.disk_usage(folder).free)} free")
+    lost = sum(loss.lost for loss in progress.losses.values())
+    parts.append(f"{lost} lost" if lost else "none lost")
+    return "; ".join(parts)
 
 
 def _press(key: str, recorder: BagRecorder) -> None:

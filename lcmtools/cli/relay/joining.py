@@ -1,7 +1,6 @@
 """Joining two buses as a person attends it."""
 
 import signal
-import time
 from collections.abc import Sequence
 
 import click
@@ -19,7 +18,6 @@ from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
 from lcmtools.relay.topology import Link, State
 
-_SHOWN_EVERY = 0.5  # [s]
 _TWO = 2
 
 
@@ -58,10 +56,19 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
 def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
     """Relay until Ctrl-C; show what is carried on a terminal, and say it in the end."""
     name = resolve(name) if name else ""
+    latest: list[Link] = []
+
+    def show(link: Link) -> None:
+        latest[:] = [link]
+        here, there = link.ends
+        if rates := line.rates(here.messages, here.bytes, there.messages, there.bytes):
+            back, on = (f"{rates[n]:.0f}/s, {size_text(rates[n + 1])}/s" for n in (0, 2))
+            is_idle = link.state is State.STANDBY
+            line.write("stands by" if is_idle else f"there {on}; back {back}; {lost_text(link)}")
+
     with StatusLine("lcmtools relay") as line:
         for url in urls:
             wait_for_bus(url, line.talk)
-        shown = _Shown(line)
         try:
             with Relay(
                 urls,
@@ -70,37 +77,10 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
                 name=name,
                 on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
             ) as relay:
-                attend(relay, shown.show)
+                attend(relay, show)
         finally:
-            if shown.link is not None:
-                line.talk(last_word(shown.link))
-
-
-class _Shown:
-    """The line of a terminal that shows a relay."""
-
-    def __init__(self, line: StatusLine) -> None:
-        self._line = line
-        self._time = time.monotonic()
-        self._before = [(0, 0), (0, 0)]
-        self.link: Link | None = None
-
-    def show(self, link: Link) -> None:
-        """Write the line, if it is time."""
-        self.link = link
-        seconds = time.monotonic() - self._time
-        if not self._line.shows or seconds < _SHOWN_EVERY:
-            return
-        self._time = time.monotonic()
-        flows = []
-        for end, (messages, size) in zip(link.ends, self._before, strict=True):
-            rate, flow = (end.messages - messages) / seconds, (end.bytes - size) / seconds
-            flows.append(f"{rate:.0f}/s, {size_text(flow)}/s")
-        self._before = [(end.messages, end.bytes) for end in link.ends]
-        if link.state is State.STANDBY:
-            self._line.write("stands by")
-        else:
-            self._line.write(f"there {flows[1]}; back {flows[0]}; {lost_text(link)}")
+            for link in latest:
+                line.talk(last_word(link))
 
 
 def last_word(link: Link) -> str:

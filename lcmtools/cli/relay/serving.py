@@ -1,8 +1,8 @@
 """Serving tcpq as a person attends it."""
 
 import signal
-import time
 from collections.abc import Sequence
+from functools import partial
 from ipaddress import ip_address
 from typing import NoReturn
 
@@ -12,37 +12,22 @@ from lcmtools.errors import UsageError
 from lcmtools.observe.describe import size_text
 from lcmtools.relay.hub import Hub, HubCounts, serve
 
-_SHOWN_EVERY = 0.5  # [s]
-
 
 def attend_hub(url: BusUrl, line: StatusLine) -> NoReturn:
     """Serve tcpq until Ctrl-C; show what it does on a terminal, and say it in the end."""
     with Hub(url, line.talk) as hub:
         line.talk(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
-        shown = _Shown(line)
         try:
-            serve(hub, shown.show, lambda: signal.raise_signal(signal.SIGTERM))
+            serve(hub, partial(_show, line), lambda: signal.raise_signal(signal.SIGTERM))
         finally:
             line.talk(_counted(hub.counts))
 
 
-class _Shown:
-    """The line of a terminal that shows a server."""
-
-    def __init__(self, line: StatusLine) -> None:
-        self._line = line
-        self._time, self._last = time.monotonic(), (0, 0)
-
-    def show(self, counts: HubCounts) -> None:
-        """Write the line, if it is time."""
-        seconds = time.monotonic() - self._time
-        if not self._line.shows or seconds < _SHOWN_EVERY:
-            return
-        messages, size = counts.messages - self._last[0], counts.bytes - self._last[1]
-        self._time, self._last = time.monotonic(), (counts.messages, counts.bytes)
+def _show(line: StatusLine, counts: HubCounts) -> None:
+    if rates := line.rates(counts.messages, counts.bytes):
         clients = "1 client" if counts.clients == 1 else f"{counts.clients} clients"
-        flow = f"{messages / seconds:.0f} messages/s, {size_text(size / seconds)}/s"
-        self._line.write(f"{clients}; {flow}; {_dropped(counts)}")
+        flow = f"{rates[0]:.0f} messages/s, {size_text(rates[1])}/s"
+        line.write(f"{clients}; {flow}; {_dropped(counts)}")
 
 
 def _counted(counts: HubCounts) -> str:
