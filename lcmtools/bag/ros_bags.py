@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from lcmtools.bag.ros_types import RosTypes, RosVersion
-from lcmtools.errors import needing_extra
+from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.registry import Message
 from lcmtools.observe.decoding import Decoder
 from lcmtools.wire.packet import Packet
@@ -14,6 +14,7 @@ Encoding: TypeAlias = Literal["cdr", "ros1"]
 Compression: TypeAlias = Literal["zstd", "lz4", "none"]
 
 _LIBRARY = "lcmtools"
+_TIMES_END = 2**32 * 10**9  # [ns] of ROS 1, whose seconds have 32 bits
 _STORAGE = {"db3": "SQLITE3", "mcap": "MCAP"}
 
 
@@ -53,7 +54,7 @@ class McapFile(AbstractContextManager["McapFile"]):
         """
         message = decoder.decode(packet)
         channel = self._channel(packet.channel, type(message))
-        data, time = self._types.serialize(message), packet.time
+        data, time = self._types.serialize(message), _time(packet)
         self._writer.add_message(channel, log_time=time, data=data, publish_time=time)
 
     def _channel(self, topic: str, cls: type[Message]) -> int:
@@ -66,6 +67,12 @@ class McapFile(AbstractContextManager["McapFile"]):
                 topic, self._encoding, self._schemas[one.name]
             )
         return self._channels[topic, cls]
+
+
+def _time(packet: Packet) -> int:
+    if not 0 <= packet.time < _TIMES_END:
+        raise DecodeError("ROS has no such time as that of their recording")
+    return packet.time
 
 
 class RosBag(AbstractContextManager["RosBag"]):
@@ -110,4 +117,4 @@ class RosBag(AbstractContextManager["RosBag"]):
                 packet.channel, name, typestore=self._types.store
             )
         data = self._types.serialize(message)
-        self._writer.write(self._connections[key], packet.time, data)
+        self._writer.write(self._connections[key], _time(packet), data)

@@ -57,7 +57,8 @@ class LazyGroup(click.Group):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the group's own options; without anything typed, print the help."""
         if not args and not ctx.resilient_parsing:
-            talk(ctx.get_help())
+            for line in ctx.get_help().split("\n"):
+                talk(line)
             ctx.exit(UsageError.exit_code)
         return super().parse_args(ctx, args)
 

@@ -19,6 +19,7 @@ _ESCAPES = {
     for code in (*range(0x20), *_ODD)
     if code != ord("\t")
 }
+_ESCAPES_IN_LINES = {code: text for code, text in _ESCAPES.items() if code != ord("\n")}
 
 _PATIENCE = 0.5  # [s] before progress is shown
 _SHOWN_EVERY = 0.1  # [s]
@@ -27,6 +28,11 @@ _SHOWN_EVERY = 0.1  # [s]
 def data(text: str) -> None:
     """Print a piece of data, ended by a newline, at once."""
     _write(f"{text}\n")
+
+
+def on_screen(text: str) -> str:
+    """Return lines of data; for a terminal, control characters escaped, which CSV may have."""
+    return text.translate(_ESCAPES_IN_LINES) if sys.stdout.isatty() else text
 
 
 def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
@@ -83,8 +89,8 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
 
 
 def talk(text: str, speaker: str = "") -> None:
-    """Print a message for the person to standard error, behind the name of its speaker."""
-    said = "\n".join(row.translate(_ESCAPES) for row in text.split("\n"))
+    """Print a message for the person to standard error, a line behind the name of its speaker."""
+    said = text.translate(_ESCAPES)
     if speaker:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)

@@ -29,8 +29,8 @@ PLAIN_TYPES = frozenset((bool, int, float, str))
 _TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is relative already
 
 # Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here. Half
-# characters are bytes that are not UTF-8.
-_NOT_IN_YAML = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]")
+# characters are bytes that are not UTF-8; others turn the direction of what a terminal shows.
+_ESCAPED = re.compile("[\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff\ufffe\uffff]")
 
 
 class More(str):
@@ -120,7 +120,7 @@ def plain_json(plain: Plain) -> str:
         text = write(plain)
     except ValueError:
         text = write(finite(plain))
-    return _NOT_IN_YAML.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+    return _ESCAPED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def cells(plain: Plain, name: str = "field") -> dict[str, Cell]:

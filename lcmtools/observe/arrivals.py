@@ -151,7 +151,7 @@ class ArrivalStream:
                 routes = self._routes[packet.channel] = self._routes_of(packet.channel)
             if routes and (keep is None or keep(packet)):
                 when = self._simulated_time(packet) if is_simulated else packet[2]
-                if when:
+                if when or not is_simulated:  # a log may begin at 0
                     for one, path in routes:
                         arrivals.append(_new(SelectedPacket, (one, packet, when, path)))
         return Batch(arrivals, self._clock.now or time.time_ns(), is_reset)

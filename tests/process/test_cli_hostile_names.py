@@ -6,12 +6,14 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
+from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
@@ -20,10 +22,14 @@ from lcmtools.graph.protocol import (
     decode_probe,
     encode_announcement,
 )
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet
 
 Run = Callable[..., subprocess.CompletedProcess[bytes]]
 
-_EVIL = "\x1b[2J\r\x07\x9b31m\u202eevil"
+_EVIL = "\x1b[2J\r\n\x07\x9b31m\u202eevil"
 _STEERING = ("\x1b", "\r", "\x07", "\x9b", "\u202e")
 _ENDPOINTS = (
     Endpoint("/t", Role.PUBLISHER, (f"pkg/{_EVIL}",), (1,)),
@@ -77,3 +83,22 @@ def test_a_strangers_names_are_shown_escaped(stranger: Run, words: list[str]) ->
     assert "evil" in output or words[1] == "ping"
     if "--json" in words:
         assert any(str(one).endswith(_EVIL) for one in json.loads(output)[0].values())
+
+
+def test_on_a_terminal_csv_has_no_control_characters(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.log"
+    message = String()
+    message.data = _EVIL
+    path.write_bytes(encode_event(0, Packet(_EVIL, encode(message), 0)) * 2)
+    words = ["echo", "-b", str(path), "**", "--csv"]
+    assert main(words) == 0
+    assert capsys.readouterr().out.count("\x1b") == 4  # nothing is lost in a file
+    assert main([*words, "--field", "none"]) == 0
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    assert main(words) == 0
+    output = capsys.readouterr().out
+    assert output.count("evil") == 4
+    assert not [one for one in _STEERING if one in output]

@@ -55,7 +55,9 @@ def _confirmed(nodes: list[Node]) -> list[Node]:
     if not sys.stdin.isatty():
         what = f"--all would kill {len(nodes)} nodes and needs confirmation"
         raise UsageError(what, "add --yes")
-    talk("\n".join(["This kills all nodes:", *(f" * {node.name}" for node in nodes)]))
+    talk("This kills all nodes:")
+    for node in nodes:
+        talk(f" * {node.name}")
     if click.confirm("Kill all nodes?", err=True):
         return nodes
     talk("nothing was killed")
@@ -64,7 +66,8 @@ def _confirmed(nodes: list[Node]) -> list[Node]:
 
 def _chosen(nodes: list[Node]) -> list[Node]:
     """The node that a person chooses from a list, as rosnode kill has it."""
-    talk("\n".join(f"{number}. {node.name}" for number, node in enumerate(nodes, 1)))
+    for number, node in enumerate(nodes, 1):
+        talk(f"{number}. {node.name}")
     choice = click.IntRange(1, len(nodes))
     number = click.prompt("Number of the node to kill", type=choice, err=True)
     return [nodes[number - 1]]

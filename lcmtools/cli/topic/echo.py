@@ -16,7 +16,7 @@ from lcmtools.cli.declare import (
     whole_number,
 )
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import clearing, data, may_wait
+from lcmtools.cli.output import clearing, data, may_wait, on_screen
 from lcmtools.cli.topic.display import display, display_options
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
@@ -89,7 +89,7 @@ def command(
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
-            data("\n".join(f"{prefix}{text}" for text in texts))
+            data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:

@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools.bag.ros_bags import McapFile, RosBag
 from lcmtools.bag.ros_import import Imported, RosImport
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
@@ -62,6 +62,16 @@ def test_messages_come_back_as_they_went(name: str, tmp_path: Path) -> None:
     assert [encode(one.message) for one in found] == [encode(message) for message in messages]
     assert [one.time for one in found] == [_TIME + number * 10**6 for number in range(4)]
     assert [one.topic for one in found][:2] == ["/laserscan", "/odometry"]
+
+
+@pytest.mark.parametrize("name", _TARGETS)
+@pytest.mark.parametrize("time", [-1, 2**63])
+def test_a_time_that_ros_has_not_is_left_out(name: str, time: int, tmp_path: Path) -> None:
+    with (
+        _TARGETS[name](tmp_path / name) as target,
+        pytest.raises(DecodeError, match="no such time"),
+    ):
+        target.add(Packet("/scan", encode(LaserScan()), time), Decoder(lambda _: ()))
 
 
 def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Output of echo is input of pub -f: to the bit, for every type, with the values that go wrong."""
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from itertools import count
 
@@ -71,6 +72,7 @@ def test_all_that_echo_prints_is_taken_back_to_the_bit(name: str) -> None:
         written = (format_message(message), FREE.block(plain), FREE.flow(plain), to_json(message))
         for text in written:
             assert encode(draft_from_values(cls, [text]).message) == payload, text
+            assert not re.search("[\0-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]", text)
 
 
 @pytest.mark.parametrize("text", AWKWARD["string"])
