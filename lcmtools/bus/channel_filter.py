@@ -22,8 +22,7 @@ _MOST = 50  # channels, or endings, that a datagram is compared with
 class ChannelFilter:
     """Malformed datagrams are dropped, and from the first ``let_pass`` on channels, too.
 
-    Args:
-        sockets: On which the instance receives, or duplicates; closed by ``close``.
+    It is before sockets on which the instance receives, or duplicates; ``close`` closes them.
     """
 
     def __init__(self, sockets: Iterable[socket.socket]) -> None:

@@ -38,11 +38,8 @@ class LcmBus:
 
     Publishing is safe from any thread. Handlers run on the thread that receives and must be quick.
 
-    Args:
-        url: The bus.
-
     Raises:
-        BusError: It cannot be reached, with what to type.
+        BusError: The bus cannot be reached, with what to type.
     """
 
     def __init__(self, url: BusUrl) -> None:

@@ -18,10 +18,6 @@ class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
 
     It has the tap's interface and less information: neither senders nor sequence numbers.
 
-    Args:
-        url: The bus.
-        on_outage: As for ``Connection``.
-
     Raises:
         BusError: The bus cannot be reached.
     """

@@ -36,10 +36,7 @@ def listening_processes(sockets: frozenset[int]) -> frozenset[Process]:
 class PlainListeners:
     """The programs that listen to a bus and announce no subscriptions.
 
-    Args:
-        url: The bus.
-        nodes: Returns the pids of the processes on this computer that announce theirs.
-        now: A monotonic clock [s].
+    ``nodes`` returns the pids of the processes on this computer that announce theirs.
     """
 
     def __init__(
@@ -61,11 +58,8 @@ class PlainListeners:
         """Return whether there can be any, as of a second ago.
 
         Always, where datagrams leave this computer or listeners cannot be known; never within
-        one process.
-
-        Args:
-            at_once: As of now. Where sockets are not marked, one seen for the first time counts
-                too, though it may turn out to be a node that has not announced itself yet.
+        one process. ``at_once`` is as of now: where sockets are not marked, one seen for the first
+        time counts too, though it may turn out to be a node that has not announced itself yet.
         """
         if self._url.provider == "memq":
             return False

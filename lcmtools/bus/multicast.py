@@ -43,9 +43,7 @@ def sending_socket(url: BusUrl) -> socket.socket:
 def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socket.socket:
     """Return a socket that receives from the group beside others, as liblcm's receivers do.
 
-    Args:
-        url: The bus.
-        program: A filter that it has from the beginning, where the system has filters.
+    It has ``program`` as its filter from the beginning, where the system has filters.
 
     Raises:
         BusError: The group cannot be joined.

@@ -27,8 +27,7 @@ class Outgoing(NamedTuple):
 class Outbox:
     """Messages that wait, sent one after another, each topic in its turn.
 
-    Args:
-        put: Sends a message; may take long, and raises nothing.
+    ``put`` sends a message; it may take long, and raises nothing.
 
     Attributes:
         dropped: Messages that made room for newer ones of their topic.

@@ -213,13 +213,8 @@ def silent_senders(
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
     Candidates are such sockets of processes that use liblcm; a process that listens on other buses
-    only is none.
-
-    Args:
-        group: The multicast group.
-        group_port: The port of the bus.
-        seen_ports: UDP ports that have sent already.
-        known_pids: Processes whose publications are known otherwise (announced nodes).
+    only is none. ``known_pids`` are processes whose publications are known otherwise (announced
+    nodes).
     """
     if not _is_joined(group):
         return set()

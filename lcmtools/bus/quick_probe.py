@@ -39,10 +39,7 @@ _MAX_DATAGRAM = 65536
 class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     """A request to the nodes of a multicast bus, sent by the constructor.
 
-    Args:
-        url: The bus.
-        request: The datagram; by default it requests all nodes' announcements.
-        answers_on: The channel of the answers.
+    By default it requests all nodes' announcements; the answers come on a channel.
 
     Raises:
         BusError: The bus is no multicast, or cannot be reached.
@@ -78,9 +75,8 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     ) -> "Graph":
         """Return the graph by the answers so far, complete where nodes answer in time.
 
-        Args:
-            missing: Gives the nodes known to run, but for those with these ids, which have
-                answered; they are awaited for up to AT_MOST.
+        ``missing`` gives the nodes known to run, but for those with these ids, which have answered;
+        they are awaited for up to AT_MOST.
         """
         from lcmtools.graph.builder import GraphBuilder
 

@@ -66,8 +66,7 @@ def these_channels(channels: Iterable[str]) -> FilterProgram:
 def these_endings(endings: Collection[bytes]) -> FilterProgram:
     """Accept what ``well_formed`` accepts, but of short messages only on channels that end so.
 
-    Args:
-        endings: Of four bytes each.
+    The endings have four bytes each.
     """
     tests = [
         Instruction(_JUMP_EQUAL, int.from_bytes(ending, "big"), left, 0)
@@ -80,8 +79,7 @@ def these_endings(endings: Collection[bytes]) -> FilterProgram:
 def heads_only(but_up_to: int = 0) -> FilterProgram:
     """Drop all fragments but the first; malformed datagrams pass.
 
-    Args:
-        but_up_to: Size of the largest messages of which all fragments pass [byte].
+    Of messages up to a size [byte] all fragments pass.
     """
     return [
         Instruction(_LOAD_LENGTH),
@@ -98,13 +96,9 @@ def heads_only(but_up_to: int = 0) -> FilterProgram:
 
 
 def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
-    """Accept the short messages of one share: every so manieth of each sender, by its number.
+    """Accept the short messages of one share, from 0: every so manieth of each sender.
 
-    Malformed datagrams are of the first share.
-
-    Args:
-        share: The number of the share, from 0.
-        shares: Their number, a power of two.
+    Malformed datagrams are of the first share. The number of shares is a power of two.
     """
     return [
         Instruction(_LOAD_LENGTH),
@@ -124,11 +118,9 @@ def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
 
 
 def fragments_only(share: int, shares: int) -> FilterProgram:
-    """Accept the fragments of one share: every so manieth of each message.
+    """Accept the fragments of one share, from 0: every so manieth of each message.
 
-    Args:
-        share: The number of the share, from 0.
-        shares: Their number, a power of two.
+    The number of shares is a power of two.
     """
     return [
         Instruction(_LOAD_WORD, _UDP_HEADER),
@@ -165,8 +157,7 @@ def one_channel(channel: str) -> FilterProgram:
 def whole_on(prefix: str) -> FilterProgram:
     """Accept short messages whole whose channel begins so; of other messages only the head.
 
-    Args:
-        prefix: Of which the first four bytes count.
+    Of the prefix the first four bytes count.
     """
     start = int.from_bytes(prefix.encode()[:4].ljust(4, b"\0"), "big")
     return [

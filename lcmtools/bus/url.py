@@ -34,21 +34,13 @@ _MAX_TTL = 255
 
 
 class BusUrl(NamedTuple):
-    """The URL of a bus.
+    """The URL of a bus."""
 
-    Attributes:
-        provider: "udpm", "mpudpm", "tcpq", "memq", "file" or "zenoh".
-        network: The part after "://", as written.
-        options: The options after "?", as written.
-        host: Multicast group (udpm, mpudpm) or server (tcpq); "" otherwise.
-        port: UDP or TCP port; 0 for memq, file and zenoh (see ``bus.zenoh_url``).
-    """
-
-    provider: str
-    network: str
-    options: Mapping[str, str] = MappingProxyType({})
-    host: str = ""
-    port: int = 0
+    provider: str  # "udpm", "mpudpm", "tcpq", "memq", "file" or "zenoh"
+    network: str  # the part after "://", as written
+    options: Mapping[str, str] = MappingProxyType({})  # the options after "?", as written
+    host: str = ""  # multicast group (udpm, mpudpm) or server (tcpq); "" otherwise
+    port: int = 0  # UDP or TCP port; 0 for memq, file and zenoh (see ``bus.zenoh_url``)
 
     @property
     def is_multicast(self) -> bool:

@@ -24,11 +24,8 @@ _LONGEST_BURST = 10  # times so many at once
 class ZenohBus:
     """A session of Zenoh with a receiving thread of its own; see ``Bus``.
 
-    Args:
-        url: The bus.
-
     Raises:
-        BusError: It cannot be reached, with what to do.
+        BusError: The bus cannot be reached, with what to do.
         MissingExtra: Zenoh is not installed.
     """
 

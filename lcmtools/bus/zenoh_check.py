@@ -34,11 +34,8 @@ def check_place(place: ZenohPlace) -> None:
 def refusal(address: Address, user: str, certificate: str | None) -> BusError:
     """Return the likely reason why no session opens with a host that can be reached.
 
-    Args:
-        address: The host.
-        user: The user's name that it was told; "" for none.
-        certificate: The file of the certificates that are trusted, "" for the system's; None for a
-            connection without TLS.
+    ``user`` is the name that it was told, "" for none; ``certificate`` the file of the certificates
+    that are trusted, "" for the system's, None for a connection without TLS.
     """
     if certificate is not None and (trouble := _tls_trouble(address, certificate)):
         return trouble

@@ -16,10 +16,7 @@ from lcmtools.wire.stamp import Origin
 class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
     """An observer of a bus of Zenoh: a subscription to everything, with who sent what.
 
-    Args:
-        url: The bus.
-        on_outage: Called when the connection is lost or back, with a text and the present trouble,
-            "" for none.
+    ``on_outage`` is that of ``ZenohSession``.
 
     Attributes:
         sender: This listener, as the sender of what it sends.

@@ -58,10 +58,8 @@ _SLOW = 0.01  # [s]: a message that took so long to send had to wait for the net
 class ZenohSession:
     """A connection to a bus of Zenoh, for one thread that takes what arrives.
 
-    Args:
-        url: The bus.
-        on_outage: Called by ``take`` when the connection to a router is lost or back, with a text
-            and the present trouble, "" for none.
+    ``on_outage`` is called by ``take`` when the connection to a router is lost or back, with a text
+    and the present trouble, "" for none.
 
     Attributes:
         id: The session's id, 64 bits: the computer's number before a random one.

@@ -50,25 +50,16 @@ class Address(NamedTuple):
 
 
 class ZenohPlace(NamedTuple):
-    """The parts of a URL of Zenoh.
+    """The parts of a URL of Zenoh."""
 
-    Attributes:
-        hosts: The routers or programs to connect to; () to look for others.
-        group: The multicast group at which to look for others.
-        file: The configuration file, which then says all of this; "" for none.
-        listen: The address at which others may connect besides; None for none.
-        interface: The network on which to look for others; "loopback" for this computer alone.
-        keys: The keys of the channels.
-        patience: The time [s] that a program which does not read may hold up others.
-    """
-
-    hosts: tuple[Address, ...] = ()
-    group: str = SCOUTING_GROUP
-    file: str = ""
-    listen: Address | None = None
+    hosts: tuple[Address, ...] = ()  # the routers or programs to connect to; () to look for others
+    group: str = SCOUTING_GROUP  # the multicast group at which to look for others
+    file: str = ""  # the configuration file, which then says all of this; "" for none
+    listen: Address | None = None  # the address at which others may connect besides; None for none
+    # The network on which to look for others; "loopback" for this computer alone.
     interface: str = LOOPBACK
-    keys: Keys = Keys()
-    patience: int = 1
+    keys: Keys = Keys()  # the keys of the channels
+    patience: int = 1  # the time [s] that a program which does not read may hold up others
 
     @property
     def is_client(self) -> bool:

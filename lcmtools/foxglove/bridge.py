@@ -43,14 +43,10 @@ class _Offer:
 
 
 class Bridge(AbstractContextManager["Bridge"]):
-    """A bus for Foxglove.
+    """A bus for Foxglove; the owner of its monitor closes it.
 
-    Args:
-        monitor: The bus; its owner closes it.
-        topics: Those that are offered.
-        notify: Called with what a person should know, a sentence.
-        node: Publishes what clients do; None where they may not.
-        allowed: The topics that they may publish on.
+    ``node`` publishes what clients do, on the topics that are ``allowed``; None where they may not.
+    ``notify`` is called with what a person should know, a sentence.
     """
 
     def __init__(

@@ -17,11 +17,7 @@ _Key = tuple[int, int]  # a client, and its channel
 class Publishing:
     """The messages of clients, on the bus. Its methods are called on threads of the server.
 
-    Args:
-        node: Publishes.
-        allowed: The topics that clients may publish on.
-        schemas: Reads their messages.
-        refuse: Called with the reason why something is not published.
+    ``refuse`` is called with the reason why something is not published.
     """
 
     encodings = ENCODINGS

@@ -51,12 +51,9 @@ class OfferedChannel(Protocol):
 
 
 class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
-    """A server for Foxglove and Lichtblick.
+    """A server for Foxglove and Lichtblick, at a host and port; 0 for any port.
 
-    Args:
-        address: Host and port; 0 for any port.
-        clients: Takes what clients do.
-        encodings: Of messages that clients may publish; none where they may not.
+    ``clients`` takes what they do; ``encodings`` are of messages that they may publish.
 
     Raises:
         MissingExtra: The package is missing.

@@ -51,10 +51,8 @@ class Executable:
 def find_executable(package: str, name: str, folder: Path) -> Executable:
     """Return the command of a package's node, as ``pkg`` and ``type`` name it.
 
-    Args:
-        package: Of the workspace, installed, or one that the labs' texts name.
-        name: The node's name in it; a script's with or without its suffix.
-        folder: The launch file's, whose workspace counts too.
+    The package is of the workspace, also that of the launch file's folder, installed, or one that
+    the labs' texts name. A script's name may have its suffix.
 
     Raises:
         UsageError: There is no such package, or no such node in it.

@@ -36,10 +36,8 @@ class _Seen:
 class CallbackErrors:
     """The exceptions of one node's callbacks.
 
-    Args:
-        logger: The node's log. Each different error comes there once with its traceback, then as
-            a line with its count, at growing intervals.
-        announce: Called with each different error.
+    Each different error comes into the node's log once with its traceback, then as a line with its
+    count, at growing intervals. ``announce`` is called with each different one.
     """
 
     def __init__(self, logger: Logger, announce: Callable[[], None]) -> None:

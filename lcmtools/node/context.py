@@ -44,14 +44,9 @@ class Participant(Protocol):
 
 
 class Context:
-    """A process's connection to a bus, with the nodes on it.
+    """A process's connection to a bus, which is closed with it, and the nodes on it.
 
-    Args:
-        bus: The connection; closed with the context.
-        arguments: The node arguments of the command line.
-        environment: The process's environment variables.
-        records: The records of the nodes that run; None for none.
-        url: The bus; None for a private one.
+    ``records`` are of the nodes that run. A private bus has no URL.
     """
 
     def __init__(

@@ -40,12 +40,8 @@ _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes 
 class Factory:
     """A mixin for nodes, which makes and destroys their parts.
 
-    Args:
-        context: The context, whose bus carries the messages.
-        resolver: Resolves and remaps the names of topics and services.
-        callbacks: Runs the callbacks.
-        logger: The node's log.
-        tool: The node is a command, whose ``publish`` raises what others log.
+    The resolver remaps the names of topics and services, too. A ``tool`` is a command, whose
+    ``publish`` raises what others log.
     """
 
     # Private names begin with two underscores, as in Node.

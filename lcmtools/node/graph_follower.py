@@ -33,12 +33,7 @@ announcements, and 200 nodes make 40 in this time."""
 
 
 class GraphFollower:
-    """The announced nodes of a bus; the first request for them subscribes to announcements.
-
-    Args:
-        bus: The connection.
-        url: The bus's URL; None for a private bus.
-    """
+    """The announced nodes of a bus; the first request for them subscribes to announcements."""
 
     def __init__(self, bus: Bus, url: BusUrl | None) -> None:
         self._bus = bus

@@ -23,13 +23,9 @@ Place = tuple[str, int, str]
 
 
 class Logger:
-    """Writes a node's log. Made by the node; ``Node.get_logger`` returns it.
+    """Writes a node's log, to standard error by default; ``Node.get_logger`` returns it.
 
-    Args:
-        node: The node's full name.
-        clock: Stamps the entries.
-        forward: Called with each entry (for ``/rosout``).
-        stream: The output; standard error when None.
+    ``forward`` is called with each entry (for ``/rosout``).
     """
 
     def __init__(

@@ -169,11 +169,8 @@ class Node(Parametric, Factory):
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """Return whether programs that are no nodes can be listening, to any topic.
 
-        On a bus that leaves this computer there can always be one.
-
-        Args:
-            at_once: Look now, and count every possible one, instead of waiting a second or two
-                to be sure.
+        On a bus that leaves this computer there can always be one. With ``at_once`` every possible
+        one counts, now, instead of waiting a second or two to be sure.
         """
         listeners = self.__context.plain_listeners
         return bool(listeners and listeners.possible(at_once=at_once))

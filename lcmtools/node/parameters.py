@@ -103,10 +103,8 @@ def service_name(node: str) -> str:
 class Parametric:
     """A mixin for objects with parameters.
 
-    Args:
-        name: Its full name, for messages.
-        given: The command line's texts, by parameter.
-        known: Collects the names of all declared parameters.
+    ``given`` has the command line's texts, by parameter; ``known`` collects the names of all that
+    are declared. The name is the full one, for messages.
     """
 
     # Private names begin with two underscores, as in Node.

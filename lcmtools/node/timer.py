@@ -9,13 +9,8 @@ class Timer:
     """Calls a function at a fixed rate. Made by ``Node.create_timer``.
 
     Calls stay on the grid that the timer's creation started: a late one does not delay the next,
-    and periods that were missed altogether are skipped.
-
-    Args:
-        seconds: The period [s], positive and finite.
-        callback: The function.
-        clock: Returns the present [ns]; times passed to the methods are of the same clock.
-
+    and periods that were missed altogether are skipped. The period [s] is positive and finite;
+    ``clock`` returns the present [ns], and times passed to the methods are of the same clock.
     """
 
     def __init__(

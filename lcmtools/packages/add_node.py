@@ -21,11 +21,8 @@ def add_node(
 ) -> list[Path]:
     """Add a node to a package; return the written files. A file that is there is only declared.
 
-    Args:
-        package: The package.
-        name: The node's name.
-        text: The content of its file; None for the same as a new package's node.
-        replace: Overwrite a file that is there.
+    Without a text its file has that of a new package's node. With ``replace`` it takes the place of
+    one that is there.
 
     Raises:
         InvalidName: A name breaks a rule.

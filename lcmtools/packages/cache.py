@@ -33,10 +33,8 @@ def cached_types(
 ) -> TypeSource:
     """Return the types of some files, ready to import; they are compiled unless that is done.
 
-    Args:
-        files: In the order of their precedence.
-        environment: XDG_CACHE_HOME and HOME, which name the user's cache folder.
-        shipped: The fingerprints of the types that lcmtools ships.
+    The files are in the order of their precedence; ``shipped`` has the fingerprints of the types of
+    lcmtools.
 
     Raises:
         MissingExtra: There is no lcm-gen.

@@ -59,9 +59,7 @@ class NewPackage:
 def check(new: NewPackage, known: Collection[str]) -> None:
     """Refuse names that Python, LCM or lcmtools could not use.
 
-    Args:
-        new: The package.
-        known: The packages of message types that there are.
+    ``known`` are the packages of message types that there are.
 
     Raises:
         InvalidName: A name breaks a rule.
@@ -88,12 +86,9 @@ def check(new: NewPackage, known: Collection[str]) -> None:
 
 
 def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path]:
-    """Write a package into a folder; return the written files, relative to it.
+    """Write a package that is checked into its folder; return the written files, relative to it.
 
-    Args:
-        new: The package, checked.
-        folder: Its own folder, which may be there already.
-        replace: Overwrite files of the same names.
+    With ``replace`` they take the place of files of the same names.
 
     Raises:
         LcmtoolsError: A file already exists, or cannot be written.

@@ -57,11 +57,8 @@ class _Found:
 class UserTypes:
     """The types of one user.
 
-    Args:
-        environment: LCMTOOLS_TYPE_PATH, and the variables that name the cache's folder.
-        starts: The folders whose workspaces are searched.
-        shipped: The fingerprints of the types that lcmtools ships.
-        clock: A monotonic clock [s].
+    The workspaces of the folders ``starts`` are searched; ``shipped`` has the fingerprints of the
+    types of lcmtools.
     """
 
     def __init__(
@@ -157,8 +154,7 @@ def user_types() -> UserTypes:
 def sources_of(words: Sequence[str]) -> list[Path]:
     """The .lcm files of types and of all types of their fields, sorted.
 
-    Args:
-        words: Types or packages; none for all of the user's own types.
+    The words are types or packages; none for all of the user's own types.
 
     Raises:
         UnknownType: There is no such type or package, or no type of the user's own.

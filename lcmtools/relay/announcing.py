@@ -19,11 +19,8 @@ _OF_SERVICES = (Role.SERVICE, Role.CLIENT)
 class Announced:
     """The nodes of one bus as they are announced on the other.
 
-    Args:
-        step: The relay, and the bus that the nodes are on.
-        onward: The rules for messages from their bus.
-        back: The rules for messages to their bus.
-        one_way: Messages go in one of the two directions only.
+    ``step`` is the relay, and the bus that the nodes are on; ``onward`` and ``back`` are the rules
+    for messages from their bus and to it. With ``one_way`` they go in one direction only.
     """
 
     def __init__(

@@ -146,9 +146,7 @@ class _Client:
 class Hub(AbstractContextManager["Hub"]):
     """A server; ``turn`` does its work.
 
-    Args:
-        url: Its address, of the provider tcpq.
-        notify: Called with a sentence when a client is closed, or loses messages.
+    ``notify`` is called with a sentence when a client is closed, or loses messages.
 
     Attributes:
         port: The port of its address, also where 0 was asked for.
@@ -348,10 +346,8 @@ def serve(
 ) -> NoReturn:
     """Serve until an exception ends it; the hub announces itself to its clients meanwhile.
 
-    Args:
-        hub: The server.
-        on_turn: Called with its counts, several times a second.
-        on_shutdown: Called when another program requests this one to end.
+    ``on_turn`` is called several times a second; ``on_shutdown`` when another program requests this
+    one to end.
     """
     presence = Presence(own_node(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown)
     try:

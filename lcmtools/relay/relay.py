@@ -63,14 +63,11 @@ _FLUSH = 0.5  # [s] at most in the end, for messages that wait
 
 
 class Relay(AbstractContextManager["Relay"]):
-    """A relay between two buses, which runs on threads of its own within its context.
+    """A relay between two buses, here and there, on threads of its own within its context.
 
-    Args:
-        urls: The buses: here, and there.
-        rules: What passes.
-        notify: Called with a sentence when something begins or ends to go wrong.
-        name: Its name as a node; "" for one with its computer's name and its process.
-        on_shutdown: Called when another program requests this one to end.
+    ``notify`` is called with a sentence when something begins or ends to go wrong; ``on_shutdown``
+    when another program requests this one to end. Without a name, that as a node has its computer
+    and its process.
 
     Raises:
         BusError: A bus cannot be reached, with what to type.

@@ -49,23 +49,15 @@ class Words:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The rules of a relay.
+    """The rules of a relay."""
 
-    Attributes:
-        allow: What passes; all, where it is empty.
-        deny: What does not, nevertheless.
-        rates: The most messages of a topic in a second, by pattern.
-        newest: Topics of which only the newest message waits for the line.
-        prefix: The namespace that topics of here have there; "" for none.
-        one_way: Messages go from here to there only.
-    """
-
-    allow: Sequence[str] = ()
-    deny: Sequence[str] = ()
+    allow: Sequence[str] = ()  # what passes; all, where it is empty
+    deny: Sequence[str] = ()  # what does not, nevertheless
+    # The most messages of a topic in a second, by pattern.
     rates: Mapping[str, float] = field(default_factory=dict)
-    newest: Sequence[str] = ()
-    prefix: str = ""
-    one_way: bool = False
+    newest: Sequence[str] = ()  # topics of which only the newest message waits for the line
+    prefix: str = ""  # the namespace that topics of here have there; "" for none
+    one_way: bool = False  # messages go from here to there only
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +81,9 @@ class Direction:
         self._rates = [(Words([word]), 1.0 / rate) for word, rate in rules.rates.items()]
 
     def route(self, channel: str, types: Collection[str], *, obeyed: bool = False) -> Route:
-        """Return the way of a channel's messages.
+        """Return the way of messages of a channel, on the bus that they come from.
 
-        Args:
-            channel: The channel on the bus that they come from.
-            types: The types that they may be of.
-            obeyed: A simulator on the other bus obeys them.
+        They may be of several types. With ``obeyed`` a simulator on the other bus obeys them.
         """
         name = self.name(channel)
         if isinstance(name, Reason):

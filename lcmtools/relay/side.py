@@ -27,13 +27,7 @@ _SMALL = 16 << 10  # bytes of a message that is kept though its topic is not kno
 
 
 class Side:
-    """One bus of a relay.
-
-    Args:
-        identifier: The id of the end.
-        bus: The bus, as people call it.
-        end: The connection.
-        direction: The rules for messages from this bus.
+    """One bus of a relay, with the rules for messages from it.
 
     Attributes:
         outbox: What waits to be sent to the bus.

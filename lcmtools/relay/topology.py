@@ -114,9 +114,6 @@ class KnownRelays:
     """The relays that one relay knows of, itself among them.
 
     Times are nanoseconds of any clock that only goes forward.
-
-    Args:
-        own: The relay itself.
     """
 
     def __init__(self, own: Link) -> None:

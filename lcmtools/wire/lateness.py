@@ -21,9 +21,7 @@ class Lateness:
     def is_late(self, sent: int, arrival: int) -> bool:
         """Return whether a message has waited for too long.
 
-        Args:
-            sent: The time of sending, by the sender's clock [ns].
-            arrival: The time of arrival, by the receiver's clock [ns].
+        The time of sending is by the sender's clock, that of arrival by the receiver's [ns].
         """
         took = arrival - sent
         if self._fastest is None:

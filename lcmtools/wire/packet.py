@@ -10,17 +10,12 @@ from lcmtools.wire.stamp import Origin
 
 
 class Sender(NamedTuple):
-    """The source of a datagram: an LCM instance sends from a UDP port of its own.
+    """The source of a datagram: an LCM instance sends from a UDP port of its own."""
 
-    Attributes:
-        address: IPv4 address ("127.0.0.1"); on Zenoh, the id of a session in 16 hex digits.
-        port: UDP port; 0 on Zenoh.
-        name: Its name when it was recorded; "" on a bus. One of a log that has the address of a
-            program that runs now is another one.
-    """
-
-    address: str
-    port: int
+    address: str  # IPv4 address ("127.0.0.1"); on Zenoh, the id of a session in 16 hex digits
+    port: int  # UDP port; 0 on Zenoh
+    # Its name when it was recorded; "" on a bus. One of a log that has the address of a program
+    # that runs now is another one.
     name: str = ""
 
     @property
@@ -38,26 +33,19 @@ Datagram: TypeAlias = tuple[bytes, Sender, int, int | None]
 
 
 class Packet(NamedTuple):
-    """One message on a channel.
+    """One message on a channel."""
 
-    Attributes:
-        channel: The channel's name.
-        payload: Fingerprint and encoded struct, or any other bytes.
-        time: Its arrival, nanoseconds since 1970; by the kernel where that is known.
-        sender: Its sender; None where the bus names none (tcpq, memq, logs without an index).
-        seqno: The sender's number of the message; None where there is none.
-        whole_bytes: Bytes of the whole payload if ``payload`` is only its beginning; else None.
-        origin: Its first sender, before any relay; None where the bus names none.
-        type_name: The type that its sender names beside it ("geometry_msgs/Twist"); "" for none.
-    """
-
-    channel: str
-    payload: bytes
-    time: int
+    channel: str  # the channel's name
+    payload: bytes  # fingerprint and encoded struct, or any other bytes
+    time: int  # its arrival, nanoseconds since 1970; by the kernel where that is known
+    # Its sender; None where the bus names none (tcpq, memq, logs without an index).
     sender: Sender | None = None
-    seqno: int | None = None
+    seqno: int | None = None  # the sender's number of the message; None where there is none
+    # Bytes of the whole payload if ``payload`` is only its beginning; else None.
     whole_bytes: int | None = None
+    # Its first sender, before any relay; None where the bus names none.
     origin: Origin | None = None
+    # The type that its sender names beside it ("geometry_msgs/Twist"); "" for none.
     type_name: str = ""
 
     @property

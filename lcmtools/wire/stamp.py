@@ -16,17 +16,11 @@ _NUMBERS = 0xFFFFFFFF
 
 
 class Origin(NamedTuple):
-    """The first sender of a message, wherever it has come through since.
+    """The first sender of a message, wherever it has come through since."""
 
-    Attributes:
-        id: The sender's id, of 64 bits.
-        seqno: Its number of the message, of 32 bits.
-        hops: The relays that the message has passed; 0 where it was sent to this bus.
-    """
-
-    id: int
-    seqno: int
-    hops: int = 0
+    id: int  # the sender's id, of 64 bits
+    seqno: int  # its number of the message, of 32 bits
+    hops: int = 0  # the relays that the message has passed; 0 where it was sent to this bus
 
 
 class Stamp(NamedTuple):
