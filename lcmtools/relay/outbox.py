@@ -47,6 +47,7 @@ class LineQueue:
         self._changed = threading.Condition()
         self._closed = False
         self._is_taken = False  # messages are being sent
+        self._cleared = -math.inf  # the time by which messages were due that must not be sent
 
     @property
     def is_waiting(self) -> bool:
@@ -94,8 +95,8 @@ class LineQueue:
             return taken
 
     def is_late(self, message: LineMessage) -> bool:
-        """Return whether a message has waited for too long; if so, it is counted as dropped."""
-        if time.monotonic() <= message.due:
+        """Return whether a message that was taken must not be sent; if so, it counts as dropped."""
+        if message.due > max(time.monotonic(), self._cleared):
             return False
         with self._changed:
             self.dropped += 1
@@ -108,8 +109,9 @@ class LineQueue:
             self._changed.notify()
 
     def clear(self) -> None:
-        """Drop all messages but the protocol's."""
+        """Drop all messages but the protocol's, also those that were taken and are not state."""
         with self._changed:
+            self._cleared = time.monotonic() + LATE
             self.dropped += len(self._waiting)
             self._waiting.clear()
             self._of_channel.clear()

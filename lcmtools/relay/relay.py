@@ -4,8 +4,9 @@ No message comes back, goes in a circle or comes twice. A relay never takes its 
 come from its own ports, or are the echo of a server. Of several relays those carry messages that
 ``topology`` chooses; the others stand by, and pass nothing on. Nobody takes anything from the ports
 of a relay that is to stand by, so that two of them which do not know of each other yet make no
-circle. A relay waits for a moment before it carries, to hear of others first. UDP multicast carries
-nothing beside a message: the sender's port tells the relay, whose report tells what it brings.
+circle. A relay waits before it carries, to hear of others first (see ``hold``). UDP multicast
+carries nothing beside a message: the sender's port tells the relay, whose report tells what it
+brings.
 
 When the one that carries says goodbye, another one takes over at once; when it is killed, after
 the time in which silent nodes become stale.
@@ -40,6 +41,7 @@ from lcmtools.names import check_node
 from lcmtools.observe.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
+from lcmtools.relay.hold import Hold
 from lcmtools.relay.outbox import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
@@ -54,8 +56,7 @@ from lcmtools.relay.topology import (
 )
 from lcmtools.wire.packet import Packet
 
-_HOLD = 0.7  # [s] before it carries messages, also when a bus can be reached again
-_EARLY = 0.1  # [s] between its reports meanwhile: any message on LCM may be lost
+_EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
 _TURN = 0.05  # [s]
 _WAIT = 0.1  # [s]
 _SWITCH = 0.0002  # [s] that one thread may go on while another one is ready
@@ -111,7 +112,8 @@ class Relay(AbstractContextManager["Relay"]):
         )
         self._lock = threading.RLock()
         self._carries = False
-        self._hold_until = time.monotonic() + _HOLD
+        lines = (side.identifier for side in self._sides if not side.end.is_quick)
+        self._hold = Hold(lines, time.monotonic())
         self._next_report = 0.0
         self._error: BaseException | None = None
         self._troubles = ["", ""]
@@ -161,7 +163,7 @@ class Relay(AbstractContextManager["Relay"]):
         now = time.monotonic()
         with self._lock:
             changed = self._known.expire(time.monotonic_ns()) | self._tell_troubles(now)
-            early = now < self._hold_until and now + PERIOD - _EARLY >= self._next_report
+            early = self._waits(now) and now + PERIOD - _EARLY >= self._next_report
             if changed or early or now >= self._next_report:
                 self._report(now)
             self._decide(now)
@@ -290,8 +292,10 @@ class Relay(AbstractContextManager["Relay"]):
         own = self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)
-        carries = own in active and now >= self._hold_until
-        if now >= self._hold_until and carries != self._has_said:
+        self._hold.learn(self._known.links(), active, now)
+        waits = self._waits(now)
+        carries = own in active and not waits
+        if carries != self._has_said and not waits:
             self._has_said = carries
             self._say_state(active)
         if carries == self._carries:
@@ -303,9 +307,13 @@ class Relay(AbstractContextManager["Relay"]):
                 self._repeat_latched(index)
                 side.talk(PROBE_CHANNEL, encode_probe(Probe()))
         else:
-            for announced in self._announced:
+            for side, announced in zip(self._sides, self._announced, strict=True):
+                side.outbox.clear()  # it would come between what the next one sends
                 announced.forget()
         self._report(now)
+
+    def _waits(self, now: float) -> bool:
+        return not self._carries and self._hold.lasts(now)
 
     def _repeat_latched(self, index: int) -> None:
         """Send latched messages again to a bus on which they may have been lost."""
@@ -317,7 +325,7 @@ class Relay(AbstractContextManager["Relay"]):
         if self._has_said:
             ways = f"from {here} to" if self._rules.one_way else f"between {here} and"
             self._notify(f"carries messages {ways} {there}")
-        elif not any(self._troubles):
+        elif active and not any(self._troubles):
             names = sorted(one.name for one in self._known.links() if one.id in active)
             self._notify(f"stands by: {', '.join(names)} joins {here} and {there}")
 
@@ -328,7 +336,7 @@ class Relay(AbstractContextManager["Relay"]):
             trouble = side.end.trouble
             if bool(trouble) != bool(self._troubles[index]):
                 changed = True
-                self._hold_until = now + _HOLD
+                self._hold.begin(now)
                 self._notify(trouble or f"{side.bus} is back")
             self._troubles[index] = trouble
         return changed

@@ -74,6 +74,19 @@ while True:  # several times what the line takes
     bus.publish("/camera/image", bytes(100_000))
     time.sleep(0.005)
 """
+SILENT = """
+import socket, sys, threading
+from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
+server = socket.create_server(("0.0.0.0", 7700))
+print("serves", flush=True)
+def attend(client):
+    client.recv(len(CLIENT_GREETING), socket.MSG_WAITALL)
+    client.sendall(SERVER_GREETING)
+    while client.recv(65536):
+        pass
+while True:
+    threading.Thread(target=attend, args=server.accept()[:1], daemon=True).start()
+"""
 HOSTILE = """
 import os, socket, struct, sys
 sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -176,6 +189,19 @@ def test_a_line_that_was_cut_carries_again(line: Line) -> None:
     while len(line.receiver.lines) < before + 5:
         line.receiver.wait_for("got")
     assert _in_order(line.receiver)
+
+
+def test_a_relay_beside_another_one_waits_for_reports_over_the_line(
+    network: Callable[..., Any], lcmtools_path: str
+) -> None:
+    """As while the line comes back, when both have their connection and hear nobody yet."""
+    robot, office = network("robot", "office").hosts
+    office.python(SILENT).wait_for("serves")
+    words = (lcmtools_path, "relay", ROBOT, f"tcpq://{office.address}:7700")
+    robot.start(*words).wait_for("carries")
+    begin = time.monotonic()
+    robot.start(*words).wait_for("carries")
+    assert time.monotonic() - begin > 4.0  # before, the connection would be found dead
 
 
 def test_no_message_that_waited_for_the_line_arrives_late_but_what_is_latched(line: Line) -> None:

@@ -3,7 +3,7 @@
 import time
 
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.outbox import LineMessage, LineQueue
+from lcmtools.relay.outbox import LATE, LineMessage, LineQueue
 
 
 def _drain(outbox: LineQueue) -> list[tuple[str, bytes]]:
@@ -63,6 +63,17 @@ def test_what_is_dropped_at_the_end_is_counted() -> None:
     outbox.add([LineMessage("a", b""), LineMessage("b", b"")])
     outbox.clear()
     assert (outbox.dropped, outbox.take(0.0)) == (2, [])
+
+
+def test_what_was_taken_before_it_was_cleared_is_not_sent_any_more() -> None:
+    outbox = LineQueue()
+    due = time.monotonic() + LATE
+    outbox.add([LineMessage("cmd", b"go", due=due), LineMessage("map", b"state")])
+    taken = outbox.take(0.0)
+    outbox.clear()
+    outbox.add([LineMessage("cmd", b"new", due=time.monotonic() + 2 * LATE)])
+    kept = [one.payload for one in taken + outbox.take(0.0) if not outbox.is_late(one)]
+    assert (kept, outbox.dropped) == ([b"state", b"new"], 1)
 
 
 def test_each_message_has_one_echo() -> None:

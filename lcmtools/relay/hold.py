@@ -1,0 +1,51 @@
+"""When a relay may begin to carry messages, so that none comes twice, or after a later one. Pure.
+
+It waits for a moment, to hear of other relays first. Over a line their reports may come late: who
+hears relays on one bus and none over the line may well stand beside one of them, and waits until a
+line that is dead would have been found so. Who takes over waits until all that the other relay has
+sent must have come; what comes later still is dropped.
+"""
+
+from collections.abc import Iterable
+
+from lcmtools.relay.outbox import LATE
+from lcmtools.relay.topology import Link, State
+
+_HOLD = 0.7  # [s]
+_DEAF = 5.0  # [s]; Zenoh finds a line dead in 4 (``zenoh_config``), and a server's in about 1
+_HANDOVER = LATE + 0.2  # [s]
+
+
+class Hold:
+    """The time before a relay may begin to carry; times are ``time.monotonic()`` [s].
+
+    Args:
+        lines: The ids of the relay's ends over which messages may come late.
+        now: The present time.
+    """
+
+    def __init__(self, lines: Iterable[str], now: float) -> None:
+        self._lines = frozenset(lines)
+        self._active: frozenset[str] = frozenset()
+        self._is_deaf = False
+        self.begin(now)
+
+    def begin(self, now: float) -> None:
+        """Wait from now on: a bus was lost, or is back."""
+        self._until, self._deaf_until = now + _HOLD, now + _DEAF
+
+    def learn(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
+        """Take all relays, the own one first, and those that are to carry from now on."""
+        own, *others = links
+        deaf = {end.id for end in own.ends if not end.heard}
+        self._is_deaf = len(deaf) == 1 and deaf <= self._lines
+        if not self._is_deaf:
+            self._deaf_until = now + _DEAF
+        relieved = self._active - active
+        if any(one.id in relieved and one.state is State.ACTIVE for one in others):
+            self._until = max(self._until, now + _HANDOVER)
+        self._active = active
+
+    def lasts(self, now: float) -> bool:
+        """Return whether the relay must wait."""
+        return now < (max(self._until, self._deaf_until) if self._is_deaf else self._until)
