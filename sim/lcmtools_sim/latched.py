@@ -16,12 +16,8 @@ MessageT = TypeVar("MessageT", bound=Message)
 class LatchedPublisher(Generic[MessageT]):
     """Publishes a message to each new subscriber, and now and then again.
 
-    Args:
-        node: The publisher's.
-        message_type: Of the message.
-        topic: Its topic.
-        make: Makes the message, when it is needed.
-        is_repeated: Called once a second: return if the message is to be published again.
+    ``make`` makes the message, when it is needed. ``is_repeated`` is called once a second: return
+    if it is to be published again.
     """
 
     def __init__(

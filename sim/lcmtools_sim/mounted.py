@@ -110,8 +110,7 @@ class MountedSensor:
 class MountedTogether:
     """Sensors that are mounted alike on robots whose state has arrays, measured at once.
 
-    Args:
-        sensors: Each with its robot's place in the state.
+    Each comes with its robot's place in the state.
     """
 
     def __init__(self, sensors: Sequence[tuple[MountedSensor, int]]) -> None:

@@ -22,35 +22,23 @@ WOOD: Color = (0.7, 0.6, 0.45)
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """The plane z = 0.
+    """The plane z = 0."""
 
-    Attributes:
-        friction: Coulomb coefficient; its products with a box's and with a tyre's are effective.
-        color: Red, green, blue, 0 to 1.
-    """
-
+    # Coulomb coefficient; its products with a box's and with a tyre's are effective.
     friction: float = 1.0
-    color: Color = (0.55, 0.57, 0.55)
+    color: Color = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
 
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """An object that stands in the world or can be pushed: one rigid body.
+    """An object that stands in the world or can be pushed: one rigid body."""
 
-    Attributes:
-        name: For messages.
-        parts: Its shapes, in its own frame; the origin is its centre of mass.
-        pose: Of that frame in the world.
-        mass: [kg]; 0 for an immovable object.
-        friction: Coulomb coefficient.
-        where: Its file and line ("yard.yaml:12"), for messages.
-    """
-
-    name: str
-    parts: tuple[Part, ...]
-    pose: Pose = ORIGIN
-    mass: float = 0.0
-    friction: float = FRICTION
+    name: str  # for messages
+    parts: tuple[Part, ...]  # its shapes, in its own frame; the origin is its centre of mass
+    pose: Pose = ORIGIN  # of that frame in the world
+    mass: float = 0.0  # [kg]; 0 for an immovable object
+    friction: float = FRICTION  # Coulomb coefficient
+    # Its file and line ("yard.yaml:12"), for messages.
     where: str = field(default="", compare=False)
 
 
@@ -63,20 +51,13 @@ def box(
 
 @dataclass(frozen=True, slots=True)
 class RobotPlacement:
-    """A robot of a model, and its start.
+    """A robot of a model, and its start."""
 
-    Attributes:
-        model: With all changes by the world file.
-        namespace: Global, "/husky0".
-        pose: Of the point on the ground between its wheels.
-        cmd_timeout: Simulated seconds after which a command ends; None for never.
-        where: Its file and line ("yard.yaml:12"), for messages.
-    """
-
-    model: RobotModel
-    namespace: str
-    pose: Pose = ORIGIN
-    cmd_timeout: float | None = None
+    model: RobotModel  # with all changes by the world file
+    namespace: str  # global, "/husky0"
+    pose: Pose = ORIGIN  # of the point on the ground between its wheels
+    cmd_timeout: float | None = None  # simulated seconds after which a command ends; None for never
+    # Its file and line ("yard.yaml:12"), for messages.
     where: str = field(default="", compare=False)
 
 
@@ -90,30 +71,18 @@ class MarkedPath:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """The content of a world file.
+    """The content of a world file."""
 
-    Attributes:
-        name: The file's name without its ending.
-        node: The simulator's name on the bus.
-        seed: Of all random numbers.
-        dt: Simulated seconds of one step.
-        gravity: [m/s^2] downwards.
-        ground: The plane z = 0.
-        objects: Boxes, pieces of walls, tables and so on.
-        robots: In the order of the file.
-        paths: In the order of the file.
-        notes: Content of its files that the simulator ignores, one line each.
-    """
-
-    name: str
-    node: str = "sim"
-    seed: int = 0
-    dt: float = 1 / 240
-    gravity: float = 9.81
-    ground: Ground = Ground()
-    objects: tuple[SceneObject, ...] = ()
-    robots: tuple[RobotPlacement, ...] = ()
-    paths: tuple[MarkedPath, ...] = ()
+    name: str  # the file's name without its ending
+    node: str = "sim"  # the simulator's name on the bus
+    seed: int = 0  # of all random numbers
+    dt: float = 1 / 240  # simulated seconds of one step
+    gravity: float = 9.81  # [m/s^2] downwards
+    ground: Ground = Ground()  # the plane z = 0
+    objects: tuple[SceneObject, ...] = ()  # boxes, pieces of walls, tables and so on
+    robots: tuple[RobotPlacement, ...] = ()  # in the order of the file
+    paths: tuple[MarkedPath, ...] = ()  # in the order of the file
+    # Content of its files that the simulator ignores, one line each.
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     @property

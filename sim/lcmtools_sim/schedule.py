@@ -76,13 +76,8 @@ class Pacer:
     run without sleeping. Debt above MAX_DEBT is dropped: the simulation falls behind instead of
     racing.
 
-    Args:
-        period: Wall seconds of a step; 0 never waits.
-        now: A monotonic clock [s].
-        sleep: Waits the given seconds.
-
     Attributes:
-        period: As given; may be changed.
+        period: Wall seconds of a step, which may be changed; 0 never waits.
     """
 
     def __init__(

@@ -94,16 +94,11 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Inertial:
-    """The mass properties of one body.
+    """The mass properties of one body."""
 
-    Attributes:
-        mass: [kg]
-        frame: Of the centre of mass, and of the axes that the tensor is given about.
-        tensor: Inertia xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
-    """
-
-    mass: float
-    frame: Frame
+    mass: float  # [kg]
+    frame: Frame  # of the centre of mass, and of the axes that the tensor is given about
+    # Inertia xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
     tensor: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
 

@@ -26,29 +26,17 @@ Random = Callable[[int], Iterable[float]]
 
 @dataclass(slots=True)
 class Constants:
-    """The values that do not change of a robot, or of many.
+    """The values that do not change of a robot, or of many."""
 
-    Attributes:
-        gain: Of the motors in a step: see drive.followed.
-        largest_change: Of the motors' speed in a step [m/s].
-        largest_impulse: Of the tyres of one side in a step, on level ground [N s].
-        timeout: Seconds after which a command ends; inf for never.
-        height: Of the centre of mass above the ground [m].
-        base: Height of base_link above the centre of mass [m].
-        mass: [kg]
-        inertia: About the vertical [kg m^2].
-        track, wheel_radius, full_speed: As the model's drive has them.
-    """
-
-    gain: Value
-    largest_change: Value
-    largest_impulse: Value
-    timeout: Value
-    height: Value
-    base: Value
-    mass: Value
-    inertia: Value
-    track: Value
+    gain: Value  # of the motors in a step: see drive.followed
+    largest_change: Value  # of the motors' speed in a step [m/s]
+    largest_impulse: Value  # of the tyres of one side in a step, on level ground [N s]
+    timeout: Value  # seconds after which a command ends; inf for never
+    height: Value  # of the centre of mass above the ground [m]
+    base: Value  # height of base_link above the centre of mass [m]
+    mass: Value  # [kg]
+    inertia: Value  # about the vertical [kg m^2]
+    track: Value  # these as the model's drive has them
     wheel_radius: Value
     full_speed: Value
 
@@ -73,36 +61,25 @@ def constants(model: RobotModel, dt: float, timeout: float, friction: float) -> 
 
 @dataclass(slots=True)
 class Variables:
-    """The state of a robot, or of many.
+    """The state of a robot, or of many."""
 
-    Attributes:
-        left_target, right_target: The commanded speeds of the wheels [m/s].
-        command_age: [s]
-        left, right: The speeds of the wheels [m/s].
-        left_angle, right_angle: Of the wheels since the start [rad].
-        odometry_x, odometry_y, odometry_yaw: The pose by the encoders since the start [m, rad].
-        x, y, yaw: In the world [m, rad].
-        vx, vy, turn_rate: In the world [m/s, rad/s].
-        before_vx, before_vy, before_turn_rate: The same one step ago.
-    """
-
-    left_target: Value = 0.0
+    left_target: Value = 0.0  # the commanded speeds of the wheels [m/s]
     right_target: Value = 0.0
-    command_age: Value = 0.0
-    left: Value = 0.0
+    command_age: Value = 0.0  # [s]
+    left: Value = 0.0  # the speeds of the wheels [m/s]
     right: Value = 0.0
-    left_angle: Value = 0.0
+    left_angle: Value = 0.0  # of the wheels since the start [rad]
     right_angle: Value = 0.0
-    odometry_x: Value = 0.0
+    odometry_x: Value = 0.0  # the pose by the encoders since the start [m, rad]
     odometry_y: Value = 0.0
     odometry_yaw: Value = 0.0
-    x: Value = 0.0
+    x: Value = 0.0  # in the world [m, rad]
     y: Value = 0.0
     yaw: Value = 0.0
-    vx: Value = 0.0
+    vx: Value = 0.0  # in the world [m/s, rad/s]
     vy: Value = 0.0
     turn_rate: Value = 0.0
-    before_vx: Value = 0.0
+    before_vx: Value = 0.0  # the same one step ago
     before_vy: Value = 0.0
     before_turn_rate: Value = 0.0
 

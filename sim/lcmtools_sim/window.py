@@ -14,12 +14,9 @@ _TIMEOUTS = StopTimeouts(interrupt=2.0, terminate=1.0)
 
 @contextmanager
 def opened_window(arguments: Sequence[str]) -> Iterator[None]:
-    """Open the window; it ends with the context.
+    """Open the window; it ends with the context. The simulator's command line names the bus.
 
     It prints its address by itself, and the reason if it cannot be opened: the simulator goes on.
-
-    Args:
-        arguments: The simulator's command line, for the bus.
     """
     node, _ = split_arguments(arguments)
     bus = NodeArguments(lcm_url=node.lcm_url, domain=node.domain).words()

@@ -14,60 +14,35 @@ from lcmtools_sim.shapes import Part
 
 
 class Motion(NamedTuple):
-    """The pose and velocity of a body in the world frame. A tuple, for it is made every step.
+    """The pose and velocity of a body in the world frame. A tuple, for it is made every step."""
 
-    Attributes:
-        position: Of the centre of mass [m].
-        rotation: Of the body.
-        velocity: Of the centre of mass [m/s].
-        angular_velocity: [rad/s]
-    """
-
-    position: Vector
-    rotation: Quaternion
-    velocity: Vector = ZERO
-    angular_velocity: Vector = ZERO
+    position: Vector  # of the centre of mass [m]
+    rotation: Quaternion  # of the body
+    velocity: Vector = ZERO  # of the centre of mass [m/s]
+    angular_velocity: Vector = ZERO  # [rad/s]
 
 
 class ContactPoint(NamedTuple):
-    """A point where a body touches another one, in the world frame.
+    """A point where a body touches another one, in the world frame."""
 
-    Attributes:
-        other: The other body's number.
-        position: [m]
-        normal: Towards the body.
-        force: Along the normal [N].
-        depth: Penetration [m]; negative for a gap.
-    """
-
-    other: int
-    position: Vector
-    normal: Vector
-    force: float
-    depth: float
+    other: int  # the other body's number
+    position: Vector  # [m]
+    normal: Vector  # towards the body
+    force: float  # along the normal [N]
+    depth: float  # penetration [m]; negative for a gap
 
 
 @dataclass(frozen=True, slots=True)
 class RigidBody:
-    """A body to add. The origin of its frame is its centre of mass.
+    """A body to add. The origin of its frame is its centre of mass."""
 
-    Attributes:
-        parts: Its shapes.
-        position: In the world [m].
-        rotation: In the world.
-        mass: [kg]; 0 for an immovable body.
-        inertia: About the axes of its frame [kg m^2].
-        friction: Coulomb coefficient; the product of two bodies' is effective.
-        is_robot: False for an object.
-    """
-
-    parts: Sequence[Part]
-    position: Vector
-    rotation: Quaternion
-    mass: float = 0.0
-    inertia: Vector = ZERO
-    friction: float = 0.0
-    is_robot: bool = False
+    parts: Sequence[Part]  # its shapes
+    position: Vector  # in the world [m]
+    rotation: Quaternion  # in the world
+    mass: float = 0.0  # [kg]; 0 for an immovable body
+    inertia: Vector = ZERO  # about the axes of its frame [kg m^2]
+    friction: float = 0.0  # Coulomb coefficient; the product of two bodies' is effective
+    is_robot: bool = False  # False for an object
 
 
 class Engine(Protocol):

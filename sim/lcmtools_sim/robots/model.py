@@ -61,58 +61,36 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid body that slides on feet without friction; tyres pull it.
+    """A rigid body that slides on feet without friction; tyres pull it."""
 
-    Attributes:
-        mass: [kg], wheels included.
-        inertia: About x, y, z through the centre of mass [kg m^2].
-        centre_of_mass: Height above the ground [m], in the middle between the wheels.
-        base_height: Of base_link above the ground [m].
-        parts: The shapes that collide and that sensors see.
-        feet: (x, y) of the points that it stands on [m].
-        foot_radius: [m]
-        look: Shown by viewers instead of the parts, unless it has none.
-    """
-
-    mass: float
-    inertia: Vector
-    centre_of_mass: float
-    base_height: float
-    parts: tuple[Part, ...]
-    feet: tuple[tuple[float, float], ...]
-    foot_radius: float
-    look: Look = Look()
+    mass: float  # [kg], wheels included
+    inertia: Vector  # about x, y, z through the centre of mass [kg m^2]
+    centre_of_mass: float  # height above the ground [m], in the middle between the wheels
+    base_height: float  # of base_link above the ground [m]
+    parts: tuple[Part, ...]  # the shapes that collide and that sensors see
+    feet: tuple[tuple[float, float], ...]  # (x, y) of the points that it stands on [m]
+    foot_radius: float  # [m]
+    look: Look = Look()  # shown by viewers instead of the parts, unless it has none
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Two driven sides, their motors and their tyres.
+    """Two driven sides, their motors and their tyres."""
 
-    Attributes:
-        wheel_radius: [m]
-        track: Distance at which two ideal wheels would turn the robot as its own do [m].
-        full_speed: Ground speed of a side at effort 1 [m/s].
-        max_speed: Highest forward speed of a command [m/s].
-        max_turn_rate: Highest turn rate of a command [rad/s].
-        max_acceleration: Of a side [m/s^2].
-        time_constant: Of the motors [s].
-        tyre_friction: Coulomb coefficient on ground of friction 1.
-        believed_track: The track that its controller assumes for turn rates [m]; 0 for the track.
-        wheels: (x, y) of the contacts of wheels that skid when it turns [m].
-        skids: Turn by skidding on these wheels, as a real one does, instead of as two ideal wheels
-            at the track would.
-    """
-
-    wheel_radius: float
-    track: float
-    full_speed: float
-    max_speed: float
-    max_turn_rate: float
-    max_acceleration: float
-    time_constant: float
-    tyre_friction: float
+    wheel_radius: float  # [m]
+    track: float  # distance at which two ideal wheels would turn the robot as its own do [m]
+    full_speed: float  # ground speed of a side at effort 1 [m/s]
+    max_speed: float  # highest forward speed of a command [m/s]
+    max_turn_rate: float  # highest turn rate of a command [rad/s]
+    max_acceleration: float  # of a side [m/s^2]
+    time_constant: float  # of the motors [s]
+    tyre_friction: float  # Coulomb coefficient on ground of friction 1
+    # The track that its controller assumes for turn rates [m]; 0 for the track.
     believed_track: float = 0.0
+    # (x, y) of the contacts of wheels that skid when it turns [m].
     wheels: tuple[tuple[float, float], ...] = ()
+    # Turn by skidding on these wheels, as a real one does, instead of as two ideal wheels at the
+    # track would.
     skids: bool = False
 
 
@@ -135,24 +113,15 @@ COMMANDS = (
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
-    """A kind of robot.
+    """A kind of robot."""
 
-    Attributes:
-        name: In world files.
-        body: Its rigid body.
-        drive: Its motors and tyres.
-        left_wheels: Names that commands may use for the left side, the usual one first.
-        right_wheels: Names for the right side, in the same order.
-        sensors: In their order.
-        commands: ``wtf`` names the first one if nobody publishes any.
-        gazebo_drive: The drive as it was in Gazebo, if that is known to be wrong.
-    """
-
-    name: str
-    body: Body
-    drive: Drive
+    name: str  # in world files
+    body: Body  # its rigid body
+    drive: Drive  # its motors and tyres
+    # Names that commands may use for the left side, the usual one first.
     left_wheels: tuple[str, ...]
-    right_wheels: tuple[str, ...]
-    sensors: tuple[SensorMount, ...]
+    right_wheels: tuple[str, ...]  # names for the right side, in the same order
+    sensors: tuple[SensorMount, ...]  # in their order
+    # ``wtf`` names the first one if nobody publishes any.
     commands: tuple[CommandTopic, ...] = COMMANDS
-    gazebo_drive: Drive | None = None
+    gazebo_drive: Drive | None = None  # the drive as it was in Gazebo, if that is known to be wrong

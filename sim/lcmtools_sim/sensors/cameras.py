@@ -49,16 +49,11 @@ _Made = dict[str, Image | CompressedImage | CameraInfo | PointCloud2]
 
 @dataclass(frozen=True, slots=True)
 class CameraSettings(Settings):
-    """The properties of a camera.
+    """The properties of a camera."""
 
-    Attributes:
-        width: [pixels]
-        height: [pixels]
-        field_of_view: From the left to the right edge of the picture [rad].
-    """
-
-    width: int = number(640, 1, 4096)
-    height: int = number(480, 1, 4096)
+    width: int = number(640, 1, 4096)  # [pixels]
+    height: int = number(480, 1, 4096)  # [pixels]
+    # From the left to the right edge of the picture [rad].
     field_of_view: float = number(math.radians(60), 0.01, 3.1, angle=True)
 
     @property
@@ -134,22 +129,16 @@ class CameraSensor:
 
 @dataclass(frozen=True, slots=True)
 class DepthCameraSettings(CameraSettings):
-    """The properties of a depth camera; the defaults are a Kinect without noise.
-
-    Attributes:
-        near: Least depth that is measured [m].
-        far: Greatest depth that is measured [m].
-        noise: Standard deviation of the depth at 1 m [m]; it grows with its square.
-        step: Distance of two neighbouring readings at 1 m [m]; it grows with its square.
-        dropout: Share of the pixels without a reading.
-    """
+    """The properties of a depth camera; the defaults are a Kinect without noise."""
 
     field_of_view: float = number(math.radians(57), 0.01, 3.1, angle=True)
-    near: float = number(0.5, 0.001, 100.0)
-    far: float = number(8.0, 0.01, 1000.0)
+    near: float = number(0.5, 0.001, 100.0)  # least depth that is measured [m]
+    far: float = number(8.0, 0.01, 1000.0)  # greatest depth that is measured [m]
+    # Standard deviation of the depth at 1 m [m]; it grows with its square.
     noise: float = deviation()
+    # Distance of two neighbouring readings at 1 m [m]; it grows with its square.
     step: float = deviation()
-    dropout: float = number(0.0, 0.0, 1.0)
+    dropout: float = number(0.0, 0.0, 1.0)  # share of the pixels without a reading
 
 
 class DepthCameraSensor:

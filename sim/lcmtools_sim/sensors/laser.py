@@ -30,23 +30,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LaserSettings(Settings):
-    """The properties of a scanner.
+    """The properties of a scanner."""
 
-    Attributes:
-        rays: Their number, from the first angle to the last.
-        first_angle: [rad] counter-clockwise, 0 along the sensor's x axis.
-        last_angle: [rad]
-        shortest: Least range [m].
-        longest: Greatest range [m].
-        noise: Standard deviation of a range [m].
-    """
-
-    rays: int = number(360, 2, 20_000)
+    rays: int = number(360, 2, 20_000)  # their number, from the first angle to the last
+    # [rad] counter-clockwise, 0 along the sensor's x axis.
     first_angle: float = number(-np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
-    last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
-    shortest: float = number(0.05, 0.0, 1e3)
-    longest: float = number(10.0, 0.01, 1e3)
-    noise: float = deviation()
+    last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)  # [rad]
+    shortest: float = number(0.05, 0.0, 1e3)  # least range [m]
+    longest: float = number(10.0, 0.01, 1e3)  # greatest range [m]
+    noise: float = deviation()  # standard deviation of a range [m]
 
 
 class LaserSensor(SharedSensor):

@@ -122,19 +122,14 @@ class WheelStatesSensor(MotionSensor):
 
 @dataclass(frozen=True, slots=True)
 class OdometrySettings(Settings):
-    """The errors of odometry.
+    """The errors of odometry."""
 
-    Attributes:
-        travel_noise: Standard deviation of each side's measured distance after 1 m [m]; it grows
-            with the root of the distance (K. Chong, L. Kleeman, Accurate Odometry and Error
-            Modelling for a Mobile Robot, ICRA 1997). The pose drifts by it, and odom in /tf.
-        speed_noise: Standard deviation of the twist's forward speed [m/s].
-        turning_noise: Standard deviation of the twist's turn rate [rad/s].
-    """
-
+    # Standard deviation of each side's measured distance after 1 m [m]; it grows with the root of
+    # the distance (K. Chong, L. Kleeman, Accurate Odometry and Error Modelling for a Mobile Robot,
+    # ICRA 1997). The pose drifts by it, and odom in /tf.
     travel_noise: float = deviation()
-    speed_noise: float = deviation()
-    turning_noise: float = deviation()
+    speed_noise: float = deviation()  # standard deviation of the twist's forward speed [m/s]
+    turning_noise: float = deviation()  # standard deviation of the twist's turn rate [rad/s]
 
 
 class OdometrySensor(MotionSensor):
@@ -203,15 +198,10 @@ def _transform(parent: str, child: str, frame: Frame) -> TransformStamped:
 
 @dataclass(frozen=True, slots=True)
 class ImuSettings(Settings):
-    """Standard deviations of white noise on each axis.
+    """Standard deviations of white noise on each axis."""
 
-    Attributes:
-        turning_noise: Of the angular velocity [rad/s].
-        acceleration_noise: [m/s^2]
-    """
-
-    turning_noise: float = deviation()
-    acceleration_noise: float = deviation()
+    turning_noise: float = deviation()  # of the angular velocity [rad/s]
+    acceleration_noise: float = deviation()  # [m/s^2]
 
 
 class ImuSensor(MotionSensor):
@@ -277,15 +267,10 @@ def _covariance(noise: float) -> tuple[float, ...]:
 
 @dataclass(frozen=True, slots=True)
 class GroundTruthSettings(Settings):
-    """Standard deviations of white noise, as of a motion capture system.
+    """Standard deviations of white noise, as of a motion capture system."""
 
-    Attributes:
-        position_noise: Of x, y and z [m].
-        heading_noise: Of the yaw angle [rad].
-    """
-
-    position_noise: float = deviation()
-    heading_noise: float = deviation()
+    position_noise: float = deviation()  # of x, y and z [m]
+    heading_noise: float = deviation()  # of the yaw angle [rad]
 
 
 class GroundTruthSensor(MotionSensor):

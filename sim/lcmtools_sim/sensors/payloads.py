@@ -16,8 +16,7 @@ Row = Sequence[float]
 class Payloads:
     """Payloads of which only the numbers in the templates' holes change.
 
-    Args:
-        templates: Of one kind of message; each with its robot's place in the rows.
+    The templates are of one kind of message, each with its robot's place in the rows.
     """
 
     def __init__(self, templates: Sequence[tuple[PayloadTemplate, int]]) -> None:
@@ -38,12 +37,7 @@ class Payloads:
 
 
 class _Table:
-    """Payloads with holes at the same places, one a row.
-
-    Args:
-        numbers: Theirs among all.
-        templates: All.
-    """
+    """Payloads with holes at the same places, one a row, of templates by their numbers."""
 
     def __init__(
         self, numbers: Sequence[int], templates: Sequence[tuple[PayloadTemplate, int]]

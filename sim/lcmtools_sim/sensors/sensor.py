@@ -48,26 +48,17 @@ def deviation() -> float:
 
 @dataclass(frozen=True, slots=True)
 class SensorMount:
-    """A sensor on a robot.
+    """A sensor on a robot."""
 
-    Attributes:
-        kind: A key of sensors.SENSORS.
-        topic: Its topic, or the prefix of its several topics; relative to the robot's namespace,
-            or absolute.
-        rate: [Hz], at most one measurement a step.
-        pose: Of the sensor in base_link; unused by sensors of the whole robot.
-        frame: The name of its frame without the namespace; "" for the kind's usual one.
-        settings: None for the kind's defaults.
-        always: Measure also without any subscriber.
-    """
-
-    kind: str
+    kind: str  # a key of sensors.SENSORS
+    # Its topic, or the prefix of its several topics; relative to the robot's namespace, or
+    # absolute.
     topic: str
-    rate: float
-    pose: Pose = ORIGIN
-    frame: str = ""
-    settings: Settings | None = None
-    always: bool = False
+    rate: float  # [Hz], at most one measurement a step
+    pose: Pose = ORIGIN  # of the sensor in base_link; unused by sensors of the whole robot
+    frame: str = ""  # the name of its frame without the namespace; "" for the kind's usual one
+    settings: Settings | None = None  # None for the kind's defaults
+    always: bool = False  # measure also without any subscriber
 
 
 class Sides(NamedTuple):
@@ -78,36 +69,21 @@ class Sides(NamedTuple):
 
 
 class RobotState(NamedTuple):
-    """The state of a robot after a step. A tuple, for many are made.
+    """The state of a robot after a step. A tuple, for many are made."""
 
-    Attributes:
-        time: Simulated nanoseconds since the start.
-        stamp: The same in seconds and nanoseconds.
-        position: Of base_link in the world [m].
-        rotation: Of base_link in the world.
-        velocity: Of base_link, in its own frame [m/s].
-        angular_velocity: In its own frame [rad/s].
-        acceleration: Of base_link, in its own frame, without gravity [m/s^2].
-        angular_acceleration: In its own frame [rad/s^2].
-        wheel_angles: Since the start [rad].
-        wheel_speeds: [rad/s]
-        efforts: The motors' commands, as fractions of full power.
-        odometry_pose: x, y [m] and yaw [rad] by the wheels' encoders, relative to the start.
-        odometry_speed: Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
-    """
-
-    time: int
-    stamp: tuple[int, int]
-    position: Vector
-    rotation: Quaternion
-    velocity: Vector
-    angular_velocity: Vector
-    acceleration: Vector
-    angular_acceleration: Vector
-    wheel_angles: Sides
-    wheel_speeds: Sides
-    efforts: Sides
-    odometry_pose: Vector
+    time: int  # simulated nanoseconds since the start
+    stamp: tuple[int, int]  # the same in seconds and nanoseconds
+    position: Vector  # of base_link in the world [m]
+    rotation: Quaternion  # of base_link in the world
+    velocity: Vector  # of base_link, in its own frame [m/s]
+    angular_velocity: Vector  # in its own frame [rad/s]
+    acceleration: Vector  # of base_link, in its own frame, without gravity [m/s^2]
+    angular_acceleration: Vector  # in its own frame [rad/s^2]
+    wheel_angles: Sides  # since the start [rad]
+    wheel_speeds: Sides  # [rad/s]
+    efforts: Sides  # the motors' commands, as fractions of full power
+    odometry_pose: Vector  # x, y [m] and yaw [rad] by the wheels' encoders, relative to the start
+    # Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
     odometry_speed: tuple[float, float]
 
     def sensor_frame(self, pose: Pose) -> Frame:
@@ -117,21 +93,13 @@ class RobotState(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A point where a robot touches something.
+    """A point where a robot touches something."""
 
-    Attributes:
-        name: Of the other body.
-        position: In the world [m].
-        normal: Towards the robot, in the world.
-        force: Along the normal [N].
-        depth: Penetration [m]; negative for a gap.
-    """
-
-    name: str
-    position: Vector
-    normal: Vector
-    force: float
-    depth: float
+    name: str  # of the other body
+    position: Vector  # in the world [m]
+    normal: Vector  # towards the robot, in the world
+    force: float  # along the normal [N]
+    depth: float  # penetration [m]; negative for a gap
 
 
 class WorldView(Protocol):
@@ -192,26 +160,16 @@ class Noise:
 
 @dataclass(frozen=True, slots=True)
 class SensorContext:
-    """The robot that carries a sensor, as far as sensors need to know it.
+    """The robot that carries a sensor, as far as sensors need to know it."""
 
-    Attributes:
-        namespace: The robot's, which prefixes frames and topics.
-        body: The robot's body in the world.
-        world: The view of the world.
-        ground_color: The colour of the plane z = 0.
-        lines: Painted on it.
-        gravity: [m/s^2]
-        seed: The world's.
-        frames: The frames in base_link of the sensors mounted so far, by their prefixed names.
-    """
-
-    namespace: str
-    body: int
-    world: WorldView
-    ground_color: Color
-    lines: tuple[Line, ...]
-    gravity: float
-    seed: int
+    namespace: str  # the robot's, which prefixes frames and topics
+    body: int  # the robot's body in the world
+    world: WorldView  # the view of the world
+    ground_color: Color  # the colour of the plane z = 0
+    lines: tuple[Line, ...]  # painted on it
+    gravity: float  # [m/s^2]
+    seed: int  # the world's
+    # The frames in base_link of the sensors mounted so far, by their prefixed names.
     frames: dict[str, Frame] = field(default_factory=dict)
 
     def frame(self, name: str) -> str:
@@ -219,14 +177,10 @@ class SensorContext:
         return f"{self.namespace}/{name}".lstrip("/")
 
     def add_frame(self, mount: SensorMount, usual: str, rotation: Quaternion) -> str:
-        """Register a sensor's frame; return its id.
+        """Register a sensor's frame, by its rotation in base_link; return its id.
 
         A frame is at one place only: if another sensor has the usual name, the topic prefixes it.
-
-        Args:
-            mount: Of the sensor.
-            usual: The frame's name, if the mount has none.
-            rotation: Of the frame in base_link.
+        The usual name is for a mount that has none.
         """
         frame = Frame(mount.pose.position, rotation)
         name = self.frame(mount.frame or usual)
@@ -275,20 +229,13 @@ class SharedSensor(ABC):
 
 @dataclass(frozen=True, slots=True)
 class SensorKind:
-    """A kind of sensor, as robot models and world files may mount it.
+    """A kind of sensor, as robot models and world files may mount it."""
 
-    Attributes:
-        make: Makes one for a mount on a robot.
-        settings: The class of its settings; None for a kind without any.
-        rate: The default rate in world files [Hz].
-        topic: The default topic in world files.
-        bulky: Outputs that are too large to send without a known subscriber.
-    """
-
-    make: Callable[[SensorMount, SensorContext], Sensor]
-    settings: type[Settings] | None = None
-    rate: float = 50.0
-    topic: str = ""
+    make: Callable[[SensorMount, SensorContext], Sensor]  # makes one for a mount on a robot
+    settings: type[Settings] | None = None  # the class of its settings; None for a kind without any
+    rate: float = 50.0  # the default rate in world files [Hz]
+    topic: str = ""  # the default topic in world files
+    # Outputs that are too large to send without a known subscriber.
     bulky: frozenset[str] = frozenset()
 
 

@@ -24,18 +24,13 @@ _SLACK = 1e-3  # [pixels] for what rounding may have shifted
 class Camera:
     """A camera's intrinsics; pixels are square.
 
-    Attributes:
-        width: [pixels]
-        height: [pixels]
-        field_of_view: From the left to the right edge of the picture [rad], between 0 and pi.
-
     Raises:
         ValueError: The values cannot make a picture.
     """
 
-    width: int
-    height: int
-    field_of_view: float
+    width: int  # [pixels]
+    height: int  # [pixels]
+    field_of_view: float  # from the left to the right edge of the picture [rad], between 0 and pi
 
     def __post_init__(self) -> None:
         """Refuse nonsense, such as degrees."""
@@ -85,15 +80,10 @@ def optical(rotation: Quaternion) -> Quaternion:
 
 
 class PixelBounds(NamedTuple):
-    """The pixels that a solid can cover: rows top..bottom-1, columns left..right-1.
+    """The pixels that a solid can cover: rows top..bottom-1, columns left..right-1."""
 
-    Attributes:
-        number: Of the solid in its group.
-        nearest: Least depth of its bounding box [m]; 0 or less behind the camera.
-    """
-
-    number: int
-    nearest: float
+    number: int  # of the solid in its group
+    nearest: float  # least depth of its bounding box [m]; 0 or less behind the camera
     left: int
     right: int
     top: int

@@ -42,13 +42,10 @@ def in_millimetres(depth: Floats32, near: float, far: float) -> npt.NDArray[np.u
 
 
 def depth_message(depth: Floats32, encoding: str, near: float, far: float) -> Image:
-    """A depth picture [m] as sensor_msgs/Image.
+    """A depth picture (height, width) [m] as sensor_msgs/Image.
 
-    Args:
-        depth: (height, width) [m]; inf and NaN are no reading.
-        encoding: METRES or MILLIMETRES.
-        near: Least depth that the sensor measures [m].
-        far: Greatest [m].
+    Inf and NaN are no reading. The encoding is METRES or MILLIMETRES; the sensor measures depths
+    from near to far [m].
 
     Raises:
         ValueError: The encoding is another one.
@@ -86,14 +83,10 @@ def png_file(picture: Pixels | npt.NDArray[np.uint16]) -> bytes:
 def cloud_message(
     depth: Floats32, camera: Camera, near: float, far: float, color: Pixels | None = None
 ) -> PointCloud2:
-    """A depth picture [m] as an organised sensor_msgs/PointCloud2.
+    """A depth picture (height, width) [m] of a camera as an organised sensor_msgs/PointCloud2.
 
-    Args:
-        depth: (height, width) [m]; inf and NaN are no reading.
-        camera: The picture's.
-        near: Least depth that the sensor measures [m].
-        far: Greatest [m].
-        color: (height, width, 3) of the same pixels; without it the points have none.
+    Inf and NaN are no reading; the sensor measures depths from near to far [m]. ``color`` has
+    (height, width, 3) of the same pixels; without it the points have none.
     """
     names = ("x", "y", "z") if color is None else ("x", "y", "z", "rgb")
     data = np.empty((*depth.shape, len(names)), "<f4")

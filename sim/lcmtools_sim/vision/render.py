@@ -24,26 +24,17 @@ _STRIP = 1 << 16  # [pixels]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rendering:
-    """The view of a camera from one place.
+    """The view of a camera from one place."""
 
-    Attributes:
-        camera: Its intrinsics.
-        solids: All solids, in the camera's optical frame.
-        bounds: Of the solids in view.
-        turn: Rotation matrix of the optical frame in the world.
-        depth: (height, width) float32 along the optical axis [m]; inf for the sky.
-        solid: (height, width) int16, the number of the visible solid, GROUND or SKY; empty if only
-            the depth was wanted.
-        eye: The position of the camera in the world [m].
-    """
-
-    camera: Camera
-    solids: Solids
-    bounds: Sequence[PixelBounds]
-    turn: Floats
-    depth: Floats32
+    camera: Camera  # its intrinsics
+    solids: Solids  # all solids, in the camera's optical frame
+    bounds: Sequence[PixelBounds]  # of the solids in view
+    turn: Floats  # rotation matrix of the optical frame in the world
+    depth: Floats32  # (height, width) float32 along the optical axis [m]; inf for the sky
+    # (height, width) int16, the number of the visible solid, GROUND or SKY; empty if only the depth
+    # was wanted.
     solid: npt.NDArray[np.int16]
-    eye: Vector
+    eye: Vector  # the position of the camera in the world [m]
 
 
 # Rays that miss a round side make NaN, and so does a body that the engine has lost.

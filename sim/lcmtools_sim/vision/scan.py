@@ -41,11 +41,9 @@ _TOGETHER = 32
 
 
 class Scanner:
-    """Rays from one point, all in one plane.
+    """Rays from one point, all in one plane, up to the longest range [m].
 
-    Args:
-        angles: (n,) of the rays in the scanner's x-y plane [rad], rising or falling.
-        longest: Greatest range [m].
+    Their angles (n,) in the scanner's x-y plane [rad] are rising or falling.
     """
 
     def __init__(self, angles: Floats, longest: float) -> None:
@@ -61,14 +59,9 @@ class Scanner:
         self._targets = _targets(())
 
     def scan(self, eye: Vector, rotation: Quaternion, bodies: Sequence[PlacedSolids]) -> Floats:
-        """The ranges [m], inf for nothing within the longest.
+        """The ranges from an eye [m], inf for nothing within the longest.
 
         A solid around the eye is not seen. The plane z = 0 is the ground.
-
-        Args:
-            eye: The origin of all rays [m].
-            rotation: Of the scanner.
-            bodies: Everything around.
         """
         forward, left, _ = axes(rotation)
         ranges = np.full(len(self._angles), np.inf)
@@ -90,11 +83,8 @@ class Scanner:
     ) -> Floats:
         """The ranges (k, n) of several such scanners, to the bit as ``scan`` returns each.
 
-        Args:
-            eyes: (3, k) [m]
-            rotations: (4, k) of the scanners.
-            bodies: Everything around.
-            own: (k,) the place among the bodies of the one that a scanner does not see.
+        They are at eyes (3, k) [m] with rotations (4, k); ``own`` (k,) is the place among the
+        bodies of the one that a scanner does not see.
         """
         groups, positions, turns = zip(*bodies, strict=True)
         targets, around = self._prepared(groups), _around(groups, positions, turns)
@@ -144,25 +134,16 @@ class Scanner:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Targets:
-    """The solids of several groups, each in a frame of its own, as arrays: boxes first.
+    """The solids of several groups, each in a frame of its own, as arrays: boxes first."""
 
-    Attributes:
-        owners: (n,) the places of their groups' views.
-        axes, centres: (n, 3, 3), (3, n) in their groups [m].
-        half_sizes: (3, n) [m]
-        boxes: The number of boxes.
-        reach_squares: (n,) of the bounding spheres [m^2].
-        roundness: (3, n) 1 for an axis in which a solid is round, else 0.
-        first_rays: (n,) the place of the first ray of the scanner that looks at each.
-    """
-
-    owners: Numbers
-    axes: Floats
-    centres: Floats
-    half_sizes: Floats
-    boxes: int
-    reach_squares: Floats
-    roundness: Floats
+    owners: Numbers  # (n,) the places of their groups' views
+    axes: Floats  # (n, 3, 3) in their groups
+    centres: Floats  # (3, n) in their groups [m]
+    half_sizes: Floats  # (3, n) [m]
+    boxes: int  # the number of boxes
+    reach_squares: Floats  # (n,) of the bounding spheres [m^2]
+    roundness: Floats  # (3, n) 1 for an axis in which a solid is round, else 0
+    # (n,) the place of the first ray of the scanner that looks at each.
     first_rays: Numbers | None = None
 
     def seen_by(self, near: Mask, rays: int) -> "_Targets":
@@ -246,17 +227,11 @@ def _targets(groups: Sequence[Solids]) -> _Targets:
 
 
 class _Around(NamedTuple):
-    """The poses of bodies as arrays, and how far each reaches.
+    """The poses of bodies as arrays, and how far each reaches."""
 
-    Attributes:
-        positions: (n, 3) [m]
-        frames: (3, 3, n) their axes.
-        reaches: (n,) [m]
-    """
-
-    positions: Floats
-    frames: Floats
-    reaches: Floats
+    positions: Floats  # (n, 3) [m]
+    frames: Floats  # (3, 3, n) their axes
+    reaches: Floats  # (n,) [m]
 
     def seen(self, eyes: Floats, forward: Floats, left: Floats) -> tuple[Floats, Floats]:
         """The distance (k, n) from each scanner to each body, and its view (k * n, 3, 3) there."""

@@ -21,25 +21,16 @@ CUBOID, CYLINDER, SPHERE = range(3)
 
 @dataclass(frozen=True, eq=False)
 class Solids:
-    """A group of solids in one frame.
+    """A group of solids in one frame."""
 
-    Attributes:
-        kinds: (n,) CUBOID, CYLINDER (along its z) or SPHERE.
-        centres: (n, 3) [m].
-        axes: (n, 3, 3) rotation matrices; the columns are the solid's axes.
-        half_sizes: (n, 3) [m] from the centre to the sides along its axes.
-        colors: (n, 3) red, green, blue, 0 to 1.
-        ground: The colour of the plane z = 0, which is solid below; None for no ground.
-        lines: Painted on the ground, in the world.
-    """
-
-    kinds: npt.NDArray[np.int8]
-    centres: Floats
-    axes: Floats
-    half_sizes: Floats
-    colors: Floats
+    kinds: npt.NDArray[np.int8]  # (n,) CUBOID, CYLINDER (along its z) or SPHERE
+    centres: Floats  # (n, 3) [m]
+    axes: Floats  # (n, 3, 3) rotation matrices; the columns are the solid's axes
+    half_sizes: Floats  # (n, 3) [m] from the centre to the sides along its axes
+    colors: Floats  # (n, 3) red, green, blue, 0 to 1
+    # The colour of the plane z = 0, which is solid below; None for no ground.
     ground: Color | None = None
-    lines: tuple[Line, ...] = ()
+    lines: tuple[Line, ...] = ()  # painted on the ground, in the world
 
     def __len__(self) -> int:
         """Return the number of solids, without the ground."""

@@ -28,20 +28,14 @@ NOTHING = np.empty((0, 3))
 
 
 class Surfaces(NamedTuple):
-    """One solid's surfaces as linear forms of (x, y, 1), each a row of a (k, 3) array.
+    """One solid's surfaces as linear forms of (x, y, 1), each a row of a (k, 3) array."""
 
-    Attributes:
-        front: Planes with the eye outside.
-        back: Planes with the eye inside.
-        side: Of a round side seen from outside: e u / c, the two factors of the root's argument,
-            and for a sphere the third coordinate.
-        hollow: Of a round side with the eye inside: e u, u, v and -c.
-    """
-
-    front: Floats
-    back: Floats
+    front: Floats  # planes with the eye outside
+    back: Floats  # planes with the eye inside
+    # Of a round side seen from outside: e u / c, the two factors of the root's argument, and for a
+    # sphere the third coordinate.
     side: Floats = NOTHING
-    hollow: Floats = NOTHING
+    hollow: Floats = NOTHING  # of a round side with the eye inside: e u, u, v and -c
 
 
 def surfaces(solids: Solids, number: int) -> Surfaces | None:

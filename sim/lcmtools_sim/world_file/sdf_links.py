@@ -43,25 +43,15 @@ _SCRIPTS: dict[str, Color] = {
 
 @dataclass(frozen=True, slots=True)
 class SdfLink:
-    """One link in the world.
+    """One link in the world."""
 
-    Attributes:
-        name: For messages.
-        frame: Of its centre of mass, with the axes of the link.
-        parts: Its shapes, in the world.
-        mass: [kg]
-        friction: Of its first shape.
-        static: True for an immovable link.
-        ground: The plane z = 0, if the link holds it.
-    """
-
-    name: str
-    frame: Frame
-    parts: tuple[Part, ...]
-    mass: float
-    friction: float
-    static: bool
-    ground: Ground | None = None
+    name: str  # for messages
+    frame: Frame  # of its centre of mass, with the axes of the link
+    parts: tuple[Part, ...]  # its shapes, in the world
+    mass: float  # [kg]
+    friction: float  # of its first shape
+    static: bool  # True for an immovable link
+    ground: Ground | None = None  # the plane z = 0, if the link holds it
 
 
 def read_link(

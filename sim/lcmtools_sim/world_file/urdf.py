@@ -18,19 +18,12 @@ _TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link of the robot, in the frame of its base.
+    """A link of the robot, in the frame of its base."""
 
-    Attributes:
-        element: Its source, for messages.
-        frame: Of the link itself.
-        parts: Its collision shapes, or without any its visual ones.
-        inertial: Its mass properties; None has no mass.
-    """
-
-    element: Element
-    frame: Frame
-    parts: tuple[Part, ...]
-    inertial: Inertial | None
+    element: Element  # its source, for messages
+    frame: Frame  # of the link itself
+    parts: tuple[Part, ...]  # its collision shapes, or without any its visual ones
+    inertial: Inertial | None  # its mass properties; None has no mass
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,21 +42,14 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Urdf:
-    """A robot's description.
+    """A robot's description."""
 
-    Attributes:
-        root: The element of the whole, for messages.
-        name: The robot's.
-        links: By name, in the frame of base_link (or of the first link, without a base_link).
-        joints: By name.
-        notes: The links that were left out.
-    """
-
-    root: Element
-    name: str
+    root: Element  # the element of the whole, for messages
+    name: str  # the robot's
+    # By name, in the frame of base_link (or of the first link, without a base_link).
     links: dict[str, Link]
-    joints: dict[str, Joint]
-    notes: tuple[str, ...]
+    joints: dict[str, Joint]  # by name
+    notes: tuple[str, ...]  # the links that were left out
 
 
 def read_urdf(text: str, source: str) -> Urdf:

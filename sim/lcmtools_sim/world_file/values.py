@@ -29,16 +29,11 @@ class Item:
     """One value of the document: a scalar, a list or a mapping.
 
     Its readers raise InvalidFile, with file and line, for a value of another kind.
-
-    Attributes:
-        name: Its place in the document, for errors ("pose", "size[2]").
-        source: The file that it comes from, for errors.
-        node: The value as read.
     """
 
-    name: str
-    source: str
-    node: Node
+    name: str  # its place in the document, for errors ("pose", "size[2]")
+    source: str  # the file that it comes from, for errors
+    node: Node  # the value as read
 
     @property
     def line(self) -> int:
