@@ -105,6 +105,8 @@ class Stream:
     pid: int | None = None  # the sender's process on this computer, where known
     has_ended: bool = False  # the sender, a program of this computer
     format: str = ""  # "JSON", "protobuf", ... of payloads that are likely no LCM messages
+    doubled: int = 0  # messages that came again, with the same number
+    repeated: int = 0  # messages that another sender had sent before, to the byte
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,8 @@ _CLOCK_SPAN = 0.3  # [s] of ticks show how fast simulated time is
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
 _MOST_ODDITIES, _MOST_LOGS = 200, 50
+_MOST_COMPARED = 1000  # messages of a channel
+_COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
 _SHARE = 0.3  # of the time may go into looking into messages
 _LARGEST = 4 << 20  # bytes of a message that is looked into
@@ -50,6 +52,8 @@ class _Stream:
     largest: int = 0
     bytes: int = 0
     format: str = ""
+    doubled: set[int] = field(default_factory=set)  # hashes of payloads
+    repeated: set[int] = field(default_factory=set)
 
 
 class Listening:
@@ -63,6 +67,7 @@ class Listening:
         self._share = share
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
+        self._compared: dict[str, dict[int, tuple[Sender | None, int | None]]] = {}
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
         self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
@@ -88,6 +93,7 @@ class Listening:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
         stream.bytes += packet.size
+        self._compare(packet, stream)
         try:
             self._decoder.message_class(packet)  # to load a type is not to look into a message
         except LcmtoolsError:  # its type is not known
@@ -109,6 +115,8 @@ class Listening:
             Stream(
                 *(*key, "", tuple(s.times), s.largest, s.bytes, len(s.times) >= _MOST_TIMES),
                 format=s.format,
+                doubled=len(s.doubled),
+                repeated=len(s.repeated),
             )
             for key, s in sorted(self._streams.items(), key=str)
         )
@@ -145,6 +153,19 @@ class Listening:
         step = max(1, (len(ticks) - 1) // 4)
         parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
         return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
+
+    def _compare(self, packet: Packet, stream: _Stream) -> None:
+        """Tell whether the same message has come before: again, or from another sender."""
+        known = self._compared.setdefault(packet.channel, {})
+        if len(known) >= _MOST_COMPARED:
+            known.clear()
+        ends = packet.payload[:_COMPARED_BYTES], packet.payload[-_COMPARED_BYTES:]
+        message, source = hash((*ends, packet.size)), (packet.sender, packet.seqno)
+        first = known.setdefault(message, source)
+        if first[0] != packet.sender and len(stream.repeated) < _MOST_TIMES:
+            stream.repeated.add(message)
+        elif first is not source and first == source and packet.seqno is not None:
+            stream.doubled.add(message)
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:

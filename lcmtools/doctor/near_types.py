@@ -58,6 +58,8 @@ def _table() -> dict[int, NearType]:
 def _edits(cls: type[Message]) -> Iterator[Edit]:
     """A field less, of another type, or swapped with the next; or a usual one more."""
     own = fields(cls)
+    reversed_number = int.from_bytes(fingerprint(cls).to_bytes(8, "big"), "little")
+    yield reversed_number, "its bytes are reversed: LCM sends the highest byte of a number first"
     for index, part in enumerate(own):
         before, after = own[:index], own[index + 1 :]
         yield fingerprint_of((*before, *after)), f"without the field {part.name}"

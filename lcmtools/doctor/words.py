@@ -24,6 +24,7 @@ TITLES = {
     "competing-publishers": "{count} programs publish on {topics:and} at the same time:",
     "container": "This is a {container} with a network of its own, and no other computer is seen",
     "covariance": "Covariances that are published are invalid:",
+    "doubled": "Messages of the following come more than once, with the same number:",
     "duplicate-names": "{count} nodes have the name {name}:",
     "environment": "The environment of this shell is not in order:",
     "firewall": "The firewall {firewall} is enabled, and no other computer is seen",
@@ -97,6 +98,7 @@ FACTS = {
     "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
     "bytes-wait": "{listener}: {queued_bytes} bytes wait",
     "channel": "{topic} from {sender}",
+    "doubled": "{sender}: {count} messages",
     "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
     "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
     "dropped-by-queue": _LOST,
@@ -141,6 +143,7 @@ FACTS = {
     "relay-command": "{topic}, at {relay} on {host}",
     "relay-dropped": "{relay} on {host}: {count} messages for {bus}",
     "relay-standby": "{relay} on {host}",
+    "repeats": "{sender}: {topic}, {count} messages that another one had sent before",
     "sender-reason": "{sender}: {reason}",
     "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
@@ -199,6 +202,8 @@ REMEDIES = {
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
     " one: pip uninstall, pip install lcm",
     "export": "`export {variable}='{value}'`",
+    "find-second-way": "look for a second way to this computer: a circle of cables or bridges, two"
+    " interfaces on one network, a port that mirrors; or a sender that sends all twice",
     "host-network": "start the container with: --network host",
     "if-no-log": "if it is no log, its computer's clock is wrong: `sudo timedatectl set-ntp true`",
     "inspect": "see what it does: `sudo gdb -p {pid}`",
@@ -216,6 +221,8 @@ REMEDIES = {
     "name-here": "those without a variable have their bus in their code or arguments: name this one"
     " there, or none: lcm.LCM()",
     "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
+    "open-circle": "a program that passes on what it receives makes a circle, if that comes back to"
+    " it: let it publish on another channel",
     "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
     "plain-name": "publish on a name of letters, digits, _ and / only",
     "print-values": "print the values where the node computes them",

@@ -1,6 +1,6 @@
 """Rules about the messages that come: lost, from too many, too late in simulated time."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
@@ -12,6 +12,7 @@ from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.losses import Loss
 
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
+_SOME = 3  # messages that are the same are no chance
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
@@ -33,12 +34,31 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     return found("loss", facts, "send-less")
 
 
+@rule("doubled", "remove the second way, or let the sender send once")
+def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
+    """No message comes again with the number that its sender gave it.
+
+    A network with a circle delivers it twice, as does one that joins two interfaces of a computer.
+    Receivers cannot tell: their rates are twice as high, and commands are executed twice.
+    """
+    counts: Counter[str] = Counter()
+    for stream in evidence.streams:
+        counts[stream.name] += stream.doubled
+    facts = [
+        state("doubled", sender=name, count=count)
+        for name, count in counts.items()
+        if count >= _SOME
+    ]
+    return found("doubled", facts, "find-second-way")
+
+
 @rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
     Two that steer the same robot fight over it. So do a program and a pub that still runs, however
-    seldom it sends, or that has latched its message. Topics meant for many, as /tf, are excepted,
+    seldom it sends, or that has latched its message. One that repeats what another has sent makes a
+    circle, if it passes on what it receives. Topics meant for many, as /tf, are excepted,
     and those on which different types are sent, which another rule reports. So is a program that is
     started again and again: one that begins after another has ended is no rival.
     """
@@ -53,8 +73,15 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         names = sorted({stream.channel for stream in several})
         count = len({one.name for one in several})
         title = state("competing-publishers", count=count, topics=names)
-        facts = (state("publisher", sender=one, topic=one.channel) for one in several)
-        yield from found(title, facts, _parting(evidence, several, names[0]))
+        repeat = [one for one in several if one.repeated >= _SOME]
+        facts = (
+            state("repeats", sender=one, topic=one.channel, count=one.repeated)
+            if one in repeat
+            else state("publisher", sender=one, topic=one.channel)
+            for one in several
+        )
+        circle = ["open-circle"] if repeat else []
+        yield from found(title, facts, *circle, _parting(evidence, several, names[0]))
 
 
 def doubt(evidence: Evidence) -> float:

@@ -17,7 +17,7 @@ from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan, NavSatFix
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet, Sender
 
-ALICE = Sender("127.0.0.1", 4000)
+ALICE, BOB, CAROL = (Sender("127.0.0.1", port) for port in (4000, 4001, 4002))
 NOW = 1_700_000_000_000_000_000
 
 
@@ -163,6 +163,24 @@ def test_what_cannot_be_decoded_is_odd_once() -> None:
         listening.take(Packet("/a", encode(String())[:-3], NOW, ALICE))
     (odd,) = listening.oddities(str)
     assert (odd.kind, odd.count) == ("undecodable", 3)
+
+
+def test_what_comes_again_is_told_from_what_is_the_same() -> None:
+    """Of a, each datagram twice; b repeats what a sent; c always sends the same; d numbers none."""
+    listening = Listening(lambda _: ())
+    for number in range(5):
+        for sender, said, seqno in (
+            *((ALICE, f"a{number}", number),) * 2,
+            (BOB, f"a{number}", number),
+            (CAROL, "hello", number),
+            (None, f"d{number}", None),
+            (None, f"d{number}", None),
+        ):
+            message = String()
+            message.data = said
+            listening.take(Packet("/a", encode(message), NOW, sender, seqno))
+    found = {one.sender: (one.doubled, one.repeated) for one in listening.streams()}
+    assert found == {ALICE: (5, 0), BOB: (0, 5), CAROL: (0, 0), None: (0, 0)}
 
 
 def test_warnings_and_errors_on_rosout_are_counted() -> None:

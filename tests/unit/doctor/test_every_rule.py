@@ -89,6 +89,7 @@ EVIDENCE = {
     ),
     "container": host(container="WSL"),
     "covariances": odd("covariance"),
+    "doubled": replace(GOOD, streams=(replace(EVEN, doubled=20),)),
     "duplicate-names": graph(TALKER, TALKER._replace(id="u", pid=9), EAR),
     "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),
     "firewall": host(firewall="ufw"),

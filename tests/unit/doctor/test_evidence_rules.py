@@ -164,6 +164,15 @@ def test_two_programs_that_send_at_once_compete() -> None:
     assert finding.items == (" * alice: /cmd", " * bob: /cmd")
 
 
+def test_a_program_that_repeats_what_it_receives_may_make_a_circle() -> None:
+    repeater = replace(stream("/a", 10, sender=BOB, name="bob"), repeated=9)
+    finding = only(replace(HEALTHY, streams=(stream("/a", 10), repeater)))
+    assert finding.items[1] == " * bob: /a, 9 messages that another one had sent before"
+    assert finding.remedies[0].startswith(
+        "a program that passes on what it receives makes a circle"
+    )
+
+
 @pytest.mark.parametrize("messages", [0, 1])
 def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
     ends = (Endpoint("/cmd", Role.PUBLISHER, messages=messages),)

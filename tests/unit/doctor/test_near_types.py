@@ -44,6 +44,13 @@ def test_an_edit_of_the_expected_type_is_recognised(parts: list[object], differe
     )
 
 
+def test_a_sender_whose_numbers_begin_with_the_lowest_byte_is_recognised() -> None:
+    number = int.from_bytes(fingerprint(Odometry).to_bytes(8, "big"), "little")
+    found = nearest_type(number)
+    assert found is not None
+    assert (found.name, found.difference[:22]) == ("nav_msgs/Odometry", "its bytes are reversed")
+
+
 def test_an_edit_within_a_field_is_recognised() -> None:
     """As lcm-gen makes it of Twist where Vector3 has floats (tried with lcm-gen 1.5.3)."""
     assert nearest_type(0xC52A118464E2BC0F, ["geometry_msgs/Twist"]) == NearType(
