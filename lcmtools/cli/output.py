@@ -79,13 +79,13 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
         now = time.monotonic()
         if now - begin > _PATIENCE and now - shown > _SHOWN_EVERY and sys.stderr.isatty():
             shown = now
-            _say(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
+            say(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
 
     try:
         yield report
     finally:
         if shown > begin:
-            _say("\r\033[K")
+            say("\r\033[K")
 
 
 def talk(text: str, speaker: str = "") -> None:
@@ -95,7 +95,7 @@ def talk(text: str, speaker: str = "") -> None:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
         said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
-    _say(f"{said}\n")
+    say(f"{said}\n")
 
 
 def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
@@ -124,8 +124,9 @@ def clearing() -> str:
     return "\033[2J\033[;H" if can_clear else ""  # the screen, and the cursor to its corner
 
 
-def _say(text: str) -> None:
-    with contextlib.suppress(OSError):  # where nothing can be said, the exit code remains
+def say(text: str) -> None:
+    """Write to standard error as it is; where nothing can be said, the exit code remains."""
+    with contextlib.suppress(OSError, ValueError):  # ValueError: the stream is closed
         sys.stderr.write(text)
         sys.stderr.flush()
 

@@ -1,12 +1,11 @@
 """A line on a terminal that shows a state and is written over, beside what else is said."""
 
-import contextlib
 import shutil
 import sys
 import time
 from contextlib import AbstractContextManager
 
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import say, talk
 from lcmtools.terminal import is_terminal
 
 _SHOWN_EVERY = 0.5  # [s]
@@ -25,14 +24,14 @@ class StatusLine(AbstractContextManager["StatusLine"]):
     def __exit__(self, *_: object) -> None:
         """Leave the last line where it is."""
         if self._shown:
-            _write("\n")
+            say("\n")
 
     def write(self, text: str) -> None:
         """Write the line."""
         text = text[: shutil.get_terminal_size().columns - 1]
         if self.shows and text != self._shown:
             self._shown = text
-            _write(f"\r{text}\x1b[K")
+            say(f"\r{text}\x1b[K")
 
     def rates(self, *totals: int) -> list[float]:
         """Return the growth of totals [1/s] since the last line; none if it is not time for one."""
@@ -49,18 +48,12 @@ class StatusLine(AbstractContextManager["StatusLine"]):
     def talk(self, text: str) -> None:
         """Say something above the line."""
         if self._shown:
-            _write("\r\x1b[K")
+            say("\r\x1b[K")
         talk(f"{self._command}: {text}")
         if self._shown:
-            _write(self._shown)
+            say(self._shown)
 
     def talk_unless_quiet(self, text: str) -> None:
         """Say something that is no warning."""
         if not self._is_quiet:
             self.talk(text)
-
-
-def _write(text: str) -> None:
-    with contextlib.suppress(OSError, ValueError):  # the terminal is closed
-        sys.stderr.write(text)
-        sys.stderr.flush()

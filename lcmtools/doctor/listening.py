@@ -14,15 +14,16 @@ from itertools import pairwise
 
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
-from lcmtools.doctor.evidence import LogLine, Oddity, Stream
-from lcmtools.doctor.relays import RelayReports
+from lcmtools.doctor.evidence import LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
+from lcmtools.messages.codec import decode
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
 from lcmtools.observe.decoding import Decoder
+from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
@@ -229,3 +230,33 @@ def target_rate(command: str) -> float | None:
             with contextlib.suppress(ValueError):
                 return float(value) or None
     return 1.0
+
+
+class RelayReports:
+    """The reports that come during a look: of each relay the first and the last."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, tuple[RelayLink, RelayLink]] = {}
+
+    def take(self, payload: bytes) -> None:
+        """Take note of a report, which tells of other relays too."""
+        try:
+            links = decode(RelayReport, payload).links
+        except DecodeError:
+            return
+        for link in links:
+            first, last = self._found.get(link.id, (link, link))
+            self._found[link.id] = first, link if link.number > last.number else last
+
+    def ends(self) -> tuple[RelayEnd, ...]:
+        """Return both ends of each relay that has not left."""
+        return tuple(
+            RelayEnd(
+                *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
+                commands=tuple(end.commands),
+                stands_by=last.state == RelayLink.STANDBY,
+            )
+            for first, last in self._found.values()
+            if last.state != RelayLink.LEFT
+            for before, end in zip(first.ends, last.ends, strict=False)
+        )

@@ -25,7 +25,7 @@ ASKS = {
 """The module and the function of each question."""
 ACTIONS = {
     "play": "playback:play",
-    "publish": "forms:publish",
+    "publish": "streams.publishing:publish",
     "send-pose": "simulators:send_pose",
     "simulate": "simulators:simulate",
 }

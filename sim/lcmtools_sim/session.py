@@ -1,10 +1,15 @@
 """One run of the simulator, from joining the bus to leaving it."""
 
-from collections.abc import Sequence
-from contextlib import ExitStack
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import partial
 
 import lcmtools
+from lcmtools.arguments import NodeArguments, split_arguments
+from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
+from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.types.nav_msgs import Path
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
@@ -18,7 +23,8 @@ from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.view import View
-from lcmtools_sim.window import opened_window
+
+_TIMEOUTS = StopTimeouts(interrupt=2.0, terminate=1.0)  # of the window
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
@@ -37,7 +43,7 @@ def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
         with ExitStack() as stack:
             simulation = stack.enter_context(Simulation(scene, engine=engine, leads=leads))
             if options.view:
-                stack.enter_context(opened_window(arguments))
+                stack.enter_context(_opened_window(arguments))
             _run(simulation, options, engine_version(engine))
     finally:
         lcmtools.shutdown()
@@ -75,3 +81,17 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
             log.info("waiting for the /clock of the process that leads")
             pacer.wait(lcmtools.ok, bridge.receive)
         loop.run()
+
+
+@contextmanager
+def _opened_window(arguments: Sequence[str]) -> Iterator[None]:
+    """Open ``lcmtools gui world`` on the same bus, a process that ends with the context.
+
+    It prints its address by itself, and the reason if it cannot be opened: the simulator goes on.
+    """
+    node, _ = split_arguments(arguments)
+    bus = NodeArguments(lcm_url=node.lcm_url, domain=node.domain).words()
+    command = [sys.executable, "-m", "lcmtools", "gui", "world", *bus]
+    start = Start(command, os.environ, takes_terminal=True)
+    with ProcessGuard() as guard, ChildProcess(start, guard, _TIMEOUTS):
+        yield
