@@ -25,6 +25,16 @@ def test_list_names_what_can_be_run(lcmtools: Run) -> None:
     assert json.loads(lcmtools("run", "--list", "--json").stdout) == sorted(known)
 
 
+def test_the_start_of_a_lab_says_its_steps_line_by_line(
+    cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.cli.run.command", lambda **_: 0)
+    said = cli("lab", "start", "husky").err.splitlines()
+    assert said[1] == "In a second terminal, type:"
+    assert said[2].startswith("  lcmtools ")
+    assert said[-1] == "Ctrl-C ends the simulator."
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

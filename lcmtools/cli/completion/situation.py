@@ -72,7 +72,7 @@ class Situation:
 
         try:
             if log := self.last("bag"):
-                from lcmtools.cli.completion.logs import recorded_graph
+                from lcmtools.cli.completion.recorded import recorded_graph
 
                 return recorded_graph(log)
             if self.url.provider == "zenoh":  # the others announce nothing when asked

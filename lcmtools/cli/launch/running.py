@@ -51,7 +51,8 @@ def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -
     for one in ended:
         log = shlex.quote(one.log) if one.log else "-"
         rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
-    talk("\n".join(columns(rows)))
+    for row in columns(rows):
+        talk(row)
     return int(any(one.has_failed for one in ended))
 
 

@@ -54,8 +54,9 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
             f"{lab.simulator} runs on this bus already",
             "end it with Ctrl-C where it runs, or take a bus of your own: --domain 3",
         )
-    steps = "\n".join(f"  {step}" for step in lab.steps)
-    talk(f"{lab.title}\nIn a second terminal, type:\n{steps}\nCtrl-C ends the simulator.")
+    steps = (f"  {step}" for step in lab.steps)
+    for row in (lab.title, "In a second terminal, type:", *steps, "Ctrl-C ends the simulator."):
+        talk(row)
     words = ("sim", "--world", lab.world, *arguments)
     own = {"name": "lcmtools", "arguments": words}
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
