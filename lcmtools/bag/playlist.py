@@ -27,7 +27,7 @@ from lcmtools.names import (
 )
 from lcmtools.observe.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
-from lcmtools.wire.log_index import Block
+from lcmtools.wire.log_index import Block, disorder
 
 CLOCK = "/clock"
 _SLOW_BYTES = 200_000_000  # of a log without an index, which are read first
@@ -94,6 +94,8 @@ class Playlist(AbstractContextManager["Playlist"]):
                 for packet in log.announcements():
                     self._nodes.add(packet)
                 self._logs.append((log, list(log.blocks(self._nodes.add))))
+                if disorder(self._logs[-1][1]):
+                    notify(f"the times of {path} go back; lcmtools bag sort puts them in order")
                 provide_recorded_types(log.index.types.values())
             self.span = _span(self._logs)
             self.tracks = self._tracks(choice)

@@ -12,7 +12,7 @@ from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Loss
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log import HEAD_BYTES
-from lcmtools.wire.log_index import Block, ChannelCount
+from lcmtools.wire.log_index import Block, ChannelCount, disorder
 from lcmtools.wire.packet import Sender
 
 _BINS = 60  # of a histogram
@@ -76,6 +76,7 @@ class LogSummary:
     nodes: tuple[str, ...]  # that announced themselves
     losses: Mapping[Sender, Loss]  # as the recorder saw them
     histogram: tuple[int, ...]  # messages in equal parts of the time
+    disorder: int  # [ns] by which a message is earlier than one before it, at most
 
     @property
     def messages(self) -> int:
@@ -120,6 +121,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         tuple(dict.fromkeys(node.name for node in builder.snapshot(end).nodes if not node.tool)),
         log.losses(),
         tuple(histogram(log, blocks, (start, end))),
+        disorder(blocks),
     )
 
 

@@ -41,6 +41,9 @@ def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
     if summary.damaged:
         what = f"{size_text(summary.damaged)} belong to no message"
         yield "damaged:", f"{what}; lcmtools bag fix shows where"
+    if summary.disorder:
+        what = f"times go back, by {span_text(summary.disorder / 1e9)} at most"
+        yield "order:", f"{what}; lcmtools bag sort brings the messages into order"
     if summary.nodes:
         yield "nodes:", ", ".join(summary.nodes)
     lost = [f"{loss} of {sender}" for sender, loss in summary.losses.items() if loss.lost]
@@ -79,6 +82,7 @@ def summary_record(summary: LogSummary) -> dict[str, object]:
         "start": summary.start if summary.messages else None,
         "end": summary.end if summary.messages else None,
         "duration": summary.duration,
+        "disorder": summary.disorder / 1e9,
         "nodes": list(summary.nodes),
         "losses": [
             {"sender": str(sender), "lost": loss.lost, "of": loss.sent}

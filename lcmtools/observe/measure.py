@@ -142,6 +142,8 @@ class Measurement(Generic[ItemT, FoundT]):
         self._has_notified = False
         self._silent = dict.fromkeys(windows)
         self._now = 0
+        self._last_time: int | None = None  # [ns] of a log's latest arrival
+        self._goes_back = False
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
@@ -207,6 +209,8 @@ class Measurement(Generic[ItemT, FoundT]):
 
     def _feed(self, batch: Batch) -> None:
         self._now = batch.now if self._monitor.is_live else 0  # a log has no now
+        if not self._monitor.is_live:
+            self._check_order(batch)
         if batch.is_reset:
             for window in self._windows.values():
                 window.clear()
@@ -216,6 +220,12 @@ class Measurement(Generic[ItemT, FoundT]):
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)
+
+    def _check_order(self, batch: Batch) -> None:
+        for arrival in batch.arrivals:
+            if self._last_time is not None and arrival.time < self._last_time:
+                self._goes_back = True
+            self._last_time = arrival.time
 
     def _counts(self, packet: Packet) -> bool:
         """Return whether a message meets the condition; one that cannot be decoded does not."""
@@ -249,11 +259,13 @@ class Measurement(Generic[ItemT, FoundT]):
             self._notify(f"no message on {topic}{condition} yet; {self._stream.situation(topic)}")
 
     def _notify_missing(self) -> None:
-        """Say the same of a log."""
+        """Say the same of a log, and whether its times spoil the measurement."""
         if len(self._silent) == len(self._windows):
             topics = ", ".join(self._windows)
             hint = self._stream.near(next(iter(self._windows)))
             raise LcmtoolsError(f"the log has no message on {topics}", hint)
+        if self._goes_back:
+            self._notify("the times of the log go back; lcmtools bag sort puts them in order")
         for topic in self._silent:
             self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
 

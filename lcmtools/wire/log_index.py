@@ -10,7 +10,8 @@ events behind its last block are found by reading the log from there. Lines, by 
     node       an announcement of a node, as it was sent, with its time and sender
     block      events one after another: where they begin and end, their times, and for each
                channel the number of messages and bytes, the senders in order, the times of the
-               first and the last message and the longest gap, and the first one's fingerprint
+               first and the last message and the longest gap, and the first one's fingerprint;
+               then, where their times go back, by how much at most
     lost       a time, and the messages lost and those sent since the line before, by the sender's
                number; where a late message closed a gap, fewer than none are lost
     end        the log was closed, and has so many bytes
@@ -73,21 +74,24 @@ class Block:
     first_time: int = 0  # the earliest [ns since 1970]
     last_time: int = 0  # the latest
     channels: dict[str, ChannelCount] = field(default_factory=dict)
+    back: int = 0  # [ns] by which an event is earlier than one before it, at most
 
     def add(self, packet: Packet, sender: int = -1) -> None:
         """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
         channel, _, received, _, _, whole = packet[:6]
         time = received // 1000 * 1000  # as the log has it
         size = len(packet[1]) if whole is None else whole
-        self.last_time = max(self.last_time, time)
-        if time < self.first_time or not self.channels:
-            self.first_time = time
+        if not self.channels:
+            self.first_time = self.last_time = time
+        elif time >= self.last_time:
+            self.last_time = time
+        else:
+            self.back = max(self.back, self.last_time - time)
+            self.first_time = min(self.first_time, time)
         count = self.channels.get(channel)
         if count is not None:
             count.add(time, size, sender)
             return
-        if not self.channels:
-            self.last_time = time
         self.channels[channel] = ChannelCount(
             1, size, [[sender, 1]], time, time, fingerprint=packet.fingerprint
         )
@@ -183,7 +187,8 @@ def block_line(block: Block) -> str:
         ]
         for name, one in block.channels.items()
     }
-    return _line("block", [block.start, block.end, start, block.last_time, counts])
+    back = [block.back] if block.back else []
+    return _line("block", [block.start, block.end, start, block.last_time, counts, *back])
 
 
 def lost_line(lost: LostMessages) -> str:
@@ -240,7 +245,7 @@ def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - as J
 
 
 def _block(value: Sequence[Any]) -> Block:
-    start, end, first, last, counts = value
+    start, end, first, last, counts, *back = value
     channels = {
         name: ChannelCount(
             messages, size + 0, senders, first + begin, first + stop, gap + 0, number
@@ -251,7 +256,16 @@ def _block(value: Sequence[Any]) -> Block:
         runs = one.senders
         if (runs[0][1] if len(runs) == 1 else sum(run[1] for run in runs)) != one.messages:
             raise ValueError("each message has a sender")
-    return Block(int(start), int(end), int(first), int(last), channels)
+    return Block(int(start), int(end), int(first), int(last), channels, *map(int, back[:1]))
+
+
+def disorder(blocks: Iterable[Block]) -> int:
+    """Return by how much an event is earlier than one before it, at most [ns]; 0 in order."""
+    found, latest = 0, None
+    for block in blocks:
+        found = max(found, block.back, 0 if latest is None else latest - block.first_time)
+        latest = block.last_time if latest is None else max(latest, block.last_time)
+    return found
 
 
 def _line(key: str, value: object) -> str:

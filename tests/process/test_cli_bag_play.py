@@ -111,7 +111,7 @@ def test_messages_come_as_they_were_recorded(
 ) -> None:
     messages = [("PLAIN", 0.0, PLAIN), ("/a", 0.05, ODOMETRY), ("/a", 0.06, b""), ("/b", 0.2, b"x")]
     ghost = ("/_lcmtools/node", 0.01, b"an announcement of a node that is gone")
-    done = cli("bag", "play", log(*messages, ghost))
+    done = cli("bag", "play", log(messages[0], ghost, *messages[1:]))
     assert (done.code, done.out) == (0, "")
     assert done.err.startswith("lcmtools bag play: 4 messages in 0.2 s")
     wait_until(lambda: len(listener.received) >= 4)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.bag.reindex import reindex_log
 from lcmtools.bag.summary import summarize
 from lcmtools.bag.summary_report import span_text, time_text
@@ -149,6 +150,37 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["bag", "info", str(path)]) == 1
     assert capsys.readouterr().err == (
         f"lcmtools bag info: no message is in {path}; it is no LCM log\n"
+    )
+
+
+def test_a_log_whose_times_go_back_is_said_to_be(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def said(*words: str) -> tuple[str, str]:
+        assert main(list(words)) == 0
+        return capsys.readouterr()
+
+    log, ordered = str(tmp_path / "a.log"), str(tmp_path / "b.log")
+    packets = [Packet("A", b"x", second * 10**9) for second in (10, 11, 12, 5, 6, 7)]
+    data = b"".join(encode_event(n, packet) for n, packet in enumerate(packets))
+    (tmp_path / "a.log").write_bytes(data)
+    for _ in range(2):  # by the log, and by its index
+        assert (
+            "order:     times go back, by 7 s at most; lcmtools bag sort"
+            in said("bag", "info", log)[0]
+        )
+        (record,) = json.loads(said("bag", "info", log, "--json")[0])
+        assert record["disorder"] == 7.0
+        notes: list[str] = []
+        Playlist([log], Choice(), notes.append).close()
+        assert notes == [f"the times of {log} go back; lcmtools bag sort puts them in order"]
+        assert "go back; lcmtools bag sort" in said("hz", "-b", log, "A")[1]
+        said("bag", "reindex", log)
+    said("bag", "sort", log, ordered)
+    assert "order:" not in said("bag", "info", ordered)[0]
+    assert said("hz", "-b", ordered, "A") == (
+        "average rate: 0.714\n\tmin: 1.000s max: 3.000s std dev: 0.80000s window: 6\n",
+        "",
     )
 
 
