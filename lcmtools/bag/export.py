@@ -45,11 +45,7 @@ class _Target(Protocol):
 
 
 def format_of(target: Path, named: str | None) -> str:
-    """Return the format that a name or the target's suffix means.
-
-    Raises:
-        UsageError: Neither is one.
-    """
+    """Return the format that a name or the target's suffix means; UsageError if neither is one."""
     if named is not None:
         if named not in FORMATS:
             hint = did_you_mean(named, FORMATS) or f"formats: {', '.join(FORMATS)}"

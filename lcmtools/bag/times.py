@@ -51,11 +51,7 @@ class LogTime:
 
 
 def parse_time(text: str) -> LogTime:
-    """Return the time that a text means.
-
-    Raises:
-        UsageError: It means none.
-    """
+    """Return the time that a text means; UsageError if it means none."""
     said = text.strip()
     if said in ("start", "end"):
         return LogTime(text, lambda start, end: start if said == "start" else end)

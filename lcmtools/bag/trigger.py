@@ -10,11 +10,7 @@ from lcmtools.wire.packet import Packet
 
 
 class Trigger:
-    """A condition on the messages of a topic: "/estop m.data".
-
-    Raises:
-        UsageError: The text is none.
-    """
+    """A condition on messages of a topic, "/estop m.data"; UsageError for a text that is none."""
 
     def __init__(
         self, text: str, names: Resolver, announced: Callable[[str], Sequence[str]]

@@ -135,11 +135,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._write_lines(batch.lines)
 
     def flush(self) -> None:
-        """Write what was added.
-
-        Raises:
-            LcmtoolsError: As of ``write``.
-        """
+        """Write what was added; raises as ``write``."""
         self.write(self.take())
 
     def close(self) -> None:

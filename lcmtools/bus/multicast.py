@@ -86,11 +86,7 @@ def check_sending(url: BusUrl) -> None:
 
 
 def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
-    """Send LCM's self test and see that it comes back.
-
-    Raises:
-        BusError: It does not.
-    """
+    """Send LCM's self test and see that it comes back; BusError if it does not."""
     deadline = time.monotonic() + _LOOPBACK_TIMEOUT
     with _explained(url):
         while (left := deadline - time.monotonic()) > 0:

@@ -128,11 +128,7 @@ class ZenohSession:
         *,
         latched: bool = False,
     ) -> None:
-        """Send one message; see ``Bus.publish``.
-
-        Raises:
-            BusError: The session is closed.
-        """
+        """Send one message; see ``Bus.publish``. BusError if the session is closed."""
         if channel == NODE_CHANNEL:
             self._retained.keep(payload, time.monotonic())
         elif channel == PROBE_CHANNEL:

@@ -40,11 +40,7 @@ class Schemas:
         return self._types.serialize(message) if encoding == ROS1 else to_json(message).encode()
 
     def read(self, cls: type[Message], encoding: str, data: bytes) -> Message:
-        """Return a client's message.
-
-        Raises:
-            DecodeError: It is not of the type, or in another encoding.
-        """
+        """Return a client's message; DecodeError if it is of another type or encoding."""
         if encoding == ROS1:
             return self._types.deserialize(cls, data)
         if encoding != JSON:

@@ -119,11 +119,7 @@ class PageRequest(Parameters):
 
 
 def read_request(data: str | bytes) -> PageRequest:
-    """Return the request in a WebSocket message.
-
-    Raises:
-        Rubbish: It is none.
-    """
+    """Return the request in a WebSocket message; Rubbish if it is none."""
     if isinstance(data, bytes):
         raise Rubbish("it sent bytes")
     try:

@@ -33,11 +33,7 @@ ACTIONS = {
 
 
 def answer(name: str, table: Mapping[str, str]) -> Answer:
-    """Return the function of a request.
-
-    Raises:
-        Rubbish: There is none of this name.
-    """
+    """Return the function of a request; Rubbish if there is none of this name."""
     if name not in table:
         raise Rubbish(f"there is no request '{name[:40]}'")
     module, attribute = table[name].split(":")

@@ -137,11 +137,7 @@ LABS: Mapping[str, Lab] = {lab.name: lab for lab in (_HUSKY, _PIONEER, _DOLLY)}
 
 
 def find_lab(name: str) -> Lab:
-    """Return the lab of a name.
-
-    Raises:
-        UsageError: There is none.
-    """
+    """Return the lab of a name; UsageError if there is none."""
     if name not in LABS:
         hint = did_you_mean(name, LABS) or f"there are: {', '.join(LABS)}"
         raise UsageError(f"there is no lab '{name}'", hint)

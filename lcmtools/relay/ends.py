@@ -212,22 +212,14 @@ _KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {
 
 
 def check_end(url: BusUrl) -> None:
-    """Refuse what no relay can join.
-
-    Raises:
-        UsageError: It is a log, or a bus of another kind.
-    """
+    """Refuse what no relay can join: UsageError for a log, or a bus of another kind."""
     if url.provider not in _KINDS:
         kinds = ", ".join(f"{kind}://" for kind in _KINDS)
         raise UsageError(f"{url} cannot be joined by a relay", f"it joins buses of {kinds}")
 
 
 def open_end(url: BusUrl) -> BusEnd:
-    """Return an end at a bus.
-
-    Raises:
-        BusError: The bus cannot be reached, with what to type.
-    """
+    """Return an end at a bus; BusError if it cannot be reached, with what to type."""
     return _KINDS[url.provider](url)
 
 

@@ -128,11 +128,7 @@ class Direction:
 
 
 def check_rules(rules: Rules) -> None:
-    """Refuse a prefix that is no namespace.
-
-    Raises:
-        UsageError: It is not.
-    """
+    """Refuse a prefix that is no namespace, by a UsageError."""
     prefix = rules.prefix
     parts = prefix.split("/")
     if prefix and (not all(part.isidentifier() and part.isascii() for part in parts)):

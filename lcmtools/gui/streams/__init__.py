@@ -25,11 +25,7 @@ STREAMS = {
 
 
 def stream_class(name: str) -> type[PageStream]:
-    """Return a kind of stream.
-
-    Raises:
-        Rubbish: There is none of this name.
-    """
+    """Return a kind of stream; Rubbish if there is none of this name."""
     if name not in STREAMS:
         raise Rubbish(f"there is no stream '{name[:40]}'")
     module, attribute = STREAMS[name].split(":")

@@ -105,11 +105,7 @@ class RecordedRun:
 
 
 def read_run(lab: Lab, log: Log) -> RecordedRun:
-    """Return a lab's run in a log.
-
-    Raises:
-        LcmtoolsError: None of the lab's topics is in it.
-    """
+    """Return a lab's run in a log; LcmtoolsError if none of the lab's topics is in it."""
     run = RecordedRun(lab, end=log.end / 1e9)
     known = [topic for topic in _topics(run) if topic in log.topics]
     if not {*known} - {CLOCK, LOG_TOPIC}:

@@ -200,11 +200,7 @@ class TestBench:
         return True
 
     def reset_pose(self) -> None:
-        """Put the robot at the origin, at rest.
-
-        Raises:
-            LcmtoolsError: The simulator does not do it.
-        """
+        """Put the robot at the origin, at rest; LcmtoolsError if the simulator does not do it."""
         request = SetPose.Request()
         request.robot = self.lab.robot
         request.pose.orientation.w = 1.0
@@ -222,11 +218,7 @@ class TestBench:
         self.wait(lambda: self.time < before, _ANSWER_TIMEOUT)
 
     def set_rate(self, rate: float) -> None:
-        """Let simulated time pass at another rate.
-
-        Raises:
-            LcmtoolsError: The simulator does not do it.
-        """
+        """Let time pass at another rate; LcmtoolsError if the simulator does not do it."""
         request = SetRate.Request()
         request.rate = rate
         self._check(self._set_rate.call(request, _ANSWER_TIMEOUT))

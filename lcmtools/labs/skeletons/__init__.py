@@ -14,11 +14,7 @@ NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
 
 
 def skeleton_text(name: str) -> str:
-    """Return a node's skeleton.
-
-    Raises:
-        UsageError: There is no skeleton of that name.
-    """
+    """Return a node's skeleton; UsageError if there is none of that name."""
     if name not in NAMES:
         hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
         raise UsageError(f"there is no skeleton of '{name}'", hint)

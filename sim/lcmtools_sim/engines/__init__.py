@@ -66,11 +66,7 @@ def engine_version(name: str) -> str:
 
 
 def start_engine(name: str) -> Engine:
-    """An empty world of an engine.
-
-    Raises:
-        MissingExtra: It is not installed.
-    """
+    """An empty world of an engine; MissingExtra if that is not installed."""
     try:
         if name == "bullet":
             with suppressed_output():  # the import prints a line

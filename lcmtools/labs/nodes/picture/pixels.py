@@ -71,11 +71,7 @@ def read_picture(message: Image | CompressedImage) -> Picture:
 
 
 def read_file(data: bytes) -> Picture:
-    """Read a PNG or JPEG file.
-
-    Raises:
-        DecodeError: It is broken, or of another format.
-    """
+    """Read a PNG or JPEG file; DecodeError if it is broken, or of another format."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # Pillow warns of sizes that exhaust the memory
