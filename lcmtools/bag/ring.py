@@ -1,10 +1,14 @@
-"""The messages of the last seconds, kept in memory for a snapshot."""
+"""The messages that are kept in memory for a snapshot, and the condition for writing them."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.messages.filter import Filter
+from lcmtools.names import Resolver
+from lcmtools.observe.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 
@@ -16,6 +20,29 @@ class SnapshotPlan:
     after: float = 0.0  # [s] that are recorded after a request
     most_bytes: int | None = None  # of payloads that are kept; None for all
     is_wanted: Callable[[Packet], bool] | None = None  # because of a message
+
+
+class Trigger:
+    """A condition on messages of a topic, "/estop m.data"; UsageError for a text that is none."""
+
+    def __init__(
+        self, text: str, names: Resolver, announced: Callable[[str], Sequence[str]]
+    ) -> None:
+        topic, _, condition = text.strip().partition(" ")
+        if not condition.strip():
+            raise UsageError(f"'{text}' has no condition", "write '/estop m.data'")
+        self._channels = names.spellings(topic)
+        self._filter = Filter(condition.strip())
+        self._decoder = Decoder(announced)
+
+    def __call__(self, packet: Packet) -> bool:
+        """Return whether a message meets the condition; False for one of an unknown type."""
+        if packet.channel not in self._channels:
+            return False
+        try:
+            return self._filter.matches(self._decoder.decode(packet))
+        except LcmtoolsError:
+            return False
 
 
 class Ring:

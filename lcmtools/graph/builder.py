@@ -166,9 +166,8 @@ class GraphBuilder:
             return  # it is on this bus itself
         if lag is not None and known is not None and known.lag is not None:
             lag = min(lag, known.lag)  # the quickest one shows the clocks' difference best
-        self._nodes[node.id] = node._replace(
-            sender=_own_sender(node, packet), last_announced=packet.time, lag=lag
-        )
+        sender = None if node.path else packet.sender  # not that of what a relay has passed on
+        self._nodes[node.id] = node._replace(sender=sender, last_announced=packet.time, lag=lag)
 
     def _forget_behind(self, relay: str) -> None:
         """Drop the nodes behind a relay that has left; another relay may show them again."""
@@ -192,11 +191,6 @@ class GraphBuilder:
                 count.last_time,
                 tuple(count.types),
             )
-
-
-def _own_sender(node: Node, packet: Packet) -> Sender | None:
-    """The sender of a node's own messages: not that of what a relay has passed on."""
-    return None if node.path else packet.sender
 
 
 def _aged(node: Node, now: int) -> Node:

@@ -26,7 +26,7 @@ def topics(source: Source, parameters: Parameters) -> Json:
     kind = parameters.text("kind")
     if kind not in _KINDS:
         raise Rubbish(f"there is no kind of topics '{kind[:40]}'")
-    return [_choice(row) for row in source.latest.rows if _is(row, _KINDS[kind])]
+    return [_choice(row) for row in source.latest.rows if any(map(_KINDS[kind], row.types[:1]))]
 
 
 def numbers(source: Source, parameters: Parameters) -> Json:
@@ -55,10 +55,6 @@ def number_fields(cls: type[Message], prefix: str = "", deep: int = 0) -> Iterat
         elif deep < _DEEPEST:
             path += "[0]" * field.depth
             yield from number_fields(inner, f"{path}.", deep + 1)
-
-
-def _is(row: ChannelRow, kind: Callable[[str], bool]) -> bool:
-    return any(map(kind, row.types[:1]))
 
 
 def _begun(row: ChannelRow) -> Iterator[str]:

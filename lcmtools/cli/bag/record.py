@@ -7,10 +7,9 @@ from dataclasses import replace
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.bag.recorder import BagRecorder, open_bus
-from lcmtools.bag.ring import SnapshotPlan
+from lcmtools.bag.ring import SnapshotPlan, Trigger
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.services import recorder_node
-from lcmtools.bag.trigger import Trigger
 from lcmtools.cli.bag.record_options import (
     check_options,
     choice_options,

@@ -3,8 +3,13 @@
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.relay.joining import attend_relay, chosen_buses, read_rates
-from lcmtools.cli.relay.serving import attend_hub, check_server
+from lcmtools.cli.relay.attending import (
+    attend_hub,
+    attend_relay,
+    check_server,
+    chosen_buses,
+    read_rates,
+)
 from lcmtools.cli.relay.status import show_status
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError

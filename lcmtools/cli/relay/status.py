@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.output import columns, show
-from lcmtools.cli.relay.joining import lost_text
+from lcmtools.cli.relay.attending import lost_text
 from lcmtools.observe.describe import size_text
 from lcmtools.relay.status import known_relays
 from lcmtools.relay.topology import Link, State
@@ -18,12 +18,8 @@ def show_status(*, as_json: bool) -> None:
     with open_monitor("relay") as monitor:
         links = known_relays(monitor)
         none = f"no relay is on {monitor.url}"
-    records = [_record(link) for link in links]
+    records = [{**asdict(link), "state": link.state.name.lower()} for link in links]
     show(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
-
-
-def _record(link: Link) -> dict[str, object]:
-    return {**asdict(link), "state": link.state.name.lower()}
 
 
 def _rows(links: Sequence[Link]) -> list[Sequence[str]]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.graph.drawing import labels
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
-from lcmtools.graph.drawing.layered import Drawing, Point, Size, layered
+from lcmtools.graph.drawing.layered import Drawing, Size, layered
 from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
@@ -173,7 +173,7 @@ class GraphMaker:
             "relation": edge.relation.value,
             "rate": _rounded(edge.rate),
             "topics": edge.topics,
-            "way": [_whole(point) for point in self._drawing.ways.get(arrow, [])],
+            "way": [[round(x), round(y)] for x, y in self._drawing.ways.get(arrow, [])],
         }
 
 
@@ -206,7 +206,3 @@ def _left_out(text: str) -> str:
 def _rounded(rate: float | None) -> float | None:
     """A rate with three digits, so that what is nearly the same is not sent again."""
     return None if rate is None else float(f"{rate:.3g}")
-
-
-def _whole(point: Point) -> Json:
-    return [round(point[0]), round(point[1])]
