@@ -10,13 +10,15 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from functools import partial
 from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.errors import BusError, DecodeError, LcmtoolsError
 from lcmtools.foxglove.publishing import Publishing
 from lcmtools.foxglove.schemas import Schemas
-from lcmtools.foxglove.websocket import ClientChannel, FoxgloveServer, OfferedChannel
+from lcmtools.foxglove.websocket import FoxgloveServer
 from lcmtools.graph.model import Ends, Graph, Topic
 from lcmtools.messages.registry import Message, candidates, message_class, type_name
 from lcmtools.node.node import Node
@@ -24,6 +26,10 @@ from lcmtools.observe.decoding import Decoder, remedy_of_unknown
 from lcmtools.observe.following import Following
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
+
+if TYPE_CHECKING:
+    from foxglove import Channel
+    from foxglove.websocket import ChannelView, Client, ClientChannel
 
 _TURN = 0.05  # [s] at most until a client's wish is attended to
 _LOOK_PERIOD = 0.4  # [s] between looks at the graph
@@ -36,7 +42,7 @@ class _Offer:
     """A topic that clients see."""
 
     cls: type[Message]
-    channel: OfferedChannel
+    channel: "Channel"
     is_latched: bool = False
     last: Packet | None = None  # of a latched topic
     end: Callable[[], None] | None = field(default=None)  # of following it; None while it is not
@@ -97,30 +103,30 @@ class Bridge(AbstractContextManager["Bridge"]):
                 has_more = self.look(self._monitor.graph(), server)
                 next_look = time.monotonic() + (_TURN if has_more else _LOOK_PERIOD)
 
-    # What clients do, on threads of the server
+    # What clients do, on threads of the server, as the package's ``ServerListener`` names it
 
-    def subscribed(self, topic: str) -> None:
+    def on_subscribe(self, _: "Client", channel: "ChannelView") -> None:
         """Take note that a client subscribes to a topic."""
-        self._wishes.put(lambda: self._begin(topic))
+        self._wishes.put(partial(self._begin, channel.topic))
 
-    def unsubscribed(self, topic: str) -> None:
+    def on_unsubscribe(self, _: "Client", channel: "ChannelView") -> None:
         """Take note that a client does not any more."""
-        self._wishes.put(lambda: self._end(topic))
+        self._wishes.put(partial(self._end, channel.topic))
 
-    def advertised(self, client: int, channel: ClientChannel) -> None:
+    def on_client_advertise(self, client: "Client", channel: "ClientChannel") -> None:
         """Take note that a client wants to publish."""
         if self.publishing:
-            self.publishing.advertise(client, channel)
+            self.publishing.advertise(client.id, channel)
 
-    def dismissed(self, client: int, channel: int) -> None:
+    def on_client_unadvertise(self, client: "Client", channel: int) -> None:
         """Take note that a client does not want to any more."""
         if self.publishing:
-            self.publishing.dismiss(client, channel)
+            self.publishing.dismiss(client.id, channel)
 
-    def published(self, client: int, channel: int, data: bytes) -> None:
+    def on_message_data(self, client: "Client", channel: int, data: bytes) -> None:
         """Take a client's message."""
         if self.publishing:
-            self.publishing.publish(client, channel, data)
+            self.publishing.publish(client.id, channel, data)
 
     def _refuse(self, text: str) -> None:
         self._wishes.put(lambda: self._tell(text))

@@ -2,14 +2,17 @@
 
 import threading
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.errors import LcmtoolsError
 from lcmtools.foxglove.schemas import ENCODINGS, Schemas
-from lcmtools.foxglove.websocket import ClientChannel
 from lcmtools.messages.registry import Message, message_class, type_name
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
+
+if TYPE_CHECKING:
+    from foxglove.websocket import ClientChannel
 
 _Key = tuple[int, int]  # a client, and its channel
 
@@ -29,7 +32,7 @@ class Publishing:
         self._lock = threading.Lock()
         self._publishers: dict[_Key, tuple[Publisher[Message], str]] = {}
 
-    def advertise(self, client: int, channel: ClientChannel) -> None:
+    def advertise(self, client: int, channel: "ClientChannel") -> None:
         """Publish on a channel from now, if that is allowed and its type is known."""
         try:
             with self._lock:
@@ -58,7 +61,7 @@ class Publishing:
             except LcmtoolsError as error:
                 self._refuse(f"a message for {publisher.topic} is not published: {error}")
 
-    def _class_of(self, channel: ClientChannel) -> type[Message]:
+    def _class_of(self, channel: "ClientChannel") -> type[Message]:
         topic = channel.topic
         if not self._allowed.includes(topic):
             raise LcmtoolsError("it is not allowed", f"--allow-publish {topic} allows it")

@@ -3,57 +3,23 @@
 import logging
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
-from typing import Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from lcmtools.bag.ros_types import Schema
 from lcmtools.errors import BusError, needing_extra
+
+if TYPE_CHECKING:
+    from foxglove import Channel
 
 _MOST_WAITING = 256
 """Messages that wait for a slow client; of more the oldest are left out."""
 
 
-class Clients(Protocol):
-    """Takes what clients do, on threads of the server."""
-
-    def subscribed(self, topic: str) -> None:
-        """Take note that a client subscribes to a topic."""
-
-    def unsubscribed(self, topic: str) -> None:
-        """Take note that a client does not any more."""
-
-    def advertised(self, client: int, channel: "ClientChannel") -> None:
-        """Take note that a client wants to publish."""
-
-    def dismissed(self, client: int, channel: int) -> None:
-        """Take note that a client does not want to any more."""
-
-    def published(self, client: int, channel: int, data: bytes) -> None:
-        """Take a client's message."""
-
-
-class ClientChannel(Protocol):
-    """A channel of a client's own, as the package describes it."""
-
-    id: int
-    topic: str
-    encoding: str
-    schema_name: str
-
-
-class OfferedChannel(Protocol):
-    """A channel that is offered."""
-
-    def log(self, message: bytes, *, log_time: int) -> None:
-        """Send a message to who subscribes; its time is [ns since 1970]."""
-
-    def close(self) -> None:
-        """Offer it no more."""
-
-
 class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
     """A server for Foxglove and Lichtblick, at a host and port; 0 for any port.
 
-    ``clients`` takes what they do; ``encodings`` are of messages that they may publish.
+    ``clients`` takes what they do, as far as it has methods of the package's ``ServerListener``, on
+    threads of the server; ``encodings`` are of messages that they may publish.
 
     Raises:
         MissingExtra: The package is missing.
@@ -61,7 +27,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
     """
 
     def __init__(
-        self, address: tuple[str, int], clients: Clients, encodings: Iterable[str] = ()
+        self, address: tuple[str, int], clients: object, encodings: Iterable[str] = ()
     ) -> None:
         with needing_extra("foxglove", "foxglove needs"):
             import foxglove
@@ -98,10 +64,10 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         """The port that it listens at."""
         return int(self._server.port)
 
-    def offer(self, topic: str, encoding: str, schema: Schema) -> OfferedChannel:
+    def offer(self, topic: str, encoding: str, schema: Schema) -> "Channel":
         """Offer a topic."""
         described = self._package.Schema(name=schema.name, encoding=schema.form, data=schema.text)
-        channel: OfferedChannel = self._package.Channel(
+        channel: Channel = self._package.Channel(
             topic, schema=described, message_encoding=encoding, context=self._context
         )
         return channel
@@ -126,33 +92,13 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
 
 
 class _Listener:
-    """The listener that the package calls."""
+    """The listener that the package calls: ``clients``, and nothing at its other calls."""
 
-    def __init__(self, clients: Clients) -> None:
+    def __init__(self, clients: object) -> None:
         self._clients = clients
 
     def __getattr__(self, name: str) -> Callable[..., None]:
-        """Do nothing at its other calls."""
         if not name.startswith("on_"):
             raise AttributeError(name)
-        return lambda *_: None
-
-    def on_subscribe(self, _: object, channel: ClientChannel) -> None:
-        """Pass it on."""
-        self._clients.subscribed(channel.topic)
-
-    def on_unsubscribe(self, _: object, channel: ClientChannel) -> None:
-        """Pass it on."""
-        self._clients.unsubscribed(channel.topic)
-
-    def on_client_advertise(self, client: ClientChannel, channel: ClientChannel) -> None:
-        """Pass it on."""
-        self._clients.advertised(client.id, channel)
-
-    def on_client_unadvertise(self, client: ClientChannel, channel: int) -> None:
-        """Pass it on."""
-        self._clients.dismissed(client.id, channel)
-
-    def on_message_data(self, client: ClientChannel, channel: int, data: bytes) -> None:
-        """Pass it on."""
-        self._clients.published(client.id, channel, data)
+        found: Callable[..., None] = getattr(self._clients, name, lambda *_: None)
+        return found

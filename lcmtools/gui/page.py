@@ -7,9 +7,10 @@ that a slow page sees less, and neither the bus nor the memory suffers.
 import asyncio
 import time
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from functools import partial
-from typing import Protocol
+
+from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
@@ -26,21 +27,15 @@ _STATE_PERIOD = 0.25  # [s]
 _MAY_NOT = "this page may watch but not command"
 
 
-class Socket(Protocol):
-    """The connection to a page."""
-
-    async def send(self, frame: Frame, /) -> None:
-        """Send a frame; returns when there is room for more."""
-
-    def __aiter__(self) -> AsyncIterator[Frame]:
-        """Return what the page sends, until it is gone."""
-
-
 class BrowserPage:
     """One page, at the other end of a socket."""
 
     def __init__(
-        self, socket: Socket, source: Source, streams: StreamPool, rights: tuple[str, ...]
+        self,
+        socket: ServerConnection,
+        source: Source,
+        streams: StreamPool,
+        rights: tuple[str, ...],
     ) -> None:
         self._socket, self._source, self._streams, self._rights = socket, source, streams, rights
         self._open: dict[int, _Subscription] = {}

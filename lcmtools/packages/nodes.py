@@ -7,13 +7,13 @@ distribution, or as a workspace package's pyproject.toml writes it. Must not kno
 import importlib
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.packages.type_files import GROUPS
@@ -38,11 +38,8 @@ TABLE = f'[project.entry-points."{GROUP}"]'
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
 
-class NodeProgram(Protocol):
-    """A node's main function."""
-
-    def __call__(self, args: Sequence[str] | None = None) -> int | None:
-        """Run until the end; return an exit code, None for 0."""
+NodeProgram: TypeAlias = Callable[..., int | None]
+"""A node's main function; it takes its words, if anything, and returns an exit code, None for 0."""
 
 
 @dataclass(frozen=True, slots=True)
