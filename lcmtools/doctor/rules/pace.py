@@ -194,8 +194,12 @@ def usual_interval(stream: Stream) -> float | None:
 
 
 def _paces(evidence: Evidence) -> Iterator[_Pace]:
-    """The publishers whose usual rate is known, whatever it is known by."""
-    yield from _remembered(evidence)
+    """The publishers whose usual rate is known, whatever it is known by.
+
+    But for simulators: another rule judges their pace, and what does not move is sent less often.
+    """
+    simulators = {node.name for node in evidence.graph.nodes if is_simulator(node)}
+    yield from (pace for pace in _remembered(evidence) if pace.name not in simulators)
     before = {
         (node.id, endpoint.topic): (node, endpoint)
         for node in evidence.before.nodes
@@ -206,7 +210,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         is_known = is_subscribed and earlier.messages >= _ENOUGH
         usual = average_rate(was, earlier) if is_known else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
-        if usual and span and earlier is not endpoint:
+        if usual and span and earlier is not endpoint and node.name not in simulators:
             sent, age = endpoint.messages - earlier.messages, silence(evidence, node, endpoint)
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}

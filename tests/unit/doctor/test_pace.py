@@ -142,6 +142,18 @@ def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
     assert doubt(evidence) == 0.0
 
 
+def test_a_simulator_sends_less_of_what_stands_still() -> None:
+    ticks, clock = Stream("/clock", ALICE, "/mouth", (NOW,)), Endpoint("/clock", Role.PUBLISHER)
+    before, after = (
+        graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, clock))))
+        for graph in (_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
+        for ear, mouth in (graph.nodes,)
+    )
+    assert "slow-rate" not in {
+        one.rule for one in judge(replace(_graphs(before, after), streams=(ticks,)))
+    }
+
+
 def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
     slow = _graphs(_node(297, 1.5, NOW - SECOND), _node(297, 2.5))  # 3 Hz, and nothing for 2.5 s
     assert judge(slow) == []
