@@ -109,13 +109,21 @@ class MissingExtra(LcmtoolsError):  # noqa: N818
 
 
 @contextmanager
-def needing_extra(extra: str, who_needs: str) -> Iterator[None]:
+def needing_extra(extra: str, who_needs: str, otherwise: str = "") -> Iterator[None]:
     """Raise an import that fails as MissingExtra: "MCAP needs" the extra "mcap"."""
     try:
         yield
     except (ImportError, MissingExtra) as error:
-        what = f"{who_needs} the extra '{extra}'"
-        raise MissingExtra(what, f"pip install -e '.[{extra}]'") from error
+        if (getattr(error, "name", None) or "").startswith("lcmtools"):
+            raise  # a fault of ours
+        reason = " ".join(str(error.__cause__ or error).split())
+        what = f"{who_needs} the extra '{extra}' ({reason})"
+        raise MissingExtra(what, extra_hint(extra) + otherwise) from error
+
+
+def extra_hint(extra: str) -> str:
+    """Return what installs an extra, from a checkout or not."""
+    return f"type: pip install 'lcmtools-robotics[{extra}]'"
 
 
 class NothingReceived(LcmtoolsError):  # noqa: N818

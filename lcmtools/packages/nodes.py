@@ -35,6 +35,8 @@ ANSWERS = (
 TABLE = f'[project.entry-points."{GROUP}"]'
 """The table of a pyproject.toml that declares a package's nodes."""
 
+_DISTRIBUTIONS = {"cv2": "opencv-python", "PIL": "pillow", "serial": "pyserial", "yaml": "PyYAML"}
+"""The projects that pip knows, of packages that nodes often need, where they differ in name."""
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
 
@@ -115,7 +117,7 @@ class Runnable:
         if not point or package not in (OWN, self.import_name):
             raise MissingExtra(
                 f"{self.name} needs the Python package '{error.name}', which is not installed",
-                f"type: pip install {error.name}",
+                f"type: pip install {_DISTRIBUTIONS.get(package, package)}",
             ) from error
 
     def _lost(self, what: str, hint: str = "see") -> LcmtoolsError:

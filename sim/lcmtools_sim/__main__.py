@@ -2,108 +2,27 @@
 
 The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
 
-This is the edge: arguments, environment, printing and exit codes. Requests for information (--help,
---version, --list-worlds, --print-world, --check) need no bus, and --check an engine only to find
-overlaps at the start.
+This is the edge: printing and exit codes. Without the extra ``sim`` it says so.
 """
 
-import signal
 import sys
-import threading
 from collections.abc import Sequence
-from dataclasses import replace
 
-from lcmtools import __version__
-from lcmtools.arguments import split_arguments
-from lcmtools.errors import LcmtoolsError, MissingExtra
-from lcmtools_sim.engines import chosen_engine, engine_version
-from lcmtools_sim.options import Options, parse_options
-from lcmtools_sim.scene import Scene, contents, fleet, selected, with_robot
-from lcmtools_sim.world_file import read_scene
-from lcmtools_sim.worlds import describe, find_world, world_names
+from lcmtools.errors import LcmtoolsError, needing_extra
 
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code; ``args`` without the program's name."""
-    arguments = list(sys.argv[1:] if args is None else args)
     try:
-        _, own = split_arguments(arguments)
-        options = parse_options(own)
-        if not _inform(options):
-            _simulate(options, arguments)
+        with needing_extra("sim", "the simulator needs"):
+            from lcmtools_sim.main import run
+        run(list(sys.argv[1:] if args is None else args))
     except LcmtoolsError as error:
-        _warn(str(error))
+        print(f"lcmtools run sim: {error}", file=sys.stderr)  # noqa: T201 - the command's edge
         return error.exit_code
     except KeyboardInterrupt:
         return 0
     return 0
-
-
-def _inform(options: Options) -> bool:
-    """Answer a request for information; return whether it was one."""
-    if options.version:
-        engine = engine_version(chosen_engine(options.engine))
-        text = f"lcmtools {__version__}, {engine}"
-    elif options.list_worlds:
-        width = max(map(len, world_names()))
-        text = "\n".join(f"{name:<{width}}  {describe(name)}" for name in world_names())
-    elif options.print_world is not None:
-        text = find_world(options.print_world)[0].rstrip()
-    elif options.check is not None:
-        scene = read_scene(*find_world(options.check))
-        for note in scene.notes:
-            _warn(note)
-        _check_starts(scene, options.engine)
-        text = f"{options.check}: ok, {contents(scene)}"
-    else:
-        return False
-    print(text)  # noqa: T201 - the command's edge
-    return True
-
-
-def _warn(text: str) -> None:
-    print(f"lcmtools run sim: {text}", file=sys.stderr)  # noqa: T201 - the command's edge
-
-
-def _check_starts(scene: Scene, engine: str) -> None:
-    """Refuse robots that start inside something, warn of such objects; if there is an engine."""
-    from lcmtools_sim.simulation import Simulation
-
-    try:
-        with Simulation(scene, engine=engine) as simulation:
-            notes = simulation.misplaced
-    except MissingExtra:
-        notes = ["whether something starts inside something else is not checked without an engine"]
-    for note in notes:
-        _warn(note)
-
-
-def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
-    """The scene with the command line's changes, and the options with ``follow`` settled."""
-    if options.seed is not None:
-        scene = replace(scene, seed=options.seed)
-    for model, pose in options.added:
-        scene = with_robot(scene, model, pose)
-    if options.robots is not None:
-        scene = fleet(scene, options.robots)
-    part = selected(scene, options.only) if options.only else scene
-    if not part.robots or not (options.follow or part.robots[0] != scene.robots[0]):
-        return part, options
-    # Nodes have different names; this one is not the leader.
-    first = part.robots[0]
-    node = f"{scene.node}_{first.namespace.strip('/').replace('/', '_') or first.model.name}"
-    return replace(part, node=node), replace(options, follow=True)
-
-
-def _simulate(options: Options, arguments: Sequence[str]) -> None:
-    """Run the given world, with the command line's changes."""
-    scene, options = overridden(read_scene(*find_world(options.world)), options)
-    if threading.current_thread() is threading.main_thread():
-        # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from lcmtools_sim.session import simulate
-
-    simulate(scene, options, arguments)
 
 
 if __name__ == "__main__":

@@ -136,7 +136,8 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
     done = cli("list", "--lcm-url", "zenoh://")
     assert (done.code, done.out) == (3, "")
     assert done.err == (
-        "lcmtools list: a bus of Zenoh needs the extra 'zenoh'; pip install -e '.[zenoh]'\n"
+        "lcmtools list: a bus of Zenoh needs the extra 'zenoh' (import of zenoh halted; None in"
+        " sys.modules); type: pip install 'lcmtools-robotics[zenoh]'\n"
     )
 
 

@@ -137,21 +137,47 @@ def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
     assert "pip install" in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "package", "said"),
+    [
+        ("run sim", "numpy", "lcmtools run sim: the simulator needs the extra 'sim' ("),
+        (
+            "run sim --list-worlds",
+            "numpy",
+            "lcmtools run sim: the simulator needs the extra 'sim' (",
+        ),
+        ("run kinect_viewer", "PIL", "lcmtools run: showing pictures needs the extra 'view' ("),
+        ("lab check husky", "PIL", "lcmtools lab check: lab check needs the extra 'sim' ("),
+        ("lab check husky", "numpy", "lcmtools lab check: "),
+    ],
+)
+def test_the_extra_that_a_command_needs_is_named_with_exit_code_3(
+    lcmtools_process: Run, tmp_path: Path, words: str, package: str, said: str
+) -> None:
+    text = f"raise ModuleNotFoundError(\"No module named '{package}'\", name='{package}')\n"
+    (tmp_path / f"{package}.py").write_text(text)
+    result = lcmtools_process(*words.split(), PYTHONPATH=str(tmp_path))
+    assert (result.returncode, result.stdout, result.stderr.count("\n")) == (3, "", 1)
+    assert result.stderr.startswith(said)
+    assert "; type: pip install 'lcmtools-robotics[" in result.stderr
+
+
 def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     lcmtools_process: Run, tmp_path: Path
 ) -> None:
-    (tmp_path / "lcm.py").write_text(
-        "raise ModuleNotFoundError(\"No module named 'lcm'\", name='lcm')\n"
+    (tmp_path / "own.py").write_text("import cv2\n")
+    (tmp_path / "cv2.py").write_text(
+        "raise ModuleNotFoundError(\"No module named 'cv2'\", name='cv2')\n"
     )
     metadata = tmp_path / "mine-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = lcm:main\n")
+    (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = own:main\n")
     result = lcmtools_process("run", "mine", PYTHONPATH=str(tmp_path))
     assert (result.returncode, result.stdout) == (3, "")
     assert result.stderr == (
-        "lcmtools run: mine needs the Python package 'lcm', which is not installed;"
-        " type: pip install lcm\n"
+        "lcmtools run: mine needs the Python package 'cv2', which is not installed;"
+        " type: pip install opencv-python\n"
     )
 
 

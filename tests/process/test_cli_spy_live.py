@@ -240,8 +240,7 @@ def test_without_textual_one_line_says_what_to_install(bus_url: str) -> None:
     try:
         assert terminal.wait() == 3
         text = " ".join(terminal.written.decode().split())
-        assert "which is not installed; type: pip install textual (--once does without)" in text
-        assert "pip install lcmtools" not in text
+        assert "type: pip install 'lcmtools-robotics[tui]' (--once does without)" in text
     finally:
         terminal.close()
 

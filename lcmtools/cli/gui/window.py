@@ -16,7 +16,7 @@ from lcmtools.cli.bus import chosen_log, notify, open_monitor
 from lcmtools.cli.declare import CommandT, flag, option, together
 from lcmtools.cli.options import bag_option, bus_options, json_option, names_options
 from lcmtools.cli.output import document, talk
-from lcmtools.errors import MissingExtra
+from lcmtools.errors import needing_extra
 
 if TYPE_CHECKING:  # the help does without the window
     from lcmtools.gui.protocol import Json
@@ -82,15 +82,8 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
         MissingExtra: The package websockets is not installed.
         LcmtoolsError: The port is in use, or the address is not this computer's.
     """
-    try:
+    with needing_extra("web", "gui needs"):
         from lcmtools.gui.server import Server
-    except ModuleNotFoundError as error:
-        if (error.name or "").startswith("lcmtools"):
-            raise
-        raise MissingExtra(
-            f"gui needs the Python package '{error.name}', which is not installed",
-            "type: pip install 'lcmtools-robotics[web]'",
-        ) from error
     from lcmtools.gui.access import access_for
 
     access = access_for(choice.host, [socket.gethostname()], is_read_only=choice.read_only)

@@ -17,7 +17,7 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines
-from lcmtools.errors import UsageError
+from lcmtools.errors import UsageError, needing_extra
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.results import as_specified
 
@@ -85,9 +85,9 @@ def command(
     With --bag no program is run: the messages of a log are judged in the same way, as far as they
     are what the lab asks for, and what they do not allow to judge is said.
     """
-    from lcmtools.labs.checks.class_check import ClassCheck
-    from lcmtools.labs.checks.reporters import junit as junit_text
-    from lcmtools.labs.commands import checking
+    with needing_extra("sim", "lab check needs"):
+        from lcmtools.labs.checks.class_check import ClassCheck
+        from lcmtools.labs.commands import checking
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
@@ -105,6 +105,6 @@ def command(
     else:
         outcome = checking.check_one(lab, chosen, rate, time_limit, plot, show)
     if junit:
-        checking.write(junit, junit_text(lab.name, outcome.submissions).encode())
+        checking.write_junit(junit, lab, outcome)
     document(outcome.record) if as_json else lines(outcome.summary)
     return 0 if all(map(as_specified, outcome.submissions.values())) else 1

@@ -13,7 +13,7 @@ from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
-from lcmtools.labs.checks.reporters import heading, record, result_lines, summary, table
+from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
 from lcmtools.labs.checks.results import CheckResult, Report
 
 Show = Callable[[Sequence[str]], object]
@@ -52,7 +52,7 @@ def check_one(
     if plot:
         from lcmtools.labs.checks.plot import plot as plotted
 
-        write(plot, plotted(world, reports))
+        _write(plot, plotted(world, reports))
         talk(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
@@ -89,7 +89,11 @@ def _show_report(show: Show, name: str, report: Report) -> None:
     show(["", f"== {name}", *head, *rows])
 
 
-def write(file: Path, data: bytes) -> None:
-    """Write a file."""
+def write_junit(file: Path, lab: Lab, outcome: Outcome) -> None:
+    """Write results as JUnit's XML."""
+    _write(file, junit(lab.name, outcome.submissions).encode())
+
+
+def _write(file: Path, data: bytes) -> None:
     with os_errors_as(f"cannot write {file}"):
         file.write_bytes(data)

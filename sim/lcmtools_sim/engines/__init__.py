@@ -5,7 +5,7 @@ import platform
 import sys
 from importlib.util import find_spec
 
-from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.errors import MissingExtra, UsageError, extra_hint
 from lcmtools.names import did_you_mean
 from lcmtools_sim.engines.engine import Engine
 from lcmtools_sim.engines.native import suppressed_output
@@ -15,7 +15,7 @@ ENGINES = ("bullet", "mujoco")
 VARIABLE = "LCMTOOLS_ENGINE"
 
 _PACKAGES = {"bullet": "pybullet", "mujoco": "mujoco"}
-_HINT = "type: pip install '.[sim]' in a checkout of lcmtools"
+_HINT = extra_hint("sim")
 
 
 def chosen_engine(wanted: str = "") -> str:

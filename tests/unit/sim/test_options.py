@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from lcmtools.errors import UsageError
-from lcmtools_sim.__main__ import main, overridden
+from lcmtools_sim.__main__ import main
 from lcmtools_sim.completion import complete
 from lcmtools_sim.engines import ENGINES
+from lcmtools_sim.main import overridden
 from lcmtools_sim.options import Options, parse_options
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.world_file import read_scene

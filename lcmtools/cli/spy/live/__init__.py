@@ -5,7 +5,7 @@ import sys
 
 from lcmtools.cli.bus import chosen_log, open_monitor
 from lcmtools.color import stream_wants_color
-from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.errors import UsageError, needing_extra
 from lcmtools.observe.channel_columns import TableView
 from lcmtools.observe.channels import ChannelSelection
 
@@ -16,15 +16,8 @@ def watch(selection: ChannelSelection, view: TableView) -> int:
         raise UsageError("the live view is of a bus", "--once shows the channels of a log")
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError("spy needs a terminal", "--once prints the table")
-    try:
+    with needing_extra("tui", "spy needs", " (--once does without)"):
         from lcmtools.cli.spy.live.app import show
-    except ModuleNotFoundError as error:
-        if (error.name or "").startswith("lcmtools"):
-            raise
-        raise MissingExtra(
-            f"spy needs the Python package '{error.name}', which is not installed",
-            "type: pip install textual (--once does without)",
-        ) from error
     if not stream_wants_color(sys.stderr, os.environ):
         os.environ["NO_COLOR"] = "1"
     for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good

@@ -5,18 +5,12 @@ from array import array
 from dataclasses import dataclass
 from io import BytesIO
 
-from lcmtools.errors import DecodeError, MissingExtra
+import PIL.Image
+from PIL import UnidentifiedImageError
+
+from lcmtools.errors import DecodeError
 from lcmtools.observe.pixels import Kind, check_size, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
-
-try:
-    import PIL.Image
-    from PIL import UnidentifiedImageError
-except ImportError as error:
-    raise MissingExtra(
-        "showing pictures needs Pillow, which is not installed",
-        "install the extra 'view' of lcmtools-robotics, or type: pip install pillow textual-image",
-    ) from error
 
 _FARTHEST = 1e6  # [m]
 

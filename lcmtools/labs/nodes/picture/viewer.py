@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.errors import DecodeError, MissingExtra, NothingReceived, UsageError
+from lcmtools.errors import DecodeError, NothingReceived, UsageError, needing_extra
 from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of, read_command_line
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.labs.nodes.picture.colors import ColorOptions
@@ -163,13 +163,8 @@ def _choose_display(options: argparse.Namespace) -> Display:
         return LineDisplay(
             colors, options.save or "", as_values=options.values, as_json=options.json
         )
-    try:
+    with needing_extra("view", "pictures in a terminal need", ", or use --save FILE or --json"):
         from lcmtools.labs.nodes.picture.screen import ScreenDisplay
-    except ImportError as error:
-        raise MissingExtra(
-            "pictures in a terminal need textual-image, which is not installed",
-            "install the extra 'view' of lcmtools-robotics, or use --save FILE or --json",
-        ) from error
     return ScreenDisplay(colors, options.graphics, is_single=options.once)
 
 
