@@ -152,8 +152,9 @@ def _folders(folder: Path) -> Iterator[Path]:
 
 
 def _is_package(folder: Path) -> bool:
-    has_types = any((folder / name).is_dir() for name in ROS_FOLDERS)
-    return _is_own(folder) or (has_types and bool(_text(folder / "package.xml")))
+    if _text(folder / "package.xml"):  # which a folder that is not to be looked into has not
+        return _is_own(folder) or any((folder / name).is_dir() for name in ROS_FOLDERS)
+    return _is_own(folder)
 
 
 def _is_own(folder: Path) -> bool:

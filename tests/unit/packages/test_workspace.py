@@ -1,5 +1,7 @@
 """Which folders are packages, and which workspace one is in."""
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -44,6 +46,21 @@ def test_a_folder_that_everybody_writes_concerns_only_who_is_in_it(write: Write)
     (root / "all").chmod(0o1777)
     assert names(root / "all" / "mine") == []
     assert names(root / "all") == names(root / "all" / "a" / "b") == ["a"]
+
+
+def test_a_folder_that_cannot_be_looked_into_stops_nobody(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = write({"ws/a/pyproject.toml": PROJECT.format("a"), "ws/lost+found/x": ""})
+    look = Path.stat
+
+    def refused(path: Path, **how: bool) -> os.stat_result:
+        if path.parent.name == "lost+found":
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return look(path, **how)
+
+    monkeypatch.setattr(Path, "stat", refused)
+    assert names(root / "ws") == ["a"]
 
 
 def test_a_broken_package_stops_no_other(write: Write) -> None:
