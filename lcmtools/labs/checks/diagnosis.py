@@ -24,8 +24,8 @@ from lcmtools.types.geometry_msgs import Twist
 
 DIED = "died"
 """The key of a row's cause: the program has ended."""
-SILENT, SELDOM = "silent", "seldom"
-"""Nothing has come of the program, or too little."""
+SILENT, SELDOM, ZERO = "silent", "seldom", "zero"
+"""Nothing has come of the program, or too little, or nothing that moves the robot."""
 SAME = "same"
 """The cause is that of the row before."""
 RAISED, IGNORED = "raised", "ignored"
@@ -50,7 +50,7 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
         return died(observed)
     is_silent = result.cause == SILENT
     found = raised(observed, frequent_only=not is_silent) or ignored(observed)
-    if not found and result.cause in (SILENT, SELDOM):
+    if not found and result.cause in (SILENT, SELDOM, ZERO):
         found = busy(observed)
     if not found and is_silent:
         found = disconnected(observed, result.hint)

@@ -22,7 +22,8 @@ _SPIN = 0.2  # [rad/s] of a robot that is to drive straight ahead
 _WEAK, _SMALLEST, _FULL = 0.05, 1e-6, 0.99  # effort
 _LAST = 1.0  # [s] in which a speed is seen to change still
 _MEASURED = (
-    "the odometry has it as twist.twist.linear.x, and the turn rate as twist.twist.angular.z"
+    "the odometry has it as twist.twist.linear.x [m/s], "
+    "and the turn rate as twist.twist.angular.z [rad/s]"
 )
 
 
@@ -83,6 +84,10 @@ class StepRun:
         """Return the time since the step [s], and the velocity of the step's kind."""
         start, turns = self.motion[0].time, self.step.turn_rate
         return [(s.time - start, s.turn_rate if turns else s.forward) for s in self.motion]
+
+    def last_parts(self) -> list[float]:
+        """Return the velocities of the last second, as parts of a target that is not 0."""
+        return [v / self.step.target for time, v in self.values() if time > self.duration - _LAST]
 
     def response(self) -> Response:
         """Return the measures of the response to a target that is not 0."""
@@ -189,10 +194,12 @@ def _motion_cause(run: StepRun, response: Response) -> Cause:
     if step.turn_rate and math.isclose(math.degrees(part), 1.0, rel_tol=0.2):
         text = f"{math.degrees(response.reached):.2f} in degrees: angular.z is in rad/s"
         return Cause("unit", f"it turns at {response.reached:.4f} rad/s, which are {text}")
-    if part < BAND:
-        return _unmoved_cause(run)
-    if not 1 - BAND <= part <= 1 + BAND:
-        return _offset_cause(run, is_slow=part < 1)
+    last = run.last_parts()
+    if min(last) > 1 - BAND or max(last) < 1 + BAND:
+        if part < BAND:
+            return _unmoved_cause(run)
+        if not 1 - BAND <= part <= 1 + BAND:
+            return _offset_cause(run, is_slow=part < 1)
     text = "it swings around the target: a smaller gain, or smaller steps of the effort"
     return Cause("swings", text)
 
@@ -219,8 +226,8 @@ def _offset_cause(run: StepRun, *, is_slow: bool) -> Cause:
     """Return why the robot keeps a wrong speed in the right direction."""
     key, way, verdict = ("slow", "grow", "low") if is_slow else ("fast", "shrink", "high")
     efforts = [tuple(round(e, 6) for e in _efforts(one)) for one in run.commands]
-    speeds = [value for time, value in run.values() if time > run.duration - _LAST]
-    change = (speeds[-1] - speeds[0]) / run.step.target
+    parts = run.last_parts()
+    change = parts[-1] - parts[0]
     if len(set(efforts)) <= 2:  # noqa: PLR2004 - that before the step, and that since
         text = f"too {key}: its effort is the same whatever the measured speed is: {_MEASURED}"
     elif not is_slow and max(map(abs, efforts[-1]), default=0.0) > _FULL:

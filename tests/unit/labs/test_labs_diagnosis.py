@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import dolly, husky
-from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, cause_of, misplaced
+from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of, misplaced
 from lcmtools.labs.checks.keys import DIRECTIONS, KeyPress, key_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
@@ -189,8 +189,9 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
 
-def test_a_callback_that_sleeps_is_why_commands_come_too_seldom() -> None:
-    row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=SELDOM)
+@pytest.mark.parametrize("key", [SELDOM, ZERO])
+def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key: str) -> None:
+    row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=key)
     slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
     look = replace(WELL, subscriptions=[slow])
     cause = cause_of(row, Observations(CONTROLLER, look=look))
@@ -293,6 +294,13 @@ def rising(time: float) -> float:
             "the effort does not follow the measured velocity",
         ),
         (varied_run(FORWARD, lambda _: (0.9, -0.4), rising), "measured", "the effort does not"),
+        (
+            varied_run(
+                FORWARD, lambda t: (round(t * 5) % 2 + 0.2, 0.0), lambda t: round(t * 5) % 2
+            ),
+            "swings",
+            "it swings around the target",
+        ),
         (
             varied_run(TURN, lambda _: (0.0, math.radians(0.3)), rising),
             "unit",
