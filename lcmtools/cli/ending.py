@@ -107,6 +107,8 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
 def _failure(error: Exception) -> LcmtoolsError:
     if isinstance(error, LcmtoolsError):
         return error
+    if isinstance(error, FileNotFoundError) and not error.filename:  # as os.getcwd has it
+        return LcmtoolsError("the working directory has been deleted", "go to another one: cd")
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return LcmtoolsError(f"{where}{error.strerror or error}")

@@ -282,6 +282,14 @@ def test_data_goes_to_standard_output_and_talk_to_standard_error(
     assert result.stderr == f"no nodes on {bus_url}\n"
 
 
+def test_a_deleted_working_directory_is_told_with_a_remedy(
+    shell: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    result = shell(f"mkdir {tmp_path}/a; cd {tmp_path}/a; rmdir {tmp_path}/a; lcmtools run talker")
+    told = "lcmtools run: the working directory has been deleted; go to another one: cd\n"
+    assert (result.returncode, result.stderr) == (1, told)
+
+
 def test_an_lcm_package_without_its_library_is_told_with_a_remedy(
     lcmtools_process: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:
