@@ -19,6 +19,7 @@ class LabProgram:
     types: tuple[str, ...] = ()  # the message types that these may have
     subscribes: tuple[str, ...] = ()  # topics that it is to subscribe to
     has_keys: bool = False  # it is driven by keys, and not by its callbacks
+    may_end: bool = False  # it may end by itself when its work is done
     rate: float = 4.0  # simulated seconds per second of its check, where simulated time counts
 
     @property
@@ -92,13 +93,20 @@ _PIONEER = Lab(
             has_keys=True,
             rate=1.0,
         ),
-        LabProgram("viewer", "kinect_viewer", subscribes=("/camera/depth/image_raw",), rate=1.0),
+        LabProgram(
+            "viewer",
+            "kinect_viewer",
+            subscribes=("/camera/depth/image_raw",),
+            may_end=True,
+            rate=1.0,
+        ),
         LabProgram(
             "path",
             "path_follower",
             publishes=("/RosAria/cmd_vel",),
             types=("geometry_msgs/Twist",),
             subscribes=("/path",),
+            may_end=True,
         ),
     ),
     (

@@ -169,7 +169,7 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
 
 def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
     """Return the topic that it does not hear; plain LCM programs announce none."""
-    odd = next((w for w in look.subscriptions if w.topic in wanted and w.offered), None)
+    odd = next((wire for wire in look.subscriptions if wire.offered), None)
     if odd:
         return Cause(TYPE, f"it subscribes to {odd.topic} as {odd.type}, where {odd.offered} comes")
     have = [wire.topic for wire in look.subscriptions]

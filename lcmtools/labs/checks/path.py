@@ -114,7 +114,8 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
         bench.start_again()
         program = bench.start(command)
         results = _driven(bench, DrivenPath(bench.path))
-    if program.code is None:
+    has_arrived = program.code == 0 and all(result.is_ok for result in results)
+    if program.code is None or has_arrived:
         yield from results
     else:
         yield program.early_end("drives the path")
@@ -199,7 +200,7 @@ def _velocity_cause(drive: DrivenPath) -> Cause | None:
     away = [s.turn_rate * side for s, side in drive.offsets if abs(side) > _MEAN]
     if (abs(offset) > _LOST or drive.along < _LOST) and math.fsum(away) > 0:
         text = "wrong sign of turn: it turns away from the path; left is angular.z above 0"
-        return Cause("turn-sign", text)
+        return Cause("turn-sign", f"{text}, and /ground_truth is in the path's frame")
     fastest = max(abs(sample.turn_rate) for sample, _ in drive.offsets)
     if fastest > _SPIN:
         text = f"it turns at {fastest:.1f} rad/s: angles are in radians, and not in degrees"

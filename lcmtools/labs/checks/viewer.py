@@ -61,8 +61,8 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         f"{part:.0%}",
         is_ok=part >= GOOD,
         hint=reason
-        or "pixels of the same depth do not look the same: 16UC1 is two bytes a pixel, low byte"
-        " first, in mm, 0 for none; rows from the top",
+        or "pixels of about the same depth do not look alike: 16UC1 is two bytes a pixel, low byte"
+        " first, in mm, 0 for none: scale it to 255 at most; rows from the top",
         cause="picture",
     )
 

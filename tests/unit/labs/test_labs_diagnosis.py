@@ -154,6 +154,11 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "it subscribes to /husky0/odometry as nav_msgs/Odometry, where a_msgs/A comes",
         ),
         (
+            {"look": replace(WELL, subscriptions=[*INPUTS, Wire("/a", "b/B", offered="a_msgs/A")])},
+            "type",
+            "it subscribes to /a as b/B, where a_msgs/A comes",
+        ),
+        (
             {"look": WELL, "printed": "[WARN] [/a]: create_timer: a period of 50 s; if 50 ms ..."},
             "timer",
             "its timer has not been called yet: create_timer: a period of 50 s; if 50 ms",
