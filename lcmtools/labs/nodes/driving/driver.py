@@ -9,11 +9,11 @@ import sys
 import textwrap
 import time
 from abc import ABC, abstractmethod
-from typing import Protocol
 
 import lcmtools
 from lcmtools import Node
 from lcmtools.labs.nodes.driving.keyboard import Keyboard, open_keyboard
+from lcmtools.labs.nodes.driving.motion import Motion, Sliders
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.terminal import is_terminal
 
@@ -28,27 +28,16 @@ _KEY_TIME = 0.02
 _PIPE_HELP = "Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment."
 
 
-class _DrivingState(Protocol):
-    """The velocity that keys set [m/s], [rad/s]; its text is the status line."""
-
-    @property
-    def forward(self) -> float: ...
-    @property
-    def turn_rate(self) -> float: ...
-    def after(self, key: str) -> "_DrivingState": ...
-    def stopped(self) -> "_DrivingState": ...
-
-
 class Driver(Node, ABC):
     """A node that commands a velocity by keys.
 
     Attributes:
         key_help: The meaning of its keys, for a person at a terminal.
-        motion: The state of driving; set by the subclass.
+        motion: The velocity that keys set, whose text is the status line; set by the subclass.
     """
 
     key_help = ""
-    motion: _DrivingState
+    motion: Motion | Sliders
 
     def __init__(self, name: str) -> None:
         super().__init__(name)

@@ -7,24 +7,14 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import Protocol
+from typing import TypeAlias
 
 from lcmtools.labs.nodes.driving.keys import KeyScript
 from lcmtools.terminal import Terminal, TerminalKeys, is_readable, is_terminal, read_waiting
 
 
-class Keyboard(Protocol):
-    """A source of keys; no more will come once it is over."""
-
-    is_over: bool
-
-    def read(self, seconds: float) -> list[str]:
-        """Return the keys that have come; wait for the first one at most so long."""
-        ...
-
-
 @contextlib.contextmanager
-def open_keyboard(on_suspend: Callable[[], object]) -> Iterator[Keyboard]:
+def open_keyboard(on_suspend: Callable[[], object]) -> "Iterator[Keyboard]":
     """Yield the keyboard of standard input's terminal, or the script that is piped in."""
     if not is_terminal(sys.stdin):
         yield PipedKeys()
@@ -42,7 +32,7 @@ class PipedKeys:
         self._has_ended = False
 
     def read(self, seconds: float) -> list[str]:
-        """Return the keys that have come."""
+        """Return the keys that have come; wait for the first one at most so long."""
         if self._has_ended:
             time.sleep(0 if self._script.is_over(time.monotonic()) else seconds)
         elif is_readable(seconds):
@@ -53,3 +43,7 @@ class PipedKeys:
         keys = self._script.due(now)
         self.is_over = self._script.is_over(now)
         return keys
+
+
+Keyboard: TypeAlias = TerminalKeys | PipedKeys
+"""A source of keys; no more will come once it ``is_over``."""
