@@ -24,14 +24,11 @@ _FINGERPRINT_BYTES = 8
 
 
 class IndexNotes:
-    """The notes of one recording; ``worker``, of one thread, looks up what takes a while.
-
-    Attributes:
-        losses: The losses since the beginning by the sender's name, of those that have lost any.
-    """
+    """The notes of one recording; ``worker``, of one thread, looks up what takes a while."""
 
     def __init__(self, monitor: BusMonitor, worker: Executor) -> None:
         self._monitor, self._worker = monitor, worker
+        # The losses since the beginning by the sender's name, of those that have lost any.
         self.losses: Mapping[str, Loss] = {}
         self._names = SenderNames()
         self._announced: dict[str, tuple[str, ...]] = {}

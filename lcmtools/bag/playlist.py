@@ -68,10 +68,6 @@ class Playlist(AbstractContextManager["Playlist"]):
     Hidden channels, as those of services, are played only where they are named. Nodes' recorded
     announcements never are.
 
-    Attributes:
-        span: The times of the first and the last message of the logs [ns since 1970].
-        tracks: What is played, sorted by channel.
-
     Raises:
         BusError: A file cannot be read, or is no log.
         LcmtoolsError: A log is empty, or has no topic that is named.
@@ -97,8 +93,9 @@ class Playlist(AbstractContextManager["Playlist"]):
                 if disorder(self._logs[-1][1]):
                     notify(f"the times of {path} go back; lcmtools bag sort puts them in order")
                 provide_recorded_types(log.index.types.values())
+            # The times of the first and the last message of the logs [ns since 1970].
             self.span = _span(self._logs)
-            self.tracks = self._tracks(choice)
+            self.tracks = self._tracks(choice)  # what is played, sorted by channel
         except BaseException:
             self.close()
             raise

@@ -46,18 +46,13 @@ class Trigger:
 
 
 class Ring:
-    """The last messages.
-
-    Attributes:
-        packets: The messages, the oldest first.
-        bytes: Bytes of their payloads.
-    """
+    """The last messages."""
 
     def __init__(self, snapshot: SnapshotPlan) -> None:
         self._before = round(snapshot.before * NANOSECONDS)
         self._most = snapshot.most_bytes
-        self.packets: deque[Packet] = deque()
-        self.bytes = 0
+        self.packets: deque[Packet] = deque()  # the messages, the oldest first
+        self.bytes = 0  # bytes of their payloads
 
     def add(self, packets: Sequence[Packet], now: int) -> None:
         """Keep some messages more; forget those that are too old at a time [ns], or too many."""

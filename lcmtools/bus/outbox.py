@@ -28,14 +28,11 @@ class Outbox:
     """Messages that wait, sent one after another, each topic in its turn.
 
     ``put`` sends a message; it may take long, and raises nothing.
-
-    Attributes:
-        dropped: Messages that made room for newer ones of their topic.
     """
 
     def __init__(self, put: Callable[[Outgoing], None]) -> None:
         self._put = put
-        self.dropped = 0
+        self.dropped = 0  # messages that made room for newer ones of their topic
         self._waiting: dict[str, deque[Outgoing]] = {}
         self._sending = ""  # the key of the message that is being sent
         self._changed = threading.Condition()

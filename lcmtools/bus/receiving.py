@@ -15,18 +15,12 @@ _LONGEST_TURN = 1.0  # [s] for which closing waits for a thread that receives
 
 
 class Receiving:
-    """The right to receive; a context manager for the bus's own thread.
-
-    Attributes:
-        is_lendable: Other threads may receive.
-        thread: The thread that receives now; 0 for none.
-        wakeup: Wakes that thread, or the next one.
-    """
+    """The right to receive; a context manager for the bus's own thread."""
 
     def __init__(self, *, is_lendable: bool) -> None:
-        self.is_lendable = is_lendable
-        self.thread = 0
-        self.wakeup = WakeupEvent()
+        self.is_lendable = is_lendable  # other threads may receive
+        self.thread = 0  # the thread that receives now; 0 for none
+        self.wakeup = WakeupEvent()  # wakes that thread, or the next one
         self._wakeup_of_own = WakeupEvent()
         self._lock = threading.Lock()  # held by the thread that receives
         self._is_leader_here = False

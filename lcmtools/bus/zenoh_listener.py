@@ -18,10 +18,6 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
 
     ``on_outage`` is that of ``ZenohSession``.
 
-    Attributes:
-        sender: This listener, as the sender of what it sends.
-        numbered: Each sender's sequence of numbers, which shows its losses.
-
     Raises:
         BusError: The bus cannot be reached.
         MissingExtra: Zenoh is not installed.
@@ -35,7 +31,9 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
     ) -> None:
         self._session = ZenohSession(url, on_outage)
         self._closed = False
+        # This listener, as the sender of what it sends.
         self.sender = Sender(f"{self._session.id:016x}", 0)
+        # Each sender's sequence of numbers, which shows its losses.
         self.numbered: dict[Sender, Sequence] = {}
         self._session.subscribe(None)
 

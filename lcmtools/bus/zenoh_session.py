@@ -61,10 +61,6 @@ class ZenohSession:
     ``on_outage`` is called by ``take`` when the connection to a router is lost or back, with a text
     and the present trouble, "" for none.
 
-    Attributes:
-        id: The session's id, 64 bits: the computer's number before a random one.
-        dropped: Messages that came late, or were not taken in time, the oldest first.
-
     Raises:
         BusError: The bus cannot be reached, with what to do.
         MissingExtra: Zenoh is not installed.
@@ -75,8 +71,9 @@ class ZenohSession:
         self._on_outage = on_outage
         self._outages: deque[bool] = deque()  # that began, and that ended
         self._keys = self._place.keys
+        # The session's id, 64 bits: the computer's number before a random one.
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
-        self.dropped = 0
+        self.dropped = 0  # messages that came late, or were not taken in time, the oldest first
         self._numbers = itertools.count(1)
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._lateness: dict[int, Lateness] = {}

@@ -24,19 +24,12 @@ End = Callable[[], None]
 
 
 class Source(Protocol):
-    """A bus or a log, as pages see it.
+    """A bus or a log, as pages see it."""
 
-    Attributes:
-        kind: Whether it is a bus or a log.
-        name: The URL, or the file.
-        publishers: What publishes for pages; None where nobody can.
-        steering: What drives robots for pages; likewise.
-    """
-
-    kind: Literal["bus", "log"]
-    name: str
-    publishers: Publishers | None
-    steering: Steering | None
+    kind: Literal["bus", "log"]  # whether it is a bus or a log
+    name: str  # the URL, or the file
+    publishers: Publishers | None  # what publishes for pages; None where nobody can
+    steering: Steering | None  # what drives robots for pages; likewise
 
     @property
     def latest(self) -> Snapshot:

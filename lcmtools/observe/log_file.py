@@ -38,21 +38,17 @@ _BAGS = ("MCAP", "ROS")
 class LogFile(AbstractContextManager["LogFile"]):
     """A log file that is open for reading.
 
-    Attributes:
-        path: The file.
-        data: Its bytes; of a compressed log those of the log itself.
-        index: What the index beside it says; an empty one where there is none that fits.
-        senders: The senders by their numbers in the index, with their names.
-
     Raises:
         BusError: The file cannot be read, or is no log.
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+        self.path = Path(path)  # the file
         with os_errors_as(f"cannot read the log '{path}'", kind=BusError):
-            self.data = _mapped(self.path)
+            self.data = _mapped(self.path)  # its bytes; of a compressed log those of the log itself
+        # What the index beside it says; an empty one where there is none that fits.
         self.index = _fitting(_read_index(self.path), self.data)
+        # The senders by their numbers in the index, with their names.
         self.senders = {
             number: one.sender._replace(name=one.name)
             for number, one in self.index.senders.items()

@@ -120,10 +120,6 @@ class Measurement(Generic[ItemT, FoundT]):
     ``windows`` has the window of each topic, as typed; ``item`` makes what a window takes of a
     message, None for one that does not count. ``notify`` is called with a sentence for the person.
 
-    Attributes:
-        channels: The channels that are listened to, one for each topic; none on a log.
-        is_simulated: Simulated time is gone by.
-
     Raises:
         ValueMismatch: The condition does not fit a type that is announced.
     """
@@ -155,7 +151,8 @@ class Measurement(Generic[ItemT, FoundT]):
             strict_time=True,
             keep=self._counts if options.condition else None,
         )
-        self.is_simulated = self._stream.is_simulated
+        self.is_simulated = self._stream.is_simulated  # simulated time is gone by
+        # The channels that are listened to, one for each topic; none on a log.
         self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
 
     def reports(self) -> Iterator[MeasurementReport[FoundT]]:

@@ -39,17 +39,13 @@ class Bandwidth(NamedTuple):
 
 
 class Window(ABC, Generic[ItemT, FoundT]):
-    """The latest arrivals of a topic.
-
-    Attributes:
-        total: The number of arrivals ever.
-    """
+    """The latest arrivals of a topic."""
 
     _least = 2  # arrivals
     _repeats = False  # True if it tells something where nothing has arrived since the last time
 
     def __init__(self) -> None:
-        self.total = 0
+        self.total = 0  # the number of arrivals ever
         self._since = 0  # the total when time began
         self._reported = 0
 

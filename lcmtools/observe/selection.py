@@ -12,15 +12,11 @@ from lcmtools.observe.find import GLOBAL
 
 
 class OneTopic:
-    """A topic and, with ``with_path``, the field path behind it; raises UsageError for none.
-
-    Attributes:
-        is_fixed: The selection does not depend on the topics on the bus.
-    """
+    """A topic and, with ``with_path``, the field path behind it; raises UsageError for none."""
 
     def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
         self.text = argument
-        self.is_fixed = not with_path
+        self.is_fixed = not with_path  # the selection does not depend on the topics on the bus
         self._names = names
         self.path = Path()
         self._is_found = self.is_fixed

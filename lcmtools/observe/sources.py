@@ -17,13 +17,9 @@ _BATCH = 100  # messages of a log at a time, so that reading can be stopped
 
 
 class Observer(Protocol):
-    """A source that sees all messages: the tap, a subscription to everything, or a log.
+    """A source that sees all messages: the tap, a subscription to everything, or a log."""
 
-    Attributes:
-        is_live: Messages come in real time; else a log is read at once by its own times.
-    """
-
-    is_live: bool
+    is_live: bool  # messages come in real time; else a log is read at once by its own times
 
     @property
     def is_awaiting(self) -> bool:
@@ -71,9 +67,6 @@ class LogObserver:
     """The messages of a log file, as fast as they are read, with the times of the recording.
 
     ``between`` are the times from which and to which messages count [ns since 1970].
-
-    Attributes:
-        file: The log, whose index may know nodes, types and losses.
     """
 
     port = 0
@@ -83,7 +76,7 @@ class LogObserver:
     def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:
         from lcmtools.observe.log_file import LogFile
 
-        self.file: LogFile = LogFile(path)
+        self.file: LogFile = LogFile(path)  # the log, whose index may know nodes, types and losses
         self._packets = self.file.packets()
         if between:
             first, last = between

@@ -58,19 +58,14 @@ class Start:
 
 
 class ChildProcess:
-    """A process in a session and group of its own; OSError where the system does not start it.
-
-    Attributes:
-        pid: Its number, and its group's.
-        next_step: The time at which the next signal is due, see ``tick``.
-    """
+    """A process in a session and group of its own; OSError where the system does not start it."""
 
     def __init__(self, start: Start, guard: ProcessGuard, timeouts: StopTimeouts) -> None:
         self._guard = guard
         self._keyboard: int | None = None
         self._output = start.output
         self._popen = self._started(start)
-        self.pid = self._popen.pid
+        self.pid = self._popen.pid  # its number, and its group's
         self._lines: dict[int, tuple[IO[bytes], Lines, bool]] = {}
         for stream, is_error in ((self._popen.stdout, False), (self._popen.stderr, True)):
             if stream is not None:
@@ -81,7 +76,7 @@ class ChildProcess:
             (signal.SIGTERM, timeouts.terminate),
             (signal.SIGKILL, _NEVER),
         ]
-        self.next_step = _NEVER
+        self.next_step = _NEVER  # the time at which the next signal is due, see ``tick``
 
     def __enter__(self) -> "Self":
         """Return it; it runs."""

@@ -25,19 +25,13 @@ _MOST_HOPS = 16  # relays that a message may pass
 
 
 class BusEnd(Protocol):
-    """A connection to a bus: one thread receives, another one sends.
+    """A connection to a bus: one thread receives, another one sends."""
 
-    Attributes:
-        ports: UDP ports that it sends from, 0 on Zenoh; empty where the bus names no senders.
-        takes_origin: The bus carries the origin of a message beside it.
-        is_quick: Sending a short message never takes time.
-        trouble: The reason why the bus cannot be reached; "" for none.
-    """
-
+    # UDP ports that it sends from, 0 on Zenoh; empty where the bus names no senders.
     ports: tuple[int, ...]
-    takes_origin: bool
-    is_quick: bool
-    trouble: str
+    takes_origin: bool  # the bus carries the origin of a message beside it
+    is_quick: bool  # sending a short message never takes time
+    trouble: str  # the reason why the bus cannot be reached; "" for none
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""

@@ -148,10 +148,6 @@ class Hub(AbstractContextManager["Hub"]):
 
     ``notify`` is called with a sentence when a client is closed, or loses messages.
 
-    Attributes:
-        port: The port of its address, also where 0 was asked for.
-        counts: Its counts.
-
     Raises:
         BusError: The address cannot be used.
     """
@@ -159,6 +155,7 @@ class Hub(AbstractContextManager["Hub"]):
     def __init__(self, url: BusUrl, notify: Callable[[str], None]) -> None:
         self._notify = notify
         self._listener = _listen(url)
+        # The port of its address, also where 0 was asked for.
         self.port = int(self._listener.getsockname()[1])
         self.counts = HubCounts()
         self._clients: dict[socket.socket, _Client] = {}

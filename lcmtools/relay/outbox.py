@@ -31,14 +31,10 @@ class LineMessage(NamedTuple):
 
 
 class LineQueue:
-    """The messages that wait for one bus.
-
-    Attributes:
-        dropped: The number of messages that were dropped.
-    """
+    """The messages that wait for one bus."""
 
     def __init__(self, most_bytes: int = MOST_WAITING_BYTES) -> None:
-        self.dropped = 0
+        self.dropped = 0  # the number of messages that were dropped
         self._most_bytes = most_bytes
         self._waiting: deque[LineMessage] = deque()
         self._first: deque[LineMessage] = deque()

@@ -27,19 +27,15 @@ _SMALL = 16 << 10  # bytes of a message that is kept though its topic is not kno
 
 
 class Side:
-    """One bus of a relay, with the rules for messages from it.
-
-    Attributes:
-        outbox: What waits to be sent to the bus.
-        idle: Senders on this bus that are relays which are not to carry messages.
-        commands: Topics that do not pass for want of being named, with their names there.
-    """
+    """One bus of a relay, with the rules for messages from it."""
 
     def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
-        self.outbox = LineQueue()
+        self.outbox = LineQueue()  # what waits to be sent to the bus
+        # Senders on this bus that are relays which are not to carry messages.
         self.idle: frozenset[Sender] = frozenset()
+        # Topics that do not pass for want of being named, with their names there.
         self.commands: dict[str, str] = {}
         self._builder = GraphBuilder()
         self._graph: Graph | None = None

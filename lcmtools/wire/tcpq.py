@@ -35,14 +35,10 @@ class Frame(NamedTuple):
 
 
 class FrameReader:
-    """Makes frames of the bytes of one client, however they are cut.
-
-    Attributes:
-        is_greeted: The client has greeted.
-    """
+    """Makes frames of the bytes of one client, however they are cut."""
 
     def __init__(self) -> None:
-        self.is_greeted = False
+        self.is_greeted = False  # the client has greeted
         self._bytes = bytearray()
 
     def read(self, data: bytes | memoryview) -> Iterator[Frame]:

@@ -25,15 +25,10 @@ _MARGIN = 0.02  # [m]
 
 
 class Fleet:
-    """The robots of a world, in the order in which they were added.
-
-    Attributes:
-        robots: All.
-        changes: How often it has changed which of them step together.
-    """
+    """The robots of a world, in the order in which they were added."""
 
     def __init__(self, world: World, scene: Scene) -> None:
-        self.changes = 0
+        self.changes = 0  # how often it has changed which of them step together
         self.robots: list[Robot] = []
         self._world = world
         self._dt, self._fall = scene.dt, scene.gravity * scene.dt

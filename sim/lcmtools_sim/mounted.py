@@ -43,33 +43,25 @@ class Sample(NamedTuple):
 
 
 class MountedSensor:
-    """A sensor of a robot, and the topics of its messages.
-
-    Attributes:
-        robot: As given.
-        rate: [Hz]
-        mount: As given.
-        sensor: As given.
-        labels: The topic and the type of each output.
-        active: The outputs that are measured each time; at first all.
-        seldom: Bulky outputs without a known subscriber: measured once a second.
-    """
+    """A sensor of a robot, and the topics of its messages."""
 
     def __init__(
         self, robot: Robot, mount: SensorMount, sensor: Sensor, bulky: frozenset[str] = frozenset()
     ) -> None:
         self.robot = robot
-        self.rate = mount.rate
+        self.rate = mount.rate  # [Hz]
         self.mount = mount
         self.sensor = sensor
         self._shares = isinstance(sensor, SharedSensor) and sensor.is_shared
         self._bulky = bulky
         self._always = mount.always
+        # The topic and the type of each output.
         self.labels = {
             name: (_topic(robot.namespace, mount, name), kind)
             for name, kind in sensor.outputs.items()
         }
-        self.active = tuple(self.labels)
+        self.active = tuple(self.labels)  # the outputs that are measured each time; at first all
+        # Bulky outputs without a known subscriber: measured once a second.
         self.seldom: tuple[str, ...] = ()
         self._count = 0
 

@@ -7,17 +7,13 @@ from lcmtools_sim.world import World
 
 
 class MovableObject:
-    """An object of a world; its frame is on the ground below its centre, as a robot's is.
-
-    Attributes:
-        name: No other movable object of the world has it.
-        parts: Its shapes, in its frame.
-    """
+    """An object of a world; its frame is on the ground below its centre, as a robot's is."""
 
     def __init__(self, world: World, thing: SceneObject, body: int) -> None:
-        self.name = world.name(body)
+        self.name = world.name(body)  # no other movable object of the world has it
         self._world, self._body = world, body
         self._height = max(part.extent(2) - part.position[2] for part in thing.parts)
+        # Its shapes, in its frame.
         self.parts: tuple[Part, ...] = tuple(
             part.placed((0.0, 0.0, self._height)) for part in thing.parts
         )

@@ -34,24 +34,14 @@ class Robot:
 
     Where it may touch something, the engine moves its body. On level ground with nothing near, its
     ``vehicles`` do: the same motion, for its body slides there without friction, pulled by tyres.
-
-    Attributes:
-        model: Its kind.
-        namespace: Global.
-        world: The engine's.
-        body: Its body's number there.
-        is_free: True if the engine does not move it.
-        reach: The farthest that any point is from the centre of mass [m], at most.
-        vehicles: Hold its values, alone or with others.
-        index: Its place there.
-        odometry_frame: The frame in the world in which its odometry was true when it was put there.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
-        self.model = placement.model
-        self.namespace = placement.namespace
-        self.world = world
-        self.is_free = False
+        self.model = placement.model  # its kind
+        self.namespace = placement.namespace  # global
+        self.world = world  # the engine's
+        self.is_free = False  # True if the engine does not move it
+        # The farthest that any point is from the centre of mass [m], at most.
         self.reach = solids_of(self.model.body.parts).reach + self.model.body.centre_of_mass
         self._dt = scene.dt
         self._fall = scene.gravity * scene.dt  # [m/s] in a step
@@ -63,14 +53,17 @@ class Robot:
         )
         random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
         known = constants(self.model, scene.dt, timeout, friction)
+        # Hold its values, alone or with others.
         self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
-        self.index = 0
+        self.index = 0  # its place there
         self._known, self._tyres = known, self.vehicles.tyres
+        # Its body's number there.
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
         self._motions = motion, motion
         """In the engine: the present one, and that of one step ago."""
         self._group: HeldRobots | None = None
+        # The frame in the world in which its odometry was true when it was put there.
         self.odometry_frame = self._frame(self.model.body.base_height)
 
     def check_start(self, where: str) -> None:

@@ -75,9 +75,6 @@ class Pacer:
     Deadlines are absolute, so that a late wake-up is compensated by the following steps, which then
     run without sleeping. Debt above MAX_DEBT is dropped: the simulation falls behind instead of
     racing.
-
-    Attributes:
-        period: Wall seconds of a step, which may be changed; 0 never waits.
     """
 
     def __init__(
@@ -86,7 +83,7 @@ class Pacer:
         now: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.period = period
+        self.period = period  # wall seconds of a step, which may be changed; 0 never waits
         self._now = now
         self._sleep = sleep
         self._deadline = now()

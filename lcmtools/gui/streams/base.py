@@ -31,17 +31,13 @@ class PageStream(ABC):
 
     What follows a topic calls ``self.follow(topic, self.take)`` in its ``__init__``: ``take`` is
     then called on the source's thread, has to be quick and to guard what it shares by a lock.
-
-    Attributes:
-        period: The shortest time between two updates [s].
-        is_shared: Equal streams of all pages are one, whose update is made once. Not for streams
-            whose updates add to each other: a slow page does not get all of them.
-        commands: Only for pages that may command.
     """
 
-    period: ClassVar[float] = 0.1
+    period: ClassVar[float] = 0.1  # the shortest time between two updates [s]
+    # Equal streams of all pages are one, whose update is made once. Not for streams whose updates
+    # add to each other: a slow page does not get all of them.
     is_shared: ClassVar[bool] = False
-    commands: ClassVar[bool] = False
+    commands: ClassVar[bool] = False  # only for pages that may command
 
     def __init__(self, source: Source, parameters: Parameters) -> None:
         self.source = source

@@ -10,19 +10,13 @@ from lcmtools.gui.streams.base import PageStream, Update
 
 
 class OpenStream:
-    """A stream with its latest update.
-
-    Attributes:
-        latest: The latest update; None before the first.
-        version: The number of updates so far.
-        problem: Why there is nothing to show; "" if all is well.
-    """
+    """A stream with its latest update."""
 
     def __init__(self, stream: PageStream) -> None:
         self.stream = stream
-        self.latest: Update | None = None
-        self.version = 0
-        self.problem = ""
+        self.latest: Update | None = None  # the latest update; None before the first
+        self.version = 0  # the number of updates so far
+        self.problem = ""  # why there is nothing to show; "" if all is well
         self.users = 0
         self._next = 0.0
 

@@ -51,20 +51,12 @@ class TestBench:
 
     It runs at ``rate`` simulated seconds per second, or at what suits the program that is checked,
     and may take ``time_limit`` [s] of real time in all.
-
-    Attributes:
-        node: The observer, which also commands the robot.
-        recorder: Records what happens on the bus, while ``wait`` runs.
-        folder: For files of the check; it goes away with the bench.
-        program: The program under check, once it is started.
-        world: The world file's content.
-        path: The path that the robot is to follow [m], set by its check.
     """
 
-    node: Node
-    recorder: Recorder
-    folder: Path
-    program: CheckedProgram | None = None
+    node: Node  # the observer, which also commands the robot
+    recorder: Recorder  # records what happens on the bus, while ``wait`` runs
+    folder: Path  # for files of the check; it goes away with the bench
+    program: CheckedProgram | None = None  # the program under check, once it is started
 
     def __init__(
         self,
@@ -74,7 +66,8 @@ class TestBench:
         time_limit: float = float("inf"),
     ) -> None:
         self.lab = lab
-        self.world: dict[str, Any] = {}
+        self.world: dict[str, Any] = {}  # the world file's content
+        # The path that the robot is to follow [m], set by its check.
         self.path: Sequence[tuple[float, float]] = ()
         self._lab_program = program
         self._first_rate = rate or program.rate

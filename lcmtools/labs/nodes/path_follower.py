@@ -39,15 +39,11 @@ Point = tuple[float, float]
 
 
 class Pursuit:
-    """The place on a path of (x, y) [m], and the curvature to drive at, as plain mathematics.
-
-    Attributes:
-        nearest: The number of the nearest point, also of those added; it never goes back.
-    """
+    """The place on a path of (x, y) [m], and the curvature to drive at, as plain mathematics."""
 
     def __init__(self, points: Sequence[Point]) -> None:
         self._points = [*chain.from_iterable(starmap(_piece, pairwise(points))), points[-1]]
-        self.nearest = 0
+        self.nearest = 0  # the number of the nearest point, also of those added; it never goes back
 
     def advance(self, place: Point) -> None:
         """Go on to the point that is nearest to the robot's place."""

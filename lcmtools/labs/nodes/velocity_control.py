@@ -79,13 +79,10 @@ class SideControl:
 
 
 class VelocityControl:
-    """Controls the velocity of a robot with skid steering by the efforts of its two sides.
-
-    Attributes:
-        gains: Gains of both sides. They may change: no effort jumps where the error is 0.
-    """
+    """Controls the velocity of a robot with skid steering by the efforts of its two sides."""
 
     def __init__(self, gains: Gains) -> None:
+        # Gains of both sides. They may change: no effort jumps where the error is 0.
         self.gains = gains
         self._sides = SideControl(), SideControl()
         self._last_time: int | None = None

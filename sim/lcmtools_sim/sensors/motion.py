@@ -46,15 +46,10 @@ COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 
 
 class MotionSensor(SharedSensor):
-    """A sensor whose messages are numbers in a template, worked out of a robot's state alone.
+    """A sensor whose messages are numbers in a template, worked out of a robot's state alone."""
 
-    Attributes:
-        template: Of its messages.
-        is_noisy: Its numbers are its own, drawn for each sample.
-    """
-
-    template: PayloadTemplate
-    is_noisy: bool
+    template: PayloadTemplate  # of its messages
+    is_noisy: bool  # its numbers are its own, drawn for each sample
 
     @property
     def is_shared(self) -> bool:

@@ -14,14 +14,10 @@ NOTHING = -1
 
 
 class Marks:
-    """A map of lines on the plane z = 0.
-
-    Attributes:
-        colors: (n, 3) of the lines.
-    """
+    """A map of lines on the plane z = 0."""
 
     def __init__(self, lines: Sequence[Line]) -> None:
-        self.colors = np.array([line.color for line in lines])
+        self.colors = np.array([line.color for line in lines])  # (n, 3) of the lines
         widest = max(line.width for line in lines)
         points = np.concatenate([line.points for line in lines])
         self._low = points.min(axis=0) - widest

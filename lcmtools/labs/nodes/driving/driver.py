@@ -29,14 +29,10 @@ _PIPE_HELP = "Keys are also taken from a pipe: a number is a wait in seconds, # 
 
 
 class Driver(Node, ABC):
-    """A node that commands a velocity by keys.
+    """A node that commands a velocity by keys."""
 
-    Attributes:
-        key_help: The meaning of its keys, for a person at a terminal.
-        motion: The velocity that keys set, whose text is the status line; set by the subclass.
-    """
-
-    key_help = ""
+    key_help = ""  # the meaning of its keys, for a person at a terminal
+    # The velocity that keys set, whose text is the status line; set by the subclass.
     motion: Motion | Sliders
 
     def __init__(self, name: str) -> None:

@@ -20,13 +20,9 @@ _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several t
 
 
 class Display(ABC):
-    """Something that shows one picture after the other.
+    """Something that shows one picture after the other."""
 
-    Attributes:
-        is_over: True once the person has closed it.
-    """
-
-    is_over = False
+    is_over = False  # True once the person has closed it
 
     def open(self, title: str) -> None:  # noqa: B027 - not every display needs it
         """Get ready; the title is the topic."""
