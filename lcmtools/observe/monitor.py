@@ -115,13 +115,10 @@ class BusMonitor:
             self._presence.announce(leaving=True)
         self._observer.close()
 
-    def listen_to(self, topics: Sequence[str], depth: int = 0) -> None:
+    def listen_to(self, topics: Sequence[str]) -> None:
         """Announce that this command listens to these topics; nothing on a log."""
-        if self.is_log:
-            return
-        self._presence.listen_to(
-            [Endpoint(topic, Role.SUBSCRIBER, depth=depth) for topic in topics]
-        )
+        if not self.is_log:
+            self._presence.listen_to([Endpoint(topic, Role.SUBSCRIBER) for topic in topics])
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
