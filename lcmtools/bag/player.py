@@ -32,11 +32,6 @@ class Player:
 
     Every message is due by its time in the log and by when playing began, paused or changed its
     rate, so that delays do not add up.
-
-    Attributes:
-        rate: Seconds of the log in a second; 0 for as fast as possible.
-        is_paused: Nothing is due.
-        is_over: There is no more message.
     """
 
     def __init__(
@@ -50,8 +45,9 @@ class Player:
         now: int = 0,
     ) -> None:
         self._source, self._window, self._loops = messages, window, loops
-        self.rate, self.is_paused = rate, is_paused
-        self.is_over = False
+        self.rate = rate  # seconds of the log in a second; 0 for as fast as possible
+        self.is_paused = is_paused  # nothing is due
+        self.is_over = False  # there is no more message
         self._log_time, self._begin = window[0], now
         self._next: Played | None = None
         self._move(window[0], now)

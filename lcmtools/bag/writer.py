@@ -42,11 +42,6 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     them that ``take`` has returned: a compressed frame, if there is a ``compression``. With
     ``force`` it takes the place of a file that exists.
 
-    Attributes:
-        path: The log.
-        messages: The number of messages that were added.
-        size: Bytes of the log, with what is not yet written, before they are compressed.
-
     Raises:
         LcmtoolsError: The file exists, or cannot be written.
     """
@@ -56,7 +51,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     ) -> None:
         self.path = Path(path)
         self._compress = compressor(compression) if compression else None
-        self.messages = self.size = 0
+        self.messages = 0  # that were added
+        self.size = 0  # bytes of the log, with what is not yet written, before they are compressed
         self._log = _create(self.path, force=force)
         try:
             self._index = _create(index_path(self.path), force=True)

@@ -55,15 +55,9 @@ class Connection:
 
     For one thread, but ``instance`` may be read by any.
 
-    Args:
-        url: The bus.
-        subscribe: Makes the subscriptions of an instance: of the first one, and of each new one.
-        on_outage: Called when the connection is lost or back, with a text and the present trouble,
-            "" for none.
-
-    Attributes:
-        instance: None when the connection is lost, or a log has ended.
-        filter: Before its sockets.
+    ``subscribe`` makes the subscriptions of an instance: of the first one, and of each new one;
+    ``on_outage`` is called when the connection is lost or back, with a text and the present
+    trouble, "" for none.
 
     Raises:
         BusError: The bus cannot be reached.
@@ -80,8 +74,9 @@ class Connection:
         self._on_outage = on_outage
         self._pause = _FIRST_PAUSE
         self._due = math.inf  # time of the next attempt
-        instance, self.filter = open_lcm(url)
+        instance, self.filter = open_lcm(url)  # the filter before its sockets
         subscribe(instance)
+        # None when the connection is lost, or a log has ended.
         self.instance: Instance | None = instance
 
     @property

@@ -27,16 +27,8 @@ from lcmtools.graph.protocol import (
 class Presence:
     """The announcements of one node on one bus; whoever receives from the bus calls it.
 
-    Args:
-        node: The node.
-        send: Publishes a payload on a channel; raises BusError where it cannot.
-        on_shutdown: Called when another program requests this one to end; None to ignore that.
-        records: The records of the nodes that run; None for none.
-
-    Attributes:
-        node: The node as it is announced.
-        send: Publishes a payload on a channel.
-        trouble: The reason why the last announcement was not sent; "" for none.
+    ``send`` publishes a payload on a channel, and raises BusError where it cannot; ``on_shutdown``
+    is called when another program requests this one to end. ``records`` are of the nodes that run.
     """
 
     def __init__(
@@ -46,11 +38,11 @@ class Presence:
         on_shutdown: Callable[[], None] | None = None,
         records: NodeRecords | None = None,
     ) -> None:
-        self.node = node
+        self.node = node  # as it is announced
         self._records = records
         if records:
             records.write(node)
-        self.trouble = ""
+        self.trouble = ""  # the reason why the last announcement was not sent
         self.send, self._on_shutdown = send, on_shutdown
         self._next = 0.0
 

@@ -22,27 +22,17 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 
 class Recorder:
-    """Records what happens on a check's bus, as long as its node, the observer, spins.
-
-    Attributes:
-        rate: Simulated seconds per second, now.
-        time: Simulated time [s].
-        duration: The simulated time that has passed, each part of it divided by its rate [s].
-        commands: Messages on the topics that the program is to publish.
-        motion: The robot's true motion.
-        desired: The velocities that were desired.
-        touches: The robot's contacts.
-        warnings: What the simulator warned of.
-    """
+    """Records what happens on a check's bus, as long as its node, the observer, spins."""
 
     def __init__(self, node: Node, lab: Lab, program: LabProgram, rate: float) -> None:
-        self.rate = rate
-        self.time = self.duration = 0.0
-        self.commands: list[CommandMessage] = []
-        self.desired: list[Desire] = []
-        self.motion: list[TrueState] = []
-        self.touches: list[Touch] = []
-        self.warnings: list[str] = []
+        self.rate = rate  # simulated seconds per second, now
+        self.time = 0.0  # simulated [s]
+        self.duration = 0.0  # simulated time that has passed, each part divided by its rate [s]
+        self.commands: list[CommandMessage] = []  # on the topics that the program is to publish
+        self.desired: list[Desire] = []  # the velocities
+        self.motion: list[TrueState] = []  # the robot's
+        self.touches: list[Touch] = []  # the robot's contacts
+        self.warnings: list[str] = []  # of the simulator
         self._node, self._program, self._simulator = node, program, lab.simulator
         robot = lab.robot.rstrip("/")
         node.create_subscription(Clock, "/clock", self._take_clock, DEPTH)
