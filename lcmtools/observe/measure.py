@@ -14,13 +14,13 @@ from typing import Generic, TypeVar
 
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.clock import join_stamp
-from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType, UsageError
 from lcmtools.graph.model import Graph
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
 from lcmtools.messages.registry import message_class, type_name
-from lcmtools.names import Resolver
+from lcmtools.names import Resolver, has_wildcard
 from lcmtools.observe.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket
 from lcmtools.observe.counters import Counters
 from lcmtools.observe.decoding import Decoder, UnknownFingerprint
@@ -122,6 +122,7 @@ class Measurement(Generic[ItemT, FoundT]):
 
     Raises:
         ValueMismatch: The condition does not fit a type that is announced.
+        UsageError: A topic is a pattern, and no channel on the bus.
     """
 
     def __init__(
@@ -238,7 +239,11 @@ class Measurement(Generic[ItemT, FoundT]):
     def _channel(self, topic: str) -> str:
         """The channel of a topic, for which the condition is checked if its type is announced."""
         graph, names = self._stream.graph, self._options.names
-        channel = known_spelling(graph, topic, names) or names.spellings(topic)[-1]
+        found = known_spelling(graph, topic, names)
+        if found is None and has_wildcard(topic):
+            what = f"{topic} is a pattern, of which no one rate can be measured"
+            raise UsageError(what, f"lcmtools list --hz '{topic}' shows all that match")
+        channel = found or names.spellings(topic)[-1]
         types = graph.topic(channel).types
         if self._options.condition and len(types) == 1:
             with suppress(UnknownType):
