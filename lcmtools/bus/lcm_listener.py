@@ -16,14 +16,15 @@ from lcmtools.wire.sequence import Sequence
 class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
     """An observer of a bus that is no multicast group: an ordinary subscription to everything.
 
-    It has the tap's interface and less information: neither senders nor sequence numbers.
+    It has the tap's interface and less information: neither senders nor sequence numbers. So
+    programs that do not answer show by their messages alone.
 
     Raises:
         BusError: The bus cannot be reached.
     """
 
     port = 0
-    is_live, is_awaiting, has_strangers = True, False, False
+    is_live, is_awaiting = True, False
     numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(
@@ -31,6 +32,7 @@ class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
     ) -> None:
         self._url = url
         self.is_log = url.provider == "file"
+        self.has_strangers = url.provider in ("tcpq", "mpudpm")
         self._packets: list[Packet] = []
         self._connection = Connection(url, self._subscribe, on_outage)
 

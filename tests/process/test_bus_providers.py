@@ -214,6 +214,7 @@ def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitU
         assert packet.seqno is None
         assert before <= packet.time <= time.time_ns()
         assert listener.port == 0
+        assert listener.has_strangers, "plain programs show by their messages alone"
         listener.send("x", b"y")
     with pytest.raises(BusError):
         listener.send("x", b"y")
