@@ -103,6 +103,7 @@ class ArrivalStream:
         self._wall_time, self._strict_time, self._keep = wall_time, strict_time, keep
         self._routes: dict[str, list[tuple[str, Path]]] = {}
         self._known: set[str] = set()
+        self._heard: set[str] = set()
         self._is_fixed = all(isinstance(one, OneTopic) and one.is_fixed for one in selections)
         self._announced: list[str] = []
         self._next_look = 0.0
@@ -171,7 +172,7 @@ class ArrivalStream:
             topic = published[0] if published else self._selections[0].text
         spelling = known_spelling(graph, topic, self._names)
         if spelling is None:
-            near = near_topic(graph, topic, self._names)
+            near = near_topic(graph.topic_names(), topic, self._names)
             if near.startswith("did you mean"):
                 return near
         elif publishers := [node.name for node, _ in graph.topic(spelling).publishers]:
@@ -181,12 +182,22 @@ class ArrivalStream:
 
     def contents(self) -> str:
         """Return the topics of a log that has been read, for people."""
-        seen = self._monitor.graph().topic_names()
+        seen = self._recorded()
         return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
 
+    def _recorded(self) -> list[str]:
+        """The topics of a log that have messages in it, and are not only announced."""
+        graph = self._monitor.graph()
+        return [name for name in graph.topic_names() if graph.topic(name).traffic]
+
     def near(self, topic: str) -> str:
-        """Return a hint at the topic that may have been meant instead."""
-        return near_topic(self._monitor.graph(), topic, self._names)
+        """Return the topic of a log that may have been meant instead, or what the log has."""
+        hint = near_topic(self._recorded(), topic, self._names)
+        return hint if hint.startswith("did you mean") else self.contents()
+
+    def silent(self) -> list[str]:
+        """Return the selected topics of which nothing has come."""
+        return [one.text for one in self._selections if one.text not in self._heard]
 
     def _routes_of(self, channel: str) -> list[tuple[str, Path]]:
         """The selections that a channel is of; several with the same field path are one."""
@@ -194,6 +205,7 @@ class ArrivalStream:
         for one in self._selections:
             path = one.path_on(channel)
             if path is not None:
+                self._heard.add(one.text)
                 found.setdefault(one.text if self._is_fixed else path, (one.text, path))
         return list(found.values())
 
@@ -258,8 +270,8 @@ def taken_together(
         NothingReceived: There was no result for ``timeout`` seconds.
         LcmtoolsError: The log has ended, and nothing in it is of the topics.
     """
-    last = time.monotonic()
-    has_notified = has_arrived = False
+    began = last = time.monotonic()
+    has_notified = has_arrived = has_compared = False
     while True:
         try:
             batch = stream.receive(_WAIT if timeout is None else min(_WAIT, timeout))
@@ -268,12 +280,17 @@ def taken_together(
                 raise LcmtoolsError(
                     f"nothing is on {stream.text} in the log", stream.contents()
                 ) from None
+            _notify_silent(stream, notify, has_ended=True)
             return
         has_arrived = has_arrived or bool(batch.arrivals)
         for results in _results(batch.arrivals, take, most):
             last, has_notified = time.monotonic(), True
             yield results
-        waited = time.monotonic() - last
+        now = time.monotonic()
+        if has_arrived and not has_compared and now - began >= PATIENCE:
+            has_compared = True
+            _notify_silent(stream, notify)
+        waited = now - last
         if timeout is not None and waited >= timeout:
             what = "nothing that can be shown" if has_arrived else "nothing"
             raise NothingReceived(
@@ -283,6 +300,17 @@ def taken_together(
             has_notified = True
             what = "no message that can be shown" if has_arrived else "no message"
             notify(f"{what} on {stream.text} yet; {stream.situation()}")
+
+
+def _notify_silent(
+    stream: ArrivalStream, notify: Callable[[str], None], *, has_ended: bool = False
+) -> None:
+    """Say on which topics nothing has come, and what may have been meant."""
+    for text in stream.silent():
+        if has_ended:
+            notify(f"the log has no message on {text}; {stream.near(text)}")
+        else:
+            notify(f"no message on {text} yet; {stream.situation(text)}")
 
 
 def _results(

@@ -37,7 +37,8 @@ def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
     spelling = known_spelling(graph, name, names)
     if spelling is None:
         raise LcmtoolsError(
-            f"unknown topic {names.spellings(name)[-1]}", near_topic(graph, name, names)
+            f"unknown topic {names.spellings(name)[-1]}",
+            near_topic(graph.topic_names(), name, names),
         )
     return graph.topic(spelling)
 
@@ -66,10 +67,10 @@ def is_of_type(topic: Topic, name: str) -> bool:
     )
 
 
-def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:
+def near_topic(known: Iterable[str], name: str, names: Resolver = GLOBAL) -> str:
     """Return a hint at the topic that may have been meant instead."""
-    known = [topic for topic in graph.topic_names() if not is_hidden(topic)]
-    return _near(name, names.spellings(name)[-1], known) or "lcmtools list shows the topics"
+    visible = [topic for topic in known if not is_hidden(topic)]
+    return _near(name, names.spellings(name)[-1], visible) or "lcmtools list shows the topics"
 
 
 def find_node(graph: Graph, name: str) -> Node:

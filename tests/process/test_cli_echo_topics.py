@@ -146,6 +146,26 @@ def test_payloads_of_no_known_type_say_their_topic_too(lcmtools: Run) -> None:
     )
 
 
+def test_one_of_several_topics_is_named_while_nothing_comes_on_it(
+    start: Callable[..., Any], lcmtools_path: str, module_bus_url: str
+) -> None:
+    topics = "/husky1/name", "/husky1/nam"
+    echo = start(lcmtools_path, "echo", *topics, LCM_DEFAULT_URL=module_bus_url)
+    line = "lcmtools echo: no message on /husky1/nam yet; did you mean /husky1/name?"
+    assert echo.wait_for("no message") == line
+
+
+def test_a_topic_that_a_log_has_only_announced_is_told_from_what_it_has(
+    lcmtools: Run, tmp_path: Path
+) -> None:
+    log = str(tmp_path / "a.lcmlog")
+    lcmtools("bag", "record", "/husky0/where", "-n", "1", "-o", log)
+    result = lcmtools("echo", "-b", log, "/husky0/where", "/husky1/where")
+    assert result.returncode == 0
+    line = "lcmtools echo: the log has no message on /husky1/where; did you mean /husky0/where?\n"
+    assert result.stderr == line
+
+
 def test_topics_that_come_later_are_taken_too(
     start: Callable[..., Any], lcmtools_path: str, tmp_path: Path, module_bus_url: str
 ) -> None:

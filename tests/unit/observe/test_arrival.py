@@ -76,6 +76,9 @@ class _Batches:
         times = self._batches.pop(0)
         return Batch([SelectedPacket("/a", Packet("/a", b"", time), time) for time in times], 0)
 
+    def silent(self) -> list[str]:
+        return []
+
 
 def _stream(*batches: list[int]) -> ArrivalStream:
     return cast("ArrivalStream", _Batches(*batches))
