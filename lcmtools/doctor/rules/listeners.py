@@ -9,6 +9,8 @@ from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, 
 _PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
+_NEARLY_ALL, _AT_EDGES = 0.95, 2  # of the messages of a look; those at its ends
+_FILLING = 1.2  # times the bytes that waited at its start
 _BUFFER = 4 << 20  # bytes that are enough for most
 
 
@@ -24,7 +26,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
         for x in _programs(evidence)
         if x.drops
         and x not in small
-        and not _is_stuck(x)
+        and not _is_stuck(x, evidence)
         and not (x.is_node and evidence.malformed)
     ]
     facts = (
@@ -40,7 +42,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     A stopped program does not, and its buffer fills.
     """
     stale = {node.pid for node in evidence.own_nodes() if node.stale}  # reported by another rule
-    stuck = [x for x in _programs(evidence) if x.pid not in stale and _is_stuck(x)]
+    stuck = [x for x in _programs(evidence) if x.pid not in stale and _is_stuck(x, evidence)]
     facts, remedies = [], []
     for x in stuck:
         is_stopped = x.state in _STOPPED
@@ -160,11 +162,14 @@ def _too_small(evidence: Evidence) -> list[Listener]:
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]
 
 
-def _is_stuck(listener: Listener) -> bool:
+def _is_stuck(listener: Listener, evidence: Evidence) -> bool:
+    """Return whether a program reads nothing: one that only reads slowly does not drop all."""
     if listener.state in _STOPPED:
         return True
-    waits = listener.queued_bytes and listener.was_queued_bytes
-    return bool(waits and listener.drops and listener.queued_bytes >= listener.was_queued_bytes)
+    before, now = listener.was_queued_bytes, listener.queued_bytes
+    came = sum(sender.messages for sender in evidence.senders)
+    has_read = now <= _FILLING * before and listener.drops + _AT_EDGES < _NEARLY_ALL * came
+    return bool(before and listener.drops) and now >= before and not has_read
 
 
 def _larger_buffer(evidence: Evidence, needed: int = _BUFFER) -> tuple[Statement, ...]:

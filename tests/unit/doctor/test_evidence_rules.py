@@ -104,6 +104,16 @@ def test_a_listener_that_does_not_read_is_named() -> None:
 
 
 @pytest.mark.parametrize(
+    ("drops", "queued", "rule"),
+    [(70, 9000, "kernel-drops"), (95, 9000, "stuck-listeners"), (30, 20_000, "stuck-listeners")],
+)
+def test_a_listener_that_reads_slowly_does_not_drop_all(drops: int, queued: int, rule: str) -> None:
+    full = Listener("s (pid 7)", 7, 0, drops, queued, was_queued_bytes=9000, buffer_bytes=20_000)
+    sender = SenderFacts(ALICE, "alice", messages=100, ttl=0)
+    assert only(replace(HEALTHY, listeners=(full,), senders=(sender,))).rule == rule
+
+
+@pytest.mark.parametrize(
     ("command", "tool"),
     [("python3 driver.py", "py-spy"), ("java -jar driver.jar", "jstack"), ("./driver", "gdb")],
 )
