@@ -13,9 +13,11 @@ import shutil
 import signal
 import subprocess
 import sys
+import termios
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Thread
 from typing import IO, TYPE_CHECKING
 
 from lcmtools.processes.process_guard import ProcessGuard, Stream
@@ -33,6 +35,7 @@ _MOST_PIECES = 100
 """A pipe holds less."""
 _NEVER = float("inf")
 _KILL_WAIT = 10.0
+_COPY_WAIT = 1.0  # [s] until all is copied that an ended process has printed on its terminal
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +54,7 @@ class Start:
     environment: Mapping[str, str]  # all its variables
     directory: str = ""  # its working directory; "" for this process's
     takes_input: bool = False  # standard input is this process's, else empty
-    has_keyboard: bool = False  # standard input is a terminal of its own, see ``press``
+    has_keyboard: bool = False  # it has a terminal of its own, see ``press``; needs an output
     takes_terminal: bool = False  # standard output and error are this process's
     output: Path | None = None  # a file for all that it prints; without one its lines are read
     most_bytes: int = 0  # limit of the size of each file that it writes; 0 for none
@@ -63,6 +66,7 @@ class ChildProcess:
     def __init__(self, start: Start, guard: ProcessGuard, timeouts: StopTimeouts) -> None:
         self._guard = guard
         self._keyboard: int | None = None
+        self._copier: Thread | None = None
         self._output = start.output
         self._popen = self._started(start)
         self.pid = self._popen.pid  # its number, and its group's
@@ -121,6 +125,8 @@ class ChildProcess:
     def output(self, most: int) -> str:
         """Return the last bytes that it has printed into its file."""
         assert self._output is not None
+        if self._copier and self.code is not None:
+            self._copier.join(_COPY_WAIT)
         with self._output.open("rb") as stream:
             stream.seek(max(0, stream.seek(0, os.SEEK_END) - most))
             return stream.read(most).decode(errors="replace")
@@ -184,12 +190,13 @@ class ChildProcess:
         command = start.command
         with contextlib.ExitStack() as opened:
             if start.output is not None:
-                stdout = opened.enter_context(start.output.open("wb"))
+                stdout = opened.enter_context(start.output.open("ab"))
             stderr = subprocess.STDOUT if start.output else stdout
             if start.has_keyboard:
                 _check_executable(command[0], start.environment)
                 self._keyboard, stdin = pty.openpty()
                 opened.callback(os.close, stdin)
+                stdout, stderr = _screen(stdin), stdout
                 command = (*_WITH_TERMINAL, os.ttyname(stdin), *command)
             try:
                 popen = self._guard.start(
@@ -198,15 +205,45 @@ class ChildProcess:
             except OSError:
                 self._close_keyboard()
                 raise
+        if start.has_keyboard:
+            self._copier = Thread(
+                target=self._copy, args=[popen.pid, start.most_bytes], daemon=True
+            )
+            self._copier.start()
         if start.most_bytes and sys.platform == "linux":  # elsewhere there is no limit
             limits = (start.most_bytes, start.most_bytes)
             resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, limits)
         return popen
 
+    def _copy(self, pid: int, most: int) -> None:
+        """Copy what it prints on its terminal into its file, as far as that may grow."""
+        assert self._output is not None
+        terminal = self._keyboard
+        assert terminal is not None
+        with self._output.open("ab", 0) as file, contextlib.suppress(OSError):  # it has ended
+            while piece := os.read(terminal, _PIECE):
+                left = max(0, most - file.tell()) if most else len(piece)
+                file.write(piece[:left])
+                if len(piece) > left:  # as the system does with what it writes into files
+                    send(pid, signal.SIGXFSZ)
+
     def _close_keyboard(self) -> None:
+        if self._copier:
+            self._copier.join(_COPY_WAIT)
+            if self._copier.is_alive():  # what has left the group holds the terminal
+                return
         if self._keyboard is not None:
             os.close(self._keyboard)
             self._keyboard = None
+
+
+def _screen(terminal: int) -> int:
+    """Let a terminal show what a program prints as it prints it, and no keys."""
+    manner = termios.tcgetattr(terminal)
+    manner[1] &= ~termios.OPOST
+    manner[3] &= ~termios.ECHO
+    termios.tcsetattr(terminal, termios.TCSANOW, manner)
+    return terminal
 
 
 def _check_executable(word: str, environment: Mapping[str, str]) -> None:

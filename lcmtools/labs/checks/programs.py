@@ -4,6 +4,7 @@ A program runs on the test bench's bus and is certain to end; what it prints goe
 keys reach it through a terminal of its own.
 """
 
+import re
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,6 +17,7 @@ from lcmtools.labs.checks.results import CheckResult
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
+_ESCAPE = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|[ -/]*[0-~])")  # as curses writes
 _TIMEOUTS = StopTimeouts(4.0, 2.0)
 _TAIL_BYTES = 65_536
 _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not fill the disk
@@ -60,7 +62,7 @@ class CheckedProgram(ChildProcess):
 
     def printed(self) -> str:
         """Return what it has printed, the end of it where it is long."""
-        return self.output(_TAIL_BYTES)
+        return _ESCAPE.sub("", self.output(_TAIL_BYTES))
 
     def ends_on_interrupt(self) -> bool:
         """Press Ctrl-C; return True if it ends in time."""

@@ -23,7 +23,7 @@ from lcmtools.types.geometry_msgs import Twist
 
 _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
 _STALE = 0.5  # [s] in which commands of the key before may still come
-_TYPING = 0.2  # [s] from a key to the next one, where no command is awaited between
+_TYPING = 0.1  # [s] from a command to the next key: getch() throws away what comes between calls
 _AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
 
 
@@ -45,6 +45,7 @@ class _Keyboard:
 
     def press(self, key: str) -> None:
         """Press a key; what came before counts no longer."""
+        self._bench.wait(lambda: False, _TYPING)
         self._first = len(self._bench.recorder.commands)
         self.program.press(key)
 
@@ -111,8 +112,8 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         return
     for key, meaning in SPEED_CHANGES.items():
         motion = motion.after(key)
-        program.press(key)
-        bench.wait(lambda: False, _TYPING)  # select() does not see keys that input has buffered
+        keyboard.press(key)
+        bench.wait(keyboard.last, _STALE)  # select() does not see keys that input has buffered
         motion = motion.after("u")
         press = _pressed(keyboard, "u", motion)
         yield change_result(press, f"u  after {key}, {meaning}", drives)

@@ -284,7 +284,7 @@ class TestBench:
         here = {name: text for name, text in os.environ.items() if name not in _OTHER_BUSES}
         path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
         ours = {"LCM_DEFAULT_URL": self._url, "PATH": path, "PYTHONUNBUFFERED": "1"}
-        return {**here, **ours, "NO_COLOR": "1"}
+        return {**here, **ours, "NO_COLOR": "1", "TERM": "xterm"}
 
 
 def _free_port() -> int:

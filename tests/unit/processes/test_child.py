@@ -80,6 +80,18 @@ def test_keys_come_through_a_controlling_terminal(guard: ProcessGuard, tmp_path:
         assert child.output(100) == "got w\n"
 
 
+def test_what_it_prints_on_its_terminal_and_as_errors_is_in_its_file(
+    guard: ProcessGuard, tmp_path: Path
+) -> None:
+    script = "read line; test -t 1 && echo got $line; echo error >&2; test -t 2 || exec false"
+    start = Start(["sh", "-c", script], ENVIRONMENT, has_keyboard=True, output=tmp_path / "output")
+    with ChildProcess(start, guard, TIMEOUTS) as child:
+        child.press("w\n")
+        assert child.wait(20)
+        assert sorted(child.output(100).splitlines()) == ["error", "got w"]
+        assert child.code == 1
+
+
 def test_files_that_it_writes_are_limited(guard: ProcessGuard, tmp_path: Path) -> None:
     start = Start(
         ["sh", "-c", "read line; yes"],
