@@ -27,8 +27,10 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     """Return the round trip time of one request to a node [s].
 
     Raises:
-        NothingReceived: The node did not answer in time.
+        NothingReceived: The node did not answer in time, or cannot any more.
     """
+    if node.stale is Staleness.ENDED:
+        raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
     nonce = _nonce()
     monitor.receive(0.0)  # a backlog is not to be read within the time measured
     start = time.monotonic()

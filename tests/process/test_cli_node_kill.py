@@ -128,6 +128,15 @@ def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], cli: R
     )
 
 
+def test_a_node_that_was_killed_is_not_waited_for(node: Callable[..., Any], cli: Run) -> None:
+    talker = node("talker")
+    talker.send_signal(signal.SIGKILL)
+    talker.wait()
+    result = cli("node", "ping", "talker", "--timeout", "1h")
+    assert result.code == 4
+    assert "/talker ended without saying goodbye; lcmtools node cleanup forgets it" in result.err
+
+
 def test_of_two_equal_names_the_pid_tells_which(node: Callable[..., Any], cli: Run) -> None:
     first, second = node("talker"), node("talker")
     result = cli("node", "kill", "talker")

@@ -9,7 +9,7 @@ from lcmtools.cli.declare import argument, examples, flag, option, subcommand, w
 from lcmtools.cli.options import asking_options, json_option, timeout_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.graph.model import Node
 from lcmtools.observe.find import find_node
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.node_report import ping_reply, ping_summary
@@ -85,9 +85,6 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
 
 def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> float | None:
     """Ping a node once and say what comes of it; the seconds, None without an answer."""
-    if node.stale is Staleness.ENDED:
-        talk(f"{node.name} {node.stale}; lcmtools node cleanup forgets it", "lcmtools node ping")
-        return None
     if not as_json:
         data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
