@@ -127,7 +127,7 @@ class Oddity:
     """A value in the messages of a topic that looks wrong."""
 
     kind: str  # "not-finite", "quaternion", "covariance", "nsec", "future", "old", "replayed",
-    # "boot" or "undecodable"
+    # "boot", "unit" or "undecodable"
     topic: str
     name: str  # the sender, for people
     text: str  # the field's path, and what is odd about it

@@ -18,7 +18,7 @@ from lcmtools.doctor.evidence import LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.messages.codec import decode
-from lcmtools.messages.fields import stamp
+from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
@@ -41,6 +41,8 @@ _LARGEST = 4 << 20  # bytes of a message that is looked into
 _FUTURE, _OLD = 1.0, 10.0  # [s] that a stamp may be off
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
 
+_UNITS = {"nanoseconds": 1, "milliseconds": 10**6, "seconds": 10**9}  # [ns]
+_DAY = 86_400 * 10**9  # [ns]
 _FASTEST = 10  # times real time, or its part, at which a log is played
 
 _Key = tuple[str, Sender | None]
@@ -126,7 +128,9 @@ class Listening:
         """The oddities in the messages, each once."""
         return tuple(
             replace(odd, name=name(key[1]), kind=self._replayed(key) if kind == "old" else kind)
-            for (kind, key, _), odd in self._odd.items()
+            for (kind, key, place), odd in self._odd.items()
+            # a utime that stays may be that of what is sent again and again
+            if (kind, place) != ("old", "utime") or self._replayed(key) == "replayed"
             if kind != "boot" or not self.clock_ticks  # the clock came after it
             if kind not in ("future", "old") or len(self._clocks) <= 1  # else by which of them?
         )
@@ -193,19 +197,24 @@ class Listening:
             self._check_stamp(message, packet.time, key)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
-        stamped = stamp(message)
-        if not stamped:
+        stamped, place = stamp(message), "header.stamp"
+        if stamped is None:
+            stamped, place = utime(message), "utime"
+            if stamped and (unit := _unit(stamped // 1000, arrival)):
+                self._note("unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds")
+                return
+        if not stamped or (place == "utime" and stamped < _SIMULATED):  # of a clock of its own
             return
         if stamped < _SIMULATED and not self.clock_ticks:
-            self._note("boot", key, f"header.stamp is {stamped / 1e9:.1f} s since a start")
+            self._note("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
             return
         late = (arrival - stamped) / 1e9
         if stamped < _SIMULATED:
             late = (self.clock_ticks[-1][1] - stamped) / 1e9
         if late < -_FUTURE:
-            self._note("future", key, f"header.stamp is {-late:.1f} s in the future")
+            self._note("future", key, f"{place} is {-late:.1f} s in the future")
         elif late > _OLD:
-            self._note("old", key, f"header.stamp is {late:.1f} s old")
+            self._note("old", key, f"{place} is {late:.1f} s old")
             first, _ = self._old.get(key, ((arrival, stamped), None))
             self._old[key] = first, (arrival, stamped)
 
@@ -217,6 +226,11 @@ class Listening:
             self._odd[place] = replace(known, count=known.count + 1)
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
+
+
+def _unit(number: int, now: int) -> str:
+    """Return the unit in which a number is about the time now [ns]; "" for microseconds."""
+    return next((name for name, size in _UNITS.items() if abs(number * size - now) < _DAY), "")
 
 
 def target_rate(command: str) -> float | None:

@@ -86,6 +86,7 @@ TITLES = {
     "unconnected-subscriptions": "The following node subscriptions are unconnected:",
     "undecodable": "Messages cannot be decoded:",
     "types-without-file": "The types of the following are not known here:",
+    "unit": "Times that are published are in the wrong unit:",
     "unknown-type": "The types of the following are nearly known ones:",
     "unusable-names": "The following channels have names that few programs can subscribe to:",
 }
@@ -214,6 +215,7 @@ REMEDIES = {
     "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
     "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
     "mend-bus": "{hint}",
+    "microseconds": "message.utime = time.time_ns() // 1000",
     "mend-line": "start what the relay joins, or mend the line: it is tried again until it works",
     "mirrored-network": "write networkingMode=mirrored under [wsl2] into %UserProfile%\\.wslconfig",
     "namespace": "start {node} with __ns:={namespace}",

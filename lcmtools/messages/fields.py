@@ -99,6 +99,15 @@ def stamp(message: Message) -> int | None:
     return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
 
 
+def utime(message: Message) -> int | None:
+    """The time in a message's ``utime`` [ns since 1970], which is in microseconds; None without.
+
+    The field is LCM's convention, as in its event logs and examples.
+    """
+    value = getattr(message, "utime", None)
+    return value * 1000 if isinstance(value, int) else None
+
+
 @cache
 def _is_header(cls: type) -> bool:
     return type_name(cls) == "std_msgs/Header"

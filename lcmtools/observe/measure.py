@@ -16,7 +16,7 @@ from lcmtools.bus.tap import LONG_NAP
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType, UsageError
 from lcmtools.graph.model import Graph
-from lcmtools.messages.fields import stamp
+from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
 from lcmtools.messages.registry import message_class, type_name
@@ -44,7 +44,7 @@ Notify = Callable[[str], None]
 
 
 class Delays:
-    """The delays of messages: from the stamps in their headers to their arrival.
+    """The delays of messages: from the stamps in their headers, or their utime, to their arrival.
 
     ``notify`` is called with a sentence about stamps that are no times, once.
     """
@@ -85,8 +85,11 @@ class Delays:
             ) from None
         stamped = stamp(message)
         if stamped is None:
+            stamped = utime(message)
+        if stamped is None:
+            what = "has no header with a stamp, and no utime"
             raise LcmtoolsError(
-                f"{type_name(message)}, published on {packet.channel}, has no header with a stamp",
+                f"{type_name(message)}, published on {packet.channel}, {what}",
                 "lcmtools msg find-field header lists the types that have one",
             )
         if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
@@ -186,12 +189,12 @@ class Measurement(Generic[ItemT, FoundT]):
             batch = self._stream.receive(min(_REPORT_PERIOD, max(0.0, wait)))
             if batch.is_reset:
                 yield MeasurementReport({}, is_reset=True)
-            self._feed(batch)
-            now = time.monotonic()
-            if batch.arrivals:
+            counted, now = self._feed(batch), time.monotonic()
+            if counted:
                 last = now
             elif now >= give_up:
-                raise NothingReceived(f"nothing {self._which()} within {timeout:g} s")
+                what = "nothing that counts" if batch.arrivals else "nothing"
+                raise NothingReceived(f"{what} {self._which()} within {timeout:g} s")
             if now >= due:
                 report = self._report()
                 yield report
@@ -205,7 +208,9 @@ class Measurement(Generic[ItemT, FoundT]):
             {topic: window.take(self._now) for topic, window in self._windows.items()}
         )
 
-    def _feed(self, batch: Batch) -> None:
+    def _feed(self, batch: Batch) -> int:
+        """Add what has arrived to the windows; return how much of it counts."""
+        before = sum(window.total for window in self._windows.values())
         self._now = batch.now if self._monitor.is_live else 0  # a log has no now
         if not self._monitor.is_live:
             self._check_order(batch)
@@ -218,6 +223,7 @@ class Measurement(Generic[ItemT, FoundT]):
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)
+        return sum(window.total for window in self._windows.values()) - before
 
     def _check_order(self, batch: Batch) -> None:
         for arrival in batch.arrivals:

@@ -207,9 +207,20 @@ def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(lcmtools
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr == (
         "subscribed to [/chatter]\n"
-        "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp; "
-        "lcmtools msg find-field header lists the types that have one\n"
+        "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp, and no"
+        " utime; lcmtools msg find-field header lists the types that have one\n"
     )
+
+
+def test_delay_ends_where_no_stamp_is_a_time(
+    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+) -> None:
+    start(lcmtools_path, "pub", "-v", "-r", "20", "/zero", "geometry_msgs/PoseStamped").wait_for(
+        "publishing #1"
+    )
+    result = lcmtools("delay", "/zero", "--timeout", "1s")
+    assert result.returncode == 4
+    assert "the stamp of a message on /zero is 0, which is no time\n" in result.stderr
 
 
 def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(lcmtools: Run) -> None:

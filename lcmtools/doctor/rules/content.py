@@ -42,6 +42,7 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
 
     Stamps in the future or long ago come from a wrong clock, or from a node that does not use the
     simulator's time as the others do. A computer whose clock differs is reported by another rule.
+    A utime, of messages without a header, is microseconds since 1970, or of a clock of its own.
     Old stamps that advance as the clock does are a note: a log may be played again.
     """
     mine = [odd for odd in evidence.oddities if not has_wrong_clock(evidence, odd.name)]
@@ -53,6 +54,7 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     if not evidence.graph.topic("/clock").publishers and "/clock" not in evidence.stale_published:
         yield from _odd(evidence, "boot", "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
+    yield from _odd(evidence, "unit", "microseconds")
     yield from _odd(evidence, "old", "set-clocks", "use-sim-time")
     yield from _odd(evidence, "replayed", "if-no-log", severity=Severity.NOTE)
 

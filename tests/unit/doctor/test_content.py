@@ -165,6 +165,34 @@ def test_what_cannot_be_decoded_is_odd_once() -> None:
     assert (odd.kind, odd.count) == ("undecodable", 3)
 
 
+@pytest.mark.parametrize(
+    ("microseconds", "advances", "found"),
+    [
+        (NOW // 1000, True, []),
+        (NOW // 1000 + 7_200_000_000, True, [("future", "utime is 7200.0 s in the future", 3)]),
+        (NOW // 1000 - 7_200_000_000, True, [("replayed", "utime is 7200.0 s old", 3)]),
+        (NOW // 1000 - 7_200_000_000, False, []),  # of a message that is sent again and again
+        (NOW, True, [("unit", f"utime is {NOW}: nanoseconds, not microseconds", 3)]),
+        (NOW // 10**9, False, [("unit", f"utime is {NOW // 10**9}: seconds, not microseconds", 3)]),
+        (71_965_300_000, True, []),  # of a clock of its own
+        (0, False, []),
+    ],
+)
+def test_a_utime_is_microseconds_of_now(
+    microseconds: int,
+    *,
+    advances: bool,
+    found: list[tuple[str, str, int]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    listening = Listening(lambda _: ())
+    for second in range(3):
+        now = microseconds + advances * second * 10**6
+        monkeypatch.setattr("lcmtools.doctor.listening.utime", lambda _, now=now: now * 1000)
+        listening.take(Packet("U", encode(String()), NOW + second * 10**9, ALICE))
+    assert [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)] == found
+
+
 def test_what_comes_again_is_told_from_what_is_the_same() -> None:
     """Of a, each datagram twice; b repeats what a sent; c always sends the same; d numbers none."""
     listening = Listening(lambda _: ())

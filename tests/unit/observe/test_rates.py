@@ -3,10 +3,12 @@
 import math
 from itertools import pairwise
 from statistics import pstdev
+from types import SimpleNamespace
 
 import pytest
 
 from lcmtools.errors import DecodeError
+from lcmtools.messages.fields import utime
 from lcmtools.messages.layout import stamp_reader
 from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder
@@ -146,6 +148,14 @@ def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
     packet = Packet("/a", message.encode(), 0)
     delay = Delays(Decoder(lambda _: ()), print)
     assert delay(SelectedPacket("/a", packet, 1_795_244_479_000_000_123)) == 123
+
+
+def test_without_a_header_the_delay_is_that_of_utime(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert utime(SimpleNamespace(utime=5)) == 5000  # type: ignore[arg-type] # a field is enough
+    assert utime(Twist()) is None
+    delay, packet = Delays(Decoder(lambda _: ()), print), Packet("/a", Twist().encode(), 0)
+    monkeypatch.setattr("lcmtools.observe.measure.utime", lambda _: 7000)
+    assert delay(SelectedPacket("/a", packet, 9000)) == 2000
 
 
 def test_a_message_that_is_cut_off_has_no_delay() -> None:
