@@ -70,13 +70,18 @@ def _command(path: Path, folder: Path) -> str:
 
 def _best(lab: Lab, program: LabProgram, files: list[Path]) -> Path | None:
     """Return the program's file: by its name, else by the topics in its source."""
-    for name in (program.node, program.option):
-        for path in files:
-            if name in path.stem.lower():
-                return path
-    others = [name for one in lab.programs for name in (one.node, one.option)]
-    unnamed = [path for path in files if not any(name in path.stem.lower() for name in others)]
+    if named := [path for path in files if _named(lab, path) is program]:
+        return min(named, key=lambda path: program.node not in path.stem.lower())
+    unnamed = [path for path in files if _named(lab, path) is None]
     return next((path for path in unnamed if _likeliest(lab, path) is program), None)
+
+
+def _named(lab: Lab, path: Path) -> LabProgram | None:
+    """Return the program that a file is named after: evaluate_controller is no controller."""
+    name = path.stem.lower()
+    by_node = [program for program in lab.programs if program.node in name]
+    fitting = by_node or [program for program in lab.programs if program.option in name]
+    return fitting[0] if len(fitting) == 1 else None
 
 
 def _likeliest(lab: Lab, path: Path) -> LabProgram | None:

@@ -171,6 +171,27 @@ def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(
     assert programs_of(dolly, folder, command) == {"mover": "python bo.py -x"}
 
 
+@pytest.mark.parametrize(
+    ("files", "found"),
+    [
+        (["evaluate_controller.py"], {"evaluator": "evaluate_controller.py"}),
+        (
+            ["evaluate_controller.py", "my_controller.py"],
+            {"evaluator": "evaluate_controller.py", "controller": "my_controller.py"},
+        ),
+        (["a_controller.py", "my_simple_controller.py"], {"controller": "my_simple_controller.py"}),
+        (["evaluator_of_controller.py"], {"evaluator": "evaluator_of_controller.py"}),
+    ],
+)
+def test_a_file_is_one_program_of_a_submission(
+    files: list[str], found: dict[str, str], tmp_path: Path
+) -> None:
+    for name in files:
+        (tmp_path / name).write_text("ControllerEvaluationStat evaluation_stat")
+    programs = programs_of(LABS["husky"], tmp_path, {})
+    assert {option: text.split()[1] for option, text in programs.items()} == found
+
+
 def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "anna.py").touch()
     check = ClassCheck(LABS["dolly"], {"teleop": "python {program}"}, (), None, 1)
