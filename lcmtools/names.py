@@ -131,6 +131,11 @@ def check_length(channel: str, name: str = "") -> str:
     return channel
 
 
+def as_utf_8(name: str) -> str:
+    r"""Return a channel's name for other formats: bytes that are not UTF-8 as ``\xff``."""
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
 def is_hidden(name: str) -> bool:
     """True if lists omit this name: a part starts with "_", or LCM itself uses the channel."""
     return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))

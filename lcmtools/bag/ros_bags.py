@@ -7,6 +7,7 @@ from typing import Any, Literal, TypeAlias
 from lcmtools.bag.ros_types import RosTypes, RosVersion
 from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.registry import Message
+from lcmtools.names import as_utf_8
 from lcmtools.observe.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
@@ -64,7 +65,7 @@ class McapFile(AbstractContextManager["McapFile"]):
                 number = self._writer.register_schema(one.name, one.form, one.text)
                 self._schemas[one.name] = number
             self._channels[topic, cls] = self._writer.register_channel(
-                topic, self._encoding, self._schemas[one.name]
+                as_utf_8(topic), self._encoding, self._schemas[one.name]
             )
         return self._channels[topic, cls]
 
@@ -114,7 +115,7 @@ class RosBag(AbstractContextManager["RosBag"]):
         if key not in self._connections:
             name = self._types.ros_type(type(message)).name
             self._connections[key] = self._writer.add_connection(
-                packet.channel, name, typestore=self._types.store
+                as_utf_8(packet.channel), name, typestore=self._types.store
             )
         data = self._types.serialize(message)
         self._writer.write(self._connections[key], _time(packet), data)

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -11,6 +12,7 @@ from lcmtools.errors import UsageError, needing_extra
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, type_name
+from lcmtools.names import as_utf_8
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import CsvTable
 from lcmtools.wire.packet import Packet
@@ -29,13 +31,19 @@ class _TopicFiles:
         self._target, self._suffix = target, suffix
         self._is_folder = not target.suffix
         self._topic = ""
+        self._taken: set[str] = set()
         if self._is_folder:
             target.mkdir()
 
     def path(self, topic: str) -> Path:
-        """Return the path of a topic's file; UsageError for a second one of one file."""
+        """Return the path of a new topic's file; UsageError for a second one of one file."""
         if self._is_folder:
-            return self._target / topic_file(topic, self._suffix)
+            usual = _file_name(topic)
+            names = chain([usual], (f"{usual}_{number}" for number in count(2)))
+            # on some computers large and small letters are the same
+            name = next(name for name in names if name.lower() not in self._taken)
+            self._taken.add(name.lower())
+            return self._target / f"{name}{self._suffix}"
         if self._topic and self._topic != topic:
             raise UsageError(
                 f"{self._target.name} holds one topic, and there are {self._topic} and {topic}",
@@ -45,10 +53,10 @@ class _TopicFiles:
         return self._target
 
 
-def topic_file(topic: str, suffix: str) -> str:
-    """Return the name of a topic's file: "husky0_odometry.csv"."""
+def _file_name(topic: str) -> str:
+    """Return the usual name of a topic's file, without its suffix: "husky0_odometry"."""
     name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in topic)
-    return f"{name.strip('_.') or 'topic'}{suffix}"
+    return name.strip("_.") or "topic"
 
 
 class CsvFiles(AbstractContextManager["CsvFiles"]):
@@ -159,7 +167,7 @@ class NumpyFile(ColumnsOfTopics):
 
         arrays: dict[str, Any] = {}
         for topic, columns in tables.items():
-            start = "" if len(tables) == 1 else f"{topic}/"
+            start = "" if len(tables) == 1 else f"{as_utf_8(topic)}/"
             for name, column in columns.items():
                 if column.dtype != object:
                     arrays[start + name] = column

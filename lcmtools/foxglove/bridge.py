@@ -162,10 +162,15 @@ class Bridge(AbstractContextManager["Bridge"]):
     def look(self, graph: Graph, server: FoxgloveServer) -> bool:
         """Offer what is new, and take back what is gone or of another type now.
 
+        Names that are not UTF-8, or have control characters, are not for clients.
         Returns whether there is more to offer.
         """
         most = len(self._offers) + _AT_ONCE
-        topics = {one.name: one for one in graph.topics() if self._topics.includes(one.name)}
+        topics = {
+            one.name: one
+            for one in graph.topics()
+            if one.name.isprintable() and self._topics.includes(one.name)
+        }
         for name in self._offers.keys() - topics.keys():
             self._take_back(name)
         for name, topic in topics.items():

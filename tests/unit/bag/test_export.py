@@ -65,6 +65,22 @@ def test_csv_of_several_topics_is_a_folder(tmp_path: Path) -> None:
     assert len((tmp_path / "out" / "scan.csv").read_text().splitlines()) == 5
 
 
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_topics_whose_names_are_alike_have_files_of_their_own(kind: str, tmp_path: Path) -> None:
+    names = ("/scan", "scan", "SCAN", "/a/b", "/a_b", "a\udcff", "")
+    packets = (Packet(name, encode(_twist(1)), _SECOND) for name in names)
+    assert _export(packets, tmp_path / "out", kind).messages == len(names)
+    found = sorted(path.stem for path in (tmp_path / "out").iterdir())
+    assert found == ["SCAN_3", "a", "a_b", "a_b_2", "scan", "scan_2", "topic"]
+
+
+@pytest.mark.parametrize("target", ["a.mcap", "a.bag", "folder", "a.npz", "a.jsonl"])
+def test_a_channel_that_is_no_utf_8_is_written(target: str, tmp_path: Path) -> None:
+    packets = (Packet(name, encode(_twist(1)), _SECOND) for name in ("/cmd", "a\udcff"))
+    kind = None if "." in target else "ros2"
+    assert _export(packets, tmp_path / target, kind).messages == 2
+
+
 def test_csv_of_several_topics_into_one_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="holds one topic"):
         _export(_packets(), tmp_path / "a.csv")

@@ -42,3 +42,14 @@ def test_many_new_topics_are_offered_a_few_at_a_time() -> None:
     assert counts == [32, 64, 70]
     assert not bridge.look(Graph(), cast("FoxgloveServer", server))
     assert server.offered == []
+
+
+def test_names_that_are_not_for_clients_are_left_out() -> None:
+    server = Server()
+    monitor = SimpleNamespace(types_of=lambda _: (), url=parse_url("memq://"), listen_to=print)
+    names = ("/a", "b\udcff", "\x1b[2J")
+    ends = [Endpoint(name, Role.PUBLISHER, ("std_msgs/String",)) for name in names]
+    bridge = Bridge(cast("BusMonitor", monitor), RecordedTopics((), GLOBAL), print)
+    graph = Graph((Node("/n", "/n", "h", 7, endpoints=tuple(ends)),))
+    bridge.look(graph, cast("FoxgloveServer", server))
+    assert server.offered == ["/a"]
