@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from lcmtools.graph.model import Graph, Role
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
+from lcmtools.observe.find import near_topic
 
 _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 
@@ -33,6 +34,7 @@ class RecordedTopics:
         self._nodes = [Pattern(node, names.namespace, hidden=True) for node in nodes]
         self._of_nodes: set[str] = set()
         self._cache: dict[str, bool] = {}
+        self._heard: set[str] = set()
         self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
         """The topics, where each is named by itself; empty where there may be any number."""
 
@@ -47,14 +49,25 @@ class RecordedTopics:
         self._of_nodes = {end.topic for end in ends if end.role in _OF_TOPICS}
         self._cache.clear()
         named = {spelling for name in self.named for spelling in self._names.spellings(name)}
-        return sorted(filter(self.includes, named.union(graph.topic_names())))
+        return sorted(filter(self._is_wanted, named.union(graph.topic_names())))
 
     def includes(self, channel: str) -> bool:
-        """Return whether a channel is wanted."""
+        """Return whether the channel of a message is wanted."""
         known = self._cache.get(channel)
         if known is None:
+            self._heard.add(channel)
             known = self._cache[channel] = self._is_wanted(channel)
         return known
+
+    def silent(self, graph: Graph) -> list[str]:
+        """Return a sentence on each topic that is named and has had no message."""
+        known = graph.topic_names()
+        spellings = {name: self._names.spellings(name) for name in self.named}
+        return [
+            f"no message on {name} yet; {near_topic(known, name, self._names)}"
+            for name, channels in spellings.items()
+            if not self._heard.intersection(channels) and not set(channels).intersection(known)
+        ]
 
     def spelled(self, name: str, channel: str) -> bool:
         """Return whether a channel is the topic of a name."""

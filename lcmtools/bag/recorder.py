@@ -21,6 +21,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.protocol import NODE_CHANNEL
+from lcmtools.observe.arrivals import PATIENCE
 from lcmtools.observe.losses import Loss
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.processes.memory import keep_freed_memory
@@ -117,6 +118,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         self._counts: dict[str, int] = {}
         self._messages = self._closed_bytes = 0
         self._is_new_graph = True
+        self._silence: list[str] | None = None
         self._began = self._file_began = self._next_look = self._next_write = 0.0
         self._stops, self._ended = threading.Event(), threading.Event()
         self._error: Exception | None = None
@@ -171,6 +173,12 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     def save(self) -> None:
         """Write a snapshot; one that is being written goes on for longer."""
         self._is_requested = True
+
+    def silence(self) -> list[str]:
+        """Return sentences on topics that are named and silent, each once."""
+        if told := self._silence or []:
+            self._silence = []
+        return told
 
     def progress(self) -> Progress:
         """Return where the recording is."""
@@ -272,6 +280,8 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         """Do what is due."""
         if now >= self._next_look:
             self._look(now)
+        if self._silence is None and now >= self._began + PATIENCE:
+            self._silence = self._choice.silent(self._monitor.graph())
         if self._ring is not None:  # time passes without messages too
             self._take([])
         writer = self._writer

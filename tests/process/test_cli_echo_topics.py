@@ -146,13 +146,20 @@ def test_payloads_of_no_known_type_say_their_topic_too(lcmtools: Run) -> None:
     )
 
 
+@pytest.mark.parametrize("command", ["echo", "bag record"])
 def test_one_of_several_topics_is_named_while_nothing_comes_on_it(
-    start: Callable[..., Any], lcmtools_path: str, module_bus_url: str
+    command: str,
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    module_bus_url: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    topics = "/husky1/name", "/husky1/nam"
-    echo = start(lcmtools_path, "echo", *topics, LCM_DEFAULT_URL=module_bus_url)
-    line = "lcmtools echo: no message on /husky1/nam yet; did you mean /husky1/name?"
-    assert echo.wait_for("no message") == line
+    monkeypatch.chdir(tmp_path)
+    words = *command.split(), "/husky1/name", "/husky1/nam"
+    process = start(lcmtools_path, *words, LCM_DEFAULT_URL=module_bus_url)
+    line = f"lcmtools {command}: no message on /husky1/nam yet; did you mean /husky1/name?"
+    assert process.wait_for("no message") == line
 
 
 def test_a_topic_that_a_log_has_only_announced_is_told_from_what_it_has(

@@ -37,12 +37,18 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 if key == _END:
                     return
                 _press(key, recorder)
+            _tell(line, recorder.silence())
             progress = recorder.progress()
             if progress.trouble != trouble:
                 trouble = progress.trouble
                 line.talk(trouble or "the bus is back")
             if rates := line.rates(progress.messages, progress.bytes):
                 line.write(_status(progress, rates, series))
+
+
+def _tell(line: StatusLine, sentences: Sequence[str]) -> None:
+    for sentence in sentences:
+        line.talk(sentence)
 
 
 @contextmanager
