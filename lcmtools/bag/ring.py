@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lcmtools.clock import NANOSECONDS
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.messages.filter import Filter
 from lcmtools.names import Resolver
 from lcmtools.observe.decoding import Decoder
@@ -34,15 +34,28 @@ class Trigger:
         self._channels = names.spellings(topic)
         self._filter = Filter(condition.strip())
         self._decoder = Decoder(announced)
+        self._has_fitted = False
 
     def __call__(self, packet: Packet) -> bool:
-        """Return whether a message meets the condition; False for one of an unknown type."""
+        """Return whether a message meets the condition; False for one of an unknown type.
+
+        Raises:
+            ValueMismatch: It does not fit the first message: a field, or a value's type.
+        """
         if packet.channel not in self._channels:
             return False
         try:
-            return self._filter.matches(self._decoder.decode(packet))
+            message = self._decoder.decode(packet)
         except LcmtoolsError:
             return False
+        try:
+            is_met = self._filter.matches(message)
+        except ValueMismatch:
+            if self._has_fitted:  # another type may come on the topic
+                return False
+            raise
+        self._has_fitted = True
+        return is_met
 
 
 class Ring:
