@@ -97,7 +97,8 @@ def split_limits(text: str | None) -> Limits:
     if text is None:
         return Limits()
     try:
-        return Limits(split_time=parse_duration(text))
+        if seconds := parse_duration(text):
+            return Limits(split_time=seconds)
     except UsageError:
         pass
     try:
