@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lcmtools.bag.columns import TIME, table, with_times
-from lcmtools.errors import UsageError, needing_extra
+from lcmtools.errors import DecodeError, UsageError, needing_extra
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, type_name
@@ -129,6 +129,8 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
     def add(self, packet: Packet, decoder: Decoder) -> None:
         """Take a message; DecodeError where its type is not known."""
         key = packet.channel, decoder.message_class(packet)
+        if not -(2**63) <= packet.time < 2**63:
+            raise DecodeError("the time of their recording is too far from 1970")
         times, payloads = self._packets.setdefault(key, ([], []))
         times.append(packet.time)
         payloads.append(packet.payload)

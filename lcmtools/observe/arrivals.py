@@ -214,9 +214,11 @@ class ArrivalStream:
             self._clock.is_simulated |= any(packet.channel == CLOCK for packet in packets)
 
     def _look_again(self, packets: Sequence[Packet]) -> None:
-        channels = {packet.channel for packet in packets}
-        if not channels <= self._known or time.monotonic() >= self._next_look:
-            self._known |= channels
+        new = {packet.channel for packet in packets} - self._known
+        self._known |= new
+        # to learn takes longer the more channels there are: not for each of a thousand new ones
+        is_told = CLOCK in new or any(one.is_told_by(new) for one in self._selections)
+        if is_told or time.monotonic() >= self._next_look:
             self._learn()
 
     def _learn(self) -> None:

@@ -4,6 +4,7 @@ Only the bus can tell topics from the field paths behind them. Must not know how
 """
 
 from collections.abc import Iterable
+from collections.abc import Set as AbstractSet
 
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, parse_path, splits
@@ -33,6 +34,11 @@ class OneTopic:
                 self.text, self.path, self._is_found = topic, parse_path(rest), True
                 self._spellings = self._names.spellings(topic)
                 return
+
+    def is_told_by(self, channels: AbstractSet[str]) -> bool:
+        """Return whether some new channels tell the topic."""
+        found = (name for topic, _ in splits(self.text) for name in self._names.spellings(topic))
+        return not (self._is_found or channels.isdisjoint(found))
 
     def path_on(self, channel: str) -> Path | None:
         """Return the path, on the topic; None on others."""
@@ -77,6 +83,10 @@ class TopicPattern:
             if name == self.text and _is_there(graph.topic(name)):
                 self._literal = name
             self.path_on(name)
+
+    def is_told_by(self, channels: AbstractSet[str]) -> bool:
+        """Return whether one of some new channels has the pattern for its name."""
+        return self.text in channels
 
     def path_on(self, channel: str) -> Path | None:
         """Return the path behind the longest reading of the pattern that matches a channel."""

@@ -74,6 +74,13 @@ def test_topics_whose_names_are_alike_have_files_of_their_own(kind: str, tmp_pat
     assert found == ["SCAN_3", "a", "a_b", "a_b_2", "scan", "scan_2", "topic"]
 
 
+@pytest.mark.parametrize("target", ["a.npz", "a.parquet", "a.mcap"])
+def test_a_time_of_damage_is_left_out(target: str, tmp_path: Path) -> None:
+    packets = (Packet("/cmd", encode(_twist(1)), time) for time in (_SECOND, 2**70))
+    done = _export(packets, tmp_path / target)
+    assert (done.messages, len(done.left_out)) == (1, 1)
+
+
 @pytest.mark.parametrize("target", ["a.mcap", "a.bag", "folder", "a.npz", "a.jsonl"])
 def test_a_channel_that_is_no_utf_8_is_written(target: str, tmp_path: Path) -> None:
     packets = (Packet(name, encode(_twist(1)), _SECOND) for name in ("/cmd", "a\udcff"))
