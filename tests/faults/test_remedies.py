@@ -33,6 +33,7 @@ LINE
 lcmtools.spin(node)
 """
 _STRINGS = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
+_COUNTS = "m = String(); m.data = str(number %% 30); bus.publish('%s', m.encode())"
 _TWISTS = "bus.publish('/cmd_vel', Twist().encode())"
 
 
@@ -134,6 +135,8 @@ EDITED = (
     Edit("rename-one", "type-mismatch", "bus.publish('A', Twist().encode())",
          "bus.publish('B', Twist().encode())",
          (_hears("A", "B"), _sends("bus.publish('A', String().encode())"))),
+    Edit("open-circle", "competing-publishers", _COUNTS % "A", _COUNTS % "B",
+         (_hears("A", "B"), _sends(_COUNTS % "A"))),
     Edit("publishes-as", "type-mismatch",
          "p = node.create_publisher(Twist, '/chatter')\n"
          "node.create_timer(0.1, lambda: p.publish(Twist()))",
@@ -294,6 +297,20 @@ def test_the_folder_of_types_is_named(world: Any, tmp_path: Path) -> None:
     world.is_silent(LCMTOOLS_TYPE_PATH=str(tmp_path / "types"))
 
 
+def test_a_utime_is_sent_in_microseconds(world: Any, tmp_path: Path) -> None:
+    definition = "package own; struct Pose { int64_t utime; double x; }"
+    (tmp_path / "Pose.lcm").write_text(definition)
+    head = f"bytes.fromhex('{int(world.fingerprint(definition), 16):016x}')"
+    line = f"import struct; bus.publish('POSE', {head} + struct.pack('>qd', %s, 1.0))"
+    world.hears("POSE")
+    program = world.sends(line % "time.time_ns()")
+    found = world.finds("stamps", program.pid, LCMTOOLS_TYPE_PATH=str(tmp_path))
+    assert "microseconds" in [action["kind"] for action in found.actions]
+    world.end(program)
+    world.sends(line % "time.time_ns() // 1000")
+    world.is_silent(LCMTOOLS_TYPE_PATH=str(tmp_path))
+
+
 def test_a_variable_is_corrected(world: Any) -> None:
     world.node("talker")
     world.node("listener")
@@ -349,6 +366,7 @@ ELSEWHERE = {  # the tests that do them
     "end-standby": "test_a_relay_beside_another_one",
     "export": "test_a_program_on_another_bus",
     "mend-bus": "test_a_bus_without_a_route",
+    "microseconds": "test_a_utime_is_sent_in_microseconds",
     "mend-line": "test_a_relay_whose_server_has_ended",
     "name-here": "test_a_bus_in_the_code_is_left_out",
     "own-domain": "test_another_user_on_the_same_bus",
@@ -372,7 +390,7 @@ ELSEWHERE = {  # the tests that do them
 }
 SHOW_ONLY = frozenset(  # where to look further: they change nothing
     ("compare-buses", "compare-clocks", "inspect", "inspect-java", "inspect-python")
-) | {"look-at-firewall", "look-there"}
+) | {"find-second-way", "look-at-firewall", "look-there"}
 NEED_MORE = {  # than a network on a Linux computer
     "allow-by-firewalld": "firewalld, and another computer",
     "allow-by-iptables": "iptables, and another computer",
