@@ -187,7 +187,8 @@ class Playlist(AbstractContextManager["Playlist"]):
 def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
     for log, blocks in logs:
         if not blocks:
-            raise LcmtoolsError(f"{log.path} has no messages", "it is empty")
+            hint = "its first one is not complete" if log.size else "it is empty"
+            raise LcmtoolsError(f"{log.path} has no messages", hint)
     every = [block for _, blocks in logs for block in blocks]
     return min(one.first_time for one in every), max(one.last_time for one in every)
 

@@ -54,7 +54,9 @@ class LogFile(AbstractContextManager["LogFile"]):
             for number, one in self.index.senders.items()
             if one.sender
         }
-        if self.data and not self.index.blocks and next(self.events(), None) is None:
+        # the first message of a log may still be being written
+        begins = SYNC.startswith(self.data[: len(SYNC)])
+        if not begins and not self.index.blocks and next(self.events(), None) is None:
             self.close()
             raise BusError(f"no message is in {path}", "it is no LCM log")
 

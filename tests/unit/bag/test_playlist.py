@@ -14,7 +14,7 @@ from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcem
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import fingerprint
 from lcmtools.types.geometry_msgs import Point, Twist
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log import SYNC, encode_event
 from lcmtools.wire.packet import Packet
 
 S = 1_000_000_000
@@ -148,6 +148,9 @@ def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
     (tmp_path / "text").write_text("no log\n")
     with pytest.raises(LcmtoolsError, match=r"no message is in .*text; it is no LCM log"):
         Playlist([log("a", ("/a", 0)), tmp_path / "text"], Choice())
+    (tmp_path / "begun").write_bytes(SYNC + bytes(8))
+    with pytest.raises(LcmtoolsError, match=r"begun has no messages; its first one is not comple"):
+        Playlist([tmp_path / "begun"], Choice())
     with pytest.raises(LcmtoolsError, match=r"empty has no messages; it is empty"):
         Playlist([log("empty")], Choice())
     with pytest.raises(BusError, match="cannot read the log"):

@@ -16,6 +16,7 @@ from lcmtools.messages.registry import candidates, message_class
 from lcmtools.messages.supply import set_supply
 from lcmtools.observe import messages
 from lcmtools.observe.describe import program_text
+from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Loss
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, SocketTable, is_here
@@ -157,10 +158,19 @@ def vars_of(found: list[object]) -> list[dict[str, object]]:
         (b"SQLite format 3\0", "is no LCM log but a database of SQLite, as ROS 2 bags are; "),
         (b"\x89PNG\r\n\x1a\n", "is no LCM log but a PNG image"),
         (b"no log of anything", "no message is in .*; it is no LCM log"),
-        (SYNC, "no message is in .*; it is no LCM log"),
     ],
 )
 def test_a_foreign_file_is_named(head: bytes, text: str, tmp_path: Path) -> None:
     (tmp_path / "a.file").write_bytes(head * 10)
     with pytest.raises(BusError, match=text):
         LogObserver(str(tmp_path / "a.file"))
+
+
+@pytest.mark.parametrize("written", [0, 2, 30])
+def test_a_log_whose_first_message_is_being_written_is_empty_so_far(
+    written: int, tmp_path: Path
+) -> None:
+    file = tmp_path / "ride.lcmlog"
+    file.write_bytes((SYNC + bytes(100))[:written])
+    with LogFile(file) as log:
+        assert list(log.events()) == []
