@@ -167,9 +167,10 @@ class Listening:
         ends = packet.payload[:_COMPARED_BYTES], packet.payload[-_COMPARED_BYTES:]
         message, source = hash((*ends, packet.size)), (packet.sender, packet.seqno)
         first = known.setdefault(message, source)
+        is_again = first is not source and first == source and packet.seqno is not None
         if first[0] != packet.sender and len(stream.repeated) < _MOST_TIMES:
             stream.repeated.add(message)
-        elif first is not source and first == source and packet.seqno is not None:
+        elif is_again and len(stream.doubled) < _MOST_TIMES:
             stream.doubled.add(message)
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
