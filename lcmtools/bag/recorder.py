@@ -132,7 +132,11 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._open()
         with suppress(BusError):  # nodes announce themselves soon without
             self._monitor.probe()
-        self._reader.start()
+        try:
+            self._reader.start()
+        except KeyboardInterrupt:  # a signal that came as it began; its context has no end
+            self.stop()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -146,11 +150,17 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             LcmtoolsError: It could not be written.
         """
         self._stops.set()
+        self._ended.wait()  # a thread whose start was interrupted cannot be joined yet
         self._reader.join()
         self._worker.shutdown()
         error, self._error = self._error, None
         if error is not None:
             raise error
+
+    @property
+    def has_ended(self) -> bool:
+        """True once it has begun, and was stopped."""
+        return self._stops.is_set()
 
     @property
     def is_paused(self) -> bool:

@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -302,6 +303,23 @@ def test_a_signal_ends_it_with_all_that_came(
         f"lcmtools bag record: 20 messages ({path.stat().st_size} B) in {path}; no losses\n"
     )
     assert len(_payloads(path, "EXAMPLE")) == 20
+
+
+def test_a_signal_that_comes_as_it_begins_ends_it_too(
+    bus_url: str, path: Path, cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = threading.Thread.start
+
+    def start_and_interrupt(thread: threading.Thread) -> None:
+        start(thread)
+        if thread.name == "recorder":
+            signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr(threading.Thread, "start", start_and_interrupt)
+    result = cli("bag", "record", "-o", str(path), env={"LCM_DEFAULT_URL": bus_url})
+    assert result.code == 128 + signal.SIGTERM
+    assert result.err == f"lcmtools bag record: 0 messages (0 B) in {path}; no losses\n"
+    assert not [one for one in threading.enumerate() if one.name == "recorder"]
 
 
 def test_services_pause_and_go_on(

@@ -54,21 +54,19 @@ def _tell(line: StatusLine, sentences: Sequence[str]) -> None:
 @contextmanager
 def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
     """Record, and report in the end what was recorded; in one line, also where it failed."""
-    is_begun = False
     try:
         with recorder:
-            is_begun = True
             yield
     except LcmtoolsError as error:
-        if is_begun and not error.hint and series.paths:
+        if recorder.has_ended and not error.hint and series.paths:
             kept = size_text(series.paths[-1].stat().st_size)
             hint = f"{series.paths[-1]} has {kept} of whole messages"
             raise LcmtoolsError(error.what, hint) from error
         raise
     finally:
-        if is_begun and as_json:
+        if recorder.has_ended and as_json:
             document(_record(recorder.progress(), series))
-        elif is_begun and not isinstance(sys.exc_info()[1], LcmtoolsError):
+        elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
             notify(last_word(recorder.progress(), series))
 
 
