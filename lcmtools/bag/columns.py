@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     Array: TypeAlias = np.ndarray[Any, np.dtype[Any]]
 
-TIME = "%time"
-"""The column of the times of arrival [ns since 1970]."""
+TIME = "%time"  # the column of the times of arrival [ns since 1970]
 
 _FINGERPRINT_BYTES = 8
 

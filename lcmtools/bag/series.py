@@ -38,10 +38,8 @@ class LogSeries:
         self._pattern = str(Path(pattern) / USUAL_NAME) if Path(pattern).is_dir() else pattern
         self._numbered, self._most, self._force = numbered, most, force
         self._base: Path | None = None
-        self.paths: deque[Path] = deque()
-        """The files that are kept, the oldest first."""
-        self.count = 0
-        """The number of files that were made."""
+        self.paths: deque[Path] = deque()  # the files that are kept, the oldest first
+        self.count = 0  # the number of files that were made
 
     def next(self) -> LogWriter:
         """Return the next log; the oldest one goes where there are too many.

@@ -18,8 +18,7 @@ from lcmtools.wire.packet import Sender
 _BINS = 60  # of a histogram
 _SHORT = 8 << 20  # bytes of a log that is read for its histogram
 
-Progress = Callable[[int], object]
-"""Takes the number of bytes of the log that have been looked at."""
+Progress = Callable[[int], object]  # takes the number of bytes of the log that have been looked at
 
 
 @dataclass(slots=True)

@@ -20,8 +20,7 @@ from lcmtools.wire.packet import Packet
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array
 
-Tell = Callable[[str, str], None]
-"""Takes the reason for what is left out, and a sentence."""
+Tell = Callable[[str, str], None]  # takes the reason for what is left out, and a sentence
 
 
 class _TopicFiles:

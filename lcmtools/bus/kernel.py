@@ -18,8 +18,7 @@ from pathlib import Path
 
 from lcmtools.bus.socket_filter import FilterProgram
 
-ANCILLARY_BYTES = 64
-"""Size of the ancillary data that ``recvmsg`` is to return."""
+ANCILLARY_BYTES = 64  # size of the ancillary data that ``recvmsg`` is to return
 ANNOUNCED = 0x5C
 """Mark of a socket whose subscriptions are announced, or that only observes.
 

@@ -44,8 +44,7 @@ except ImportError as error:  # its wheel needs a library that is not on every s
 
 Instance = lcm.LCM
 Subscription = lcm.LCMSubscription
-QUEUE_CAPACITY = 10_000
-"""Messages that liblcm may hold while Python does not get to run."""
+QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
 _LATE = 1.0  # [s] that a server may receive nothing of what is sent to it
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before an attempt to connect again
 

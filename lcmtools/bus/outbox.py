@@ -9,8 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-MOST_WAITING_BYTES = 64_000
-"""Bytes of a topic's messages that wait; one message may always."""
+MOST_WAITING_BYTES = 64_000  # bytes of a topic's messages that wait; one message may always
 
 _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 

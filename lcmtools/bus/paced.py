@@ -20,8 +20,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams, short_message
 
-PACED_ABOVE_BYTES = 120_000
-"""Payloads up to this size fit stock receive buffers in one burst."""
+PACED_ABOVE_BYTES = 120_000  # payloads up to this size fit stock receive buffers in one burst
 
 MAX_WAITING_BYTES = 64 << 20
 """A publisher that is faster than the pace waits once this much is queued."""

@@ -27,8 +27,7 @@ _ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that recei
 _SESSION_DIGITS = 16  # of a session of Zenoh, whose first half is its computer's number
 _INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
 """The beginnings of the names of programs whose first argument is a script."""
-_CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})
-"""Java's options with a value."""
+_CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})  # Java's options with a value
 
 
 class UdpSocket(NamedTuple):

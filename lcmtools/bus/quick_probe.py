@@ -28,10 +28,8 @@ PROBE = b"LC02\0\0\0\0" + PROBE_CHANNEL.encode() + b"\0" + PROBE_PAYLOAD
 
 A constant, because importing the encoder takes longer than the answers.
 """
-AT_LEAST = 0.03
-"""Time that nodes have to answer [s], three times what they need."""
-AT_MOST = 0.08
-"""Time that a node known to run has [s]: on a busy computer it may be late."""
+AT_LEAST = 0.03  # time that nodes have to answer [s], three times what they need
+AT_MOST = 0.08  # time that a node known to run has [s]: on a busy computer it may be late
 _QUIET = 0.012  # [s] without an announcement after which the answers count as complete
 _MAX_DATAGRAM = 65536
 

@@ -12,8 +12,7 @@ from pathlib import Path
 from lcmtools.folders import runtime_folder, write_atomically
 from lcmtools.graph.model import Graph, Role, Traffic
 
-KEPT = 60_000_000_000
-"""The time that a channel is remembered [ns]."""
+KEPT = 60_000_000_000  # the time that a channel is remembered [ns]
 _MOST = 1000  # channels
 
 

@@ -32,8 +32,7 @@ _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short 
 _SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
 _PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # and of its channel, where it is the first
 _HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint behind the longest channel
-ENDING_BYTES = 4
-"""Of the endings in ``these_endings``."""
+ENDING_BYTES = 4  # of the endings in ``these_endings``
 _LOADS = {4: _LOAD_WORD, 2: _LOAD_HALF, 1: _LOAD_BYTE}
 
 

@@ -38,12 +38,10 @@ _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
 _OF_A_NAP = _BATCH // 2  # messages that may come meanwhile
 _FILLED, _LITTLE = 0.5, 0.01  # the part of the kernel's buffer that they may take; a small part
-LONG_NAP = 0.1
-"""A nap of who counts messages [s]: the kernel notes their times."""
+LONG_NAP = 0.1  # a nap of who counts messages [s]: the kernel notes their times
 _DEAF_NAP = 0.04  # [s]: longer ones end with a request of who looks for nodes, and waits 0.05 s
 
-_AT_FIRST = 1_000_000
-"""Bytes of a large message for which there is room before the first one comes."""
+_AT_FIRST = 1_000_000  # bytes of a large message for which there is room before the first one comes
 _TIME: Callable[[Datagram], int] = itemgetter(2)
 
 

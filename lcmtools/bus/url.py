@@ -20,8 +20,7 @@ DEFAULT_GROUP = "239.255.76.67"
 DEFAULT_PORT = 7667
 DEFAULT_SERVER = "127.0.0.1"
 SERVER_PORT = 7700
-MAX_DOMAIN = 232
-"""The largest domain, as in ROS 2; ports stay below the ephemeral range."""
+MAX_DOMAIN = 232  # the largest domain, as in ROS 2; ports stay below the ephemeral range
 
 _DIGITS = 10  # of a number that makes sense in a URL; Python refuses to read thousands of them
 _PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file", "zenoh")

@@ -24,8 +24,7 @@ class WakeupEvent:
         self._read, self._write = _ends()
         self.fileno: Callable[[], int] = self._read.fileno
         """Returns the descriptor that can be read while it is set."""
-        self.is_set = False
-        """True from ``set`` until it is cleared."""
+        self.is_set = False  # true from ``set`` until it is cleared
 
     def set(self) -> None:
         """Wake the waiting thread, or let its next wait return at once."""

@@ -18,10 +18,8 @@ from typing import NamedTuple
 from lcmtools.bus.zenoh_keys import DEFAULT_PREFIX, Keys, is_legal_prefix
 from lcmtools.errors import InvalidUrl
 
-DEFAULT_PORT = 7447
-"""The port of Zenoh's routers."""
-SCOUTING_GROUP = "224.0.0.224:7446"
-"""The group at which Zenoh's programs look for others."""
+DEFAULT_PORT = 7447  # the port of Zenoh's routers
+SCOUTING_GROUP = "224.0.0.224:7446"  # the group at which Zenoh's programs look for others
 OPTIONS = ("prefix", "listen", "interface", "patience")
 LOOPBACK = "loopback"
 _DIGITS = 4  # of a number of seconds that makes sense

@@ -83,8 +83,7 @@ argument = partial(click.argument, cls=_Argument)
 """Adds an argument to a command; ``completer`` is the source of its candidates."""
 option = partial(click.option, cls=_Option)
 """Adds an option to a command; ``completer`` is the source of its value's candidates."""
-flag = partial(option, is_flag=True)
-"""Adds an option that takes no value."""
+flag = partial(option, is_flag=True)  # adds an option that takes no value
 
 
 def duration(value: str | float) -> float:

@@ -14,10 +14,8 @@ from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.counters import busy_share
 
-BRIEF = 0.7
-"""The duration of such a look, with the request for the nodes' counters at its end [s]."""
-WHOLE = 1.0
-"""The duration of a look that nobody chose, where a brief one is not enough [s]."""
+BRIEF = 0.7  # the duration of such a look, with the request for the nodes' counters at its end [s]
+WHOLE = 1.0  # the duration of a look that nobody chose, where a brief one is not enough [s]
 _SLOWEST = 1_200_000_000  # [ns] between messages that a whole look shows: a little more than 1 Hz
 _BUSY = 0.5  # of the time in callbacks: a call may not have ended in a brief look
 

@@ -30,8 +30,7 @@ _FEWEST = 4  # messages that show that a topic is published again and again; pub
 _FEWEST_OF_PLAIN = 1  # where a program runs that is no node, and may be what publishes
 _LONG_AGO = 180_000_000_000  # [ns]
 
-End = tuple[Node, Endpoint]
-"""An endpoint of a node."""
+End = tuple[Node, Endpoint]  # an endpoint of a node
 
 
 @dataclass(frozen=True, slots=True)

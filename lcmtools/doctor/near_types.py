@@ -23,8 +23,7 @@ _FEW = 5  # fields have few orders
 _USUAL = {"seq": "int32", "id": "int32", "utime": "int64", "timestamp": "int64", "name": "string"}
 """Fields that are often added."""
 
-Edit = tuple[int, str]
-"""The fingerprint of an edited type, and the difference."""
+Edit = tuple[int, str]  # the fingerprint of an edited type, and the difference
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,7 @@ from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.errors import LcmtoolsError, os_errors_as
 
-VERSION = 1
-"""Of the file's layout: greater by one when a reader of the one before would go wrong."""
+VERSION = 1  # of the file's layout: greater by one when a reader of the one before would go wrong
 _KEY = "lcmtools_evidence"
 _FEW = 3  # fields of a named tuple that is written as a list, unless all have a default
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)

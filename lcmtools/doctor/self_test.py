@@ -18,8 +18,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import fragments
 
-LARGE_BYTES = 300_000
-"""The size of the large message: five datagrams, as an image."""
+LARGE_BYTES = 300_000  # the size of the large message: five datagrams, as an image
 _CHANNEL = "/_lcmtools/self_test"
 _TIMEOUT = 0.5  # [s] for one datagram, which takes well under a millisecond
 _LARGEST_DATAGRAM = 65_535  # bytes

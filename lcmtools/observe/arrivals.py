@@ -15,16 +15,13 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import OneTopic, TopicPattern
 from lcmtools.wire.packet import Packet
 
-CLOCK = "/clock"
-"""The topic of a simulator's time."""
+CLOCK = "/clock"  # the topic of a simulator's time
 _LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
 _MOST_NAMED = 8  # topics in a line
 _WAIT = 0.2  # [s] at most before a timeout is looked at again
-TOGETHER = 8
-"""Messages that are shown at once, where they arrived together."""
+TOGETHER = 8  # messages that are shown at once, where they arrived together
 _new = tuple.__new__  # makes a named tuple in half the time
-PATIENCE = 2.0
-"""[s] without a message before a person reads what is on the bus."""
+PATIENCE = 2.0  # [s] without a message before a person reads what is on the bus
 
 
 class SelectedPacket(NamedTuple):

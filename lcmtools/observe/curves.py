@@ -20,8 +20,7 @@ from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import select_topics
 
-PICTURES = (".png", ".svg", ".pdf")
-"""The endings of pictures."""
+PICTURES = (".png", ".svg", ".pdf")  # the endings of pictures
 _MOST_CURVES = 20  # of a path: more cannot be told apart
 _HINT = "name a field of numbers"
 

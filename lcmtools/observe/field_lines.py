@@ -10,10 +10,8 @@ from lcmtools.messages.fields import Field, is_time, visible_fields
 from lcmtools.messages.registry import Message
 from lcmtools.messages.text import quoted
 
-MOST_LINES = 3000
-"""Lines of a message; the rest is not shown."""
-MOST_ELEMENTS = 100
-"""Elements of an open array; the rest is not shown."""
+MOST_LINES = 3000  # lines of a message; the rest is not shown
+MOST_ELEMENTS = 100  # elements of an open array; the rest is not shown
 
 _OPEN_NUMBERS, _OPEN_OTHERS = 6, 3  # arrays up to this length are open at first
 _SHOWN = 8  # elements of a closed array

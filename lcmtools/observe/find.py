@@ -18,8 +18,7 @@ from lcmtools.names import (
     resolve,
 )
 
-GLOBAL = Resolver()
-"""Relative names are in "/", and none is remapped."""
+GLOBAL = Resolver()  # relative names are in "/", and none is remapped
 
 
 def known_spelling(graph: Graph, name: str, names: Resolver = GLOBAL) -> str | None:

@@ -14,8 +14,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.packet import Packet
 
-Take: TypeAlias = Callable[[Packet], None]
-"""Called with each message, on another thread."""
+Take: TypeAlias = Callable[[Packet], None]  # called with each message, on another thread
 
 _TURN = 0.1  # [s] until a change of the channels shows at most
 _AGAIN = 0.5  # [s] before a network that fails is tried again

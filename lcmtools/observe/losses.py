@@ -36,8 +36,7 @@ class Loss(NamedTuple):
         return f"{self.lost} of {self.sent} ({100 * self.share:.1f} %)"
 
 
-Losses = Mapping[Sender, Loss]
-"""The loss of each sender whose messages have numbers."""
+Losses = Mapping[Sender, Loss]  # the loss of each sender whose messages have numbers
 
 
 def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> dict[Sender, Loss]:

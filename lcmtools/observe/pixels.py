@@ -11,8 +11,7 @@ from enum import Enum
 from lcmtools.errors import DecodeError
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
-Color = tuple[int, int, int]
-"""Red, green and blue, from 0 to 255."""
+Color = tuple[int, int, int]  # red, green and blue, from 0 to 255
 
 MOST_PIXELS = 1 << 26
 COLOR_MAPS: dict[str, tuple[Color, ...]] = {

@@ -31,8 +31,7 @@ from lcmtools.wire.packet import Sender
 
 _Key = tuple[Process | None, int | None, str]  # process, user's number, address or ""
 
-UNKNOWN = "unknown sender"
-"""The name where the bus does not name senders: tcpq, memq and logs."""
+UNKNOWN = "unknown sender"  # the name where the bus does not name senders: tcpq, memq and logs
 
 _RETRY = 5.0  # [s] before one that was not found is looked up again
 _TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")

@@ -16,11 +16,9 @@ from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.field_lines import FieldLine, field_lines
 from lcmtools.wire.packet import Packet
 
-Sample = tuple[int, float]
-"""A time [ns] and a number."""
+Sample = tuple[int, float]  # a time [ns] and a number
 
-KEPT = 2400
-"""Samples of each number."""
+KEPT = 2400  # samples of each number
 _MOST_PATHS = 300  # whose samples are kept
 _SMALL, _LARGE = 1_000_000_000 // 55, 250_000_000  # [ns] on average between decoded messages
 _LARGE_BYTES = 200_000

@@ -32,8 +32,7 @@ _UPDATE_PERIOD = 0.1
 """[s] The longest delay of the first picture for a new subscriber, and of an idle clock."""
 
 
-_REPEAT_PERIOD = 0.5
-"""[s] Between the repetitions of a warning: ``wtf`` listens for about a second."""
+_REPEAT_PERIOD = 0.5  # [s] between the repetitions of a warning: ``wtf`` listens for about a second
 
 
 @dataclass(slots=True)

@@ -17,8 +17,7 @@ from lcmtools_sim.vehicles import Vehicles
 from lcmtools_sim.vision.solids import Floats, solids_of
 from lcmtools_sim.world import World
 
-_MANY = 8
-"""From so many robots on, arrays are faster than floats."""
+_MANY = 8  # from so many robots on, arrays are faster than floats
 _PERIOD = 0.1  # [s] between two looks
 _FASTER = 1.0  # [m/s] by which a body may become faster until then
 _MARGIN = 0.02  # [m]
@@ -33,13 +32,10 @@ class Fleet:
         self._world = world
         self._dt, self._fall = scene.dt, scene.gravity * scene.dt
         self._period = max(1, round(_PERIOD / scene.dt))
-        self._steps = 0
-        """Since the last change of the robots."""
+        self._steps = 0  # since the last change of the robots
         self._groups: list[tuple[Vehicles, list[Robot]]] = []
-        self._held: list[Robot] = []
-        """Those that the engine moves, one by one."""
-        self._many: list[HeldRobots] = []
-        """The others that it moves."""
+        self._held: list[Robot] = []  # those that the engine moves, one by one
+        self._many: list[HeldRobots] = []  # the others that it moves
         self._free: list[bool] | None = None
         """For each robot of the groups, True if it needs no engine; None before the first look."""
         self._sizes = [solids_of(thing.parts).reach for thing, _ in world.movable_objects()]

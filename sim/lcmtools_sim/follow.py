@@ -31,11 +31,9 @@ class Followers:
         self._node = node
         self._simulation = simulation
         self._bridge = bridge
-        self._acknowledged: dict[str, int] = {}
-        """The leader's time that each has simulated [ns]."""
+        self._acknowledged: dict[str, int] = {}  # the leader's time that each has simulated [ns]
         self._heard: dict[str, float] = {}
-        self._missed: set[str] = set()
-        """Those that are waited for and silent; it has been said."""
+        self._missed: set[str] = set()  # those that are waited for and silent; it has been said
         node.create_subscription(Header, _ACKNOWLEDGEMENT_TOPIC, self._receive)
 
     def wait(self, go_on: Callable[[], bool]) -> bool:

@@ -6,8 +6,7 @@ from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 
-_PAUSED_WAIT = 0.1
-"""[s] The longest delay of a request to end, while paused."""
+_PAUSED_WAIT = 0.1  # [s] the longest delay of a request to end, while paused
 
 
 class Loop:

@@ -12,11 +12,9 @@ from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import MarkedPath, Scene
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape
 
-WORLD = "world"
-"""The frame of everything that does not move."""
+WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)
-_LINE_HEIGHT = 0.002
-"""[m] Of lines above the ground on which they are painted."""
+_LINE_HEIGHT = 0.002  # [m] of lines above the ground on which they are painted
 
 
 def true_frame(body: Robot | MovableObject, part: str = "") -> str:

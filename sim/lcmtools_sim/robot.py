@@ -23,10 +23,8 @@ from lcmtools_sim.vehicles import (
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import START_OVERLAP, World
 
-Robots = Vehicles | HeldRobots
-"""Several, whose states are arrays."""
-_LEVEL = 1e-3
-"""[rad, m, m/s, rad/s] The greatest deviation of a robot that stands on level ground."""
+Robots = Vehicles | HeldRobots  # several, whose states are arrays
+_LEVEL = 1e-3  # [rad, m, m/s, rad/s] the greatest deviation of a robot that stands on level ground
 
 
 class Robot:
@@ -60,8 +58,7 @@ class Robot:
         # Its body's number there.
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
-        self._motions = motion, motion
-        """In the engine: the present one, and that of one step ago."""
+        self._motions = motion, motion  # in the engine: the present one, and that of one step ago
         self._group: HeldRobots | None = None
         # The frame in the world in which its odometry was true when it was put there.
         self.odometry_frame = self._frame(self.model.body.base_height)

@@ -15,8 +15,7 @@ from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.shapes import Color, Cuboid, Line, Part
 
 _SPACING = 3.0  # [m] between the robots of a fleet
-FRICTION = 0.6
-"""The default of objects."""
+FRICTION = 0.6  # the default of objects
 WOOD: Color = (0.7, 0.6, 0.45)
 
 

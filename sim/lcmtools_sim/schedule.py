@@ -10,8 +10,7 @@ from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
 
-MAX_DEBT = 0.25
-"""Wall seconds that the simulation may be late before the rest is dropped."""
+MAX_DEBT = 0.25  # wall seconds that the simulation may be late before the rest is dropped
 
 _LONGEST_SLEEP = 0.1  # [s]; the longest delay of a request
 
@@ -29,8 +28,7 @@ class Timetable(Generic[Item]):
     def __init__(self, dt: float) -> None:
         self._dt = dt
         self._items: list[tuple[float, Item]] = []
-        self._counts: dict[float, int] = {}
-        """The times that items of each rate have been due."""
+        self._counts: dict[float, int] = {}  # the times that items of each rate have been due
         self._next: float = math.inf
         """The next step at which any item is due: most steps need not look further."""
 

@@ -16,8 +16,7 @@ _DOWN: Quaternion = (1.0, 0.0, 0.0, 0.0)
 """The optical frame that looks down, the world's x to the right."""
 _MARGIN = 1.15
 _LEAST_EXTENT = 3.0  # [m]
-_BEHIND: Vector = (-3.0, 0.0, 1.8)
-"""[m] The eye behind a robot, in its own heading."""
+_BEHIND: Vector = (-3.0, 0.0, 1.8)  # [m] the eye behind a robot, in its own heading
 _TILT = math.radians(22)
 
 

@@ -18,10 +18,8 @@ from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
 from lcmtools_sim.vision.solids import PlacedSolids, Solids, solids_of
 
-START_OVERLAP = 0.02
-"""[m] The largest penetration of another body at the start."""
-_AT_REST = 1e-6
-"""[m/s, rad/s] A thing that is slower, twice after each other, is left at rest."""
+START_OVERLAP = 0.02  # [m] the largest penetration of another body at the start
+_AT_REST = 1e-6  # [m/s, rad/s] a thing that is slower, twice after each other, is left at rest
 
 
 class World(AbstractContextManager["World"]):
@@ -199,8 +197,7 @@ class World(AbstractContextManager["World"]):
         self._fixed_solids: tuple[tuple[Part, ...], Solids] = (), solids_of(())
         self._moving: dict[int, tuple[Part, ...]] = {}
         """The shapes of movable bodies, in the frame of the engine's poses."""
-        self._solids: dict[int, Solids] = {}
-        """The same, as arrays."""
+        self._solids: dict[int, Solids] = {}  # the same, as arrays
         self._bodies: dict[int, PlacedSolids] = {}
         """The last ``moving_bodies``; empty since something has moved."""
         self._released: dict[int, Callable[[], Motion]] = {}

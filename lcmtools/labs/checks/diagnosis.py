@@ -22,12 +22,10 @@ from lcmtools.messages.registry import Message, type_names
 from lcmtools.names import base_name_of, namespace_of
 from lcmtools.types.geometry_msgs import Twist
 
-DIED = "died"
-"""The key of a row's cause: the program has ended."""
+DIED = "died"  # the key of a row's cause: the program has ended
 SILENT, SELDOM, ZERO = "silent", "seldom", "zero"
 """Nothing has come of the program, or too little, or nothing that moves the robot."""
-SAME = "same"
-"""The cause is that of the row before."""
+SAME = "same"  # the cause is that of the row before
 RAISED, IGNORED = "raised", "ignored"
 """Its callbacks raise exceptions; the simulator ignores its commands."""
 TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsubscribed"

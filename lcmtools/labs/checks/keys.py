@@ -33,8 +33,7 @@ SPEED_CHANGES = {
 }
 """Meanings of the keys that change a speed."""
 
-Velocity = tuple[float, float]
-"""Forward speed [m/s] and turn rate [rad/s], positive to the left."""
+Velocity = tuple[float, float]  # forward speed [m/s] and turn rate [rad/s], positive to the left
 
 
 def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 Point = tuple[float, float]
 
-BAND = 0.05
-"""Within this part of the target it counts as reached."""
-GOOD = 0.9
-"""From here on a picture counts as right."""
+BAND = 0.05  # within this part of the target it counts as reached
+GOOD = 0.9  # from here on a picture counts as right
 _LAST = 1.0  # [s] whose mean is the value reached
 _CLASSES = 64
 _FLAT = 1e-12

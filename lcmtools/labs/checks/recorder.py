@@ -13,10 +13,8 @@ from lcmtools.types.gazebo_msgs import ContactsState
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
 
-BUMPER = "lab_bumper"
-"""The topic, below the robot's, of the contacts that a check's world adds."""
-DEPTH = 1000
-"""Messages that wait while the bus is looked at."""
+BUMPER = "lab_bumper"  # the topic, below the robot's, of the contacts that a check's world adds
+DEPTH = 1000  # messages that wait while the bus is looked at
 
 MessageT = TypeVar("MessageT", bound=Message)
 

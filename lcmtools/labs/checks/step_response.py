@@ -10,8 +10,7 @@ from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 
-LONGEST = 8.0
-"""Simulated time that a step is watched at most [s]."""
+LONGEST = 8.0  # simulated time that a step is watched at most [s]
 _STEADY = 2.0  # [s] simulated, of a speed that stays
 _LOST = 3.0  # [s] simulated: a robot that goes the wrong way is watched no longer
 _SLOW = 0.02  # [m/s] or [rad/s]: at rest

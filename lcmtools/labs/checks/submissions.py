@@ -10,8 +10,7 @@ from pathlib import Path
 from lcmtools.errors import UsageError, os_errors_as
 from lcmtools.labs.catalogue import Lab, LabProgram
 
-PROGRAM = "{program}"
-"""The placeholder in a command line for a submission's path."""
+PROGRAM = "{program}"  # the placeholder in a command line for a submission's path
 _MOST_BYTES = 1 << 20  # of a source that is searched for names of topics
 
 

@@ -30,8 +30,7 @@ from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sim_msgs import SetPose, SetRate
 from lcmtools.types.std_srvs import Trigger
 
-_START_TIMEOUT = 30.0
-"""Time that a simulator has to start [s]."""
+_START_TIMEOUT = 30.0  # time that a simulator has to start [s]
 _GROUP = "239.255.76.67"
 _SPIN_TIME = 0.05
 _OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")

@@ -13,8 +13,7 @@ from lcmtools.labs.nodes.picture.pixels import Picture, read_file, read_picture
 from lcmtools.observe.pixels import Kind
 from lcmtools.types.sensor_msgs import Image
 
-PICTURE = "{picture}"
-"""The placeholder in a viewer's command line for the name of the file to save."""
+PICTURE = "{picture}"  # the placeholder in a viewer's command line for the name of the file to save
 _DEPTH = "/camera/depth/image_raw"
 _PICTURE = 15.0  # [s] until a picture is whole: a program may take seconds for a PNG
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared

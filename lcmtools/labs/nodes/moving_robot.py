@@ -15,12 +15,9 @@ from lcmtools import Node
 from lcmtools.labs.nodes import check_command_line
 from lcmtools.types.geometry_msgs import Twist
 
-PERIOD = 0.5
-"""Seconds between two commands."""
-FORWARD_SPEED = 0.5
-"""In m/s."""
-TURN_RATE = 0.3
-"""In rad/s, positive to the left."""
+PERIOD = 0.5  # seconds between two commands
+FORWARD_SPEED = 0.5  # [m/s]
+TURN_RATE = 0.3  # [rad/s], positive to the left
 
 
 class MovingRobot(Node):

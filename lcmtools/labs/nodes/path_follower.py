@@ -25,15 +25,13 @@ from lcmtools.labs.nodes import check_command_line
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry, Path
 
-SPEED = 0.4
-"""In m/s."""
+SPEED = 0.4  # [m/s]
 LOOKAHEAD = 0.4
 """Distance of the point that the robot drives to [m]: less follows closer, and swings more."""
 MOST_SKIPPED = 2 * LOOKAHEAD
 """Length of the path in which its nearest point is searched [m]: a path may come back to a place,
 and the robot stays on its own part of it."""
-SPACING = 0.1
-"""Distance of two points, at most [m]: points are added to a path that has fewer."""
+SPACING = 0.1  # distance of two points, at most [m]: points are added to a path that has fewer
 
 Point = tuple[float, float]
 

@@ -22,10 +22,8 @@ from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import MOTION_HELP, Motion
 from lcmtools.types.geometry_msgs import Twist
 
-SPEED_LIMIT = 1.2
-"""Largest speed of a Pioneer 3-DX [m/s]."""
-TURN_LIMIT = 5.2
-"""Largest turn rate of a Pioneer 3-DX [rad/s]."""
+SPEED_LIMIT = 1.2  # largest speed of a Pioneer 3-DX [m/s]
+TURN_LIMIT = 5.2  # largest turn rate of a Pioneer 3-DX [rad/s]
 
 
 class PioneerManualController(Driver):

@@ -18,8 +18,7 @@ from lcmtools import Node
 from lcmtools.labs.nodes import check_command_line
 from lcmtools.types.sensor_msgs import LaserScan
 
-PERIOD = 0.5
-"""Seconds between two lines; the laser is much faster than a person reads."""
+PERIOD = 0.5  # seconds between two lines; the laser is much faster than a person reads
 
 
 class ReadingLaser(Node):

@@ -29,8 +29,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 
-MAX_GAIN = 1000.0
-"""Far beyond what is of use."""
+MAX_GAIN = 1000.0  # far beyond what is of use
 
 
 class SimpleController(Node):

@@ -15,8 +15,7 @@ from lcmtools import Node
 from lcmtools.labs.nodes import check_command_line
 from lcmtools.types.std_msgs import String
 
-PERIOD = 0.1
-"""Seconds between two messages."""
+PERIOD = 0.1  # seconds between two messages
 
 
 class Talker(Node):

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 TRACK = 1.0702
 """Effective track of the Husky [m]: 1.875 times the distance of its wheels, for they skid in turns
 (``wheel_separation_multiplier`` of Clearpath's husky_control)."""
-MAX_SPEED = 1.0
-"""Speed of a side at full effort [m/s]."""
+MAX_SPEED = 1.0  # speed of a side at full effort [m/s]
 MAX_STEP = 0.1
 """Longest time that one observation counts for [s]: the motion during a gap is unknown."""
-REST_SPEED = 0.01
-"""A robot whose sides are both slower than this is at rest [m/s]."""
+REST_SPEED = 0.01  # a robot whose sides are both slower than this is at rest [m/s]
 
 
 @dataclass(frozen=True, slots=True)

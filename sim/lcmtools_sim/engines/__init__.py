@@ -10,8 +10,7 @@ from lcmtools.names import did_you_mean
 from lcmtools_sim.engines.engine import Engine
 from lcmtools_sim.engines.native import suppressed_output
 
-ENGINES = ("bullet", "mujoco")
-"""In the order of preference."""
+ENGINES = ("bullet", "mujoco")  # in the order of preference
 VARIABLE = "LCMTOOLS_ENGINE"
 
 _PACKAGES = {"bullet": "pybullet", "mujoco": "mujoco"}

@@ -24,10 +24,8 @@ from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
 
 _RECOVERY = 12.0
 """[1/s] The rate at which bodies that overlap separate; a higher one shakes a pushed body aside."""
-_RIM = 0.002
-"""[m] Length of the discs at a cylinder's ends."""
-_RECESS = 0.0002
-"""[m] By which the cylinder between them is thinner."""
+_RIM = 0.002  # [m] length of the discs at a cylinder's ends
+_RECESS = 0.0002  # [m] by which the cylinder between them is thinner
 
 
 class Bullet:

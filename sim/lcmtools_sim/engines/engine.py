@@ -48,8 +48,7 @@ class RigidBody:
 class Engine(Protocol):
     """One world of an engine."""
 
-    ground: int
-    """The number of the plane z = 0."""
+    ground: int  # the number of the plane z = 0
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""

@@ -22,20 +22,16 @@ from lcmtools_sim.shapes import Cuboid, Cylinder, Shape, Sphere
 
 _IMPEDANCE = (0.99, 0.999)
 """Share of a contact's acceleration that the constraint sets, at the surface and below it."""
-_STEPS = 2
-"""Time constant of contacts, in steps. MuJoCo allows no less than 2."""
+_STEPS = 2  # time constant of contacts, in steps. MuJoCo allows no less than 2.
 _DAMPING = 2.0
 """Damping ratio of contacts: what collides comes apart at 6 % of its speed; with 1, at 16 %."""
-_BRAKING = 20.0
-"""[m/s^2] Most that friction's reference asks for: see _set_friction."""
-_LEAST_FRICTION = 1e-5
-"""As mjMINMU: MuJoCo takes no less."""
+_BRAKING = 20.0  # [m/s^2] most that friction's reference asks for: see _set_friction
+_LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo takes no less
 _ROUGH, _SMOOTH = 3, 1
 """condim: contacts with friction, and without; the higher one of two shapes holds."""
 _CONTACTS: dict[type[Shape], int] = {Cuboid: 4, Cylinder: 2, Sphere: 1}
 """The number of points on which an object of one shape rests."""
-_FEET = 4
-"""The same of a robot."""
+_FEET = 4  # the same of a robot
 
 _Array = npt.NDArray[np.float64]
 _Places = npt.NDArray[np.intp]
@@ -261,8 +257,7 @@ class Mujoco:
         self._speeds = adr[:, None] + np.arange(3)
         """The places of each shape's velocity in qvel with three zeros behind it."""
         self._friction = model.geom_friction[:, 0].copy()
-        self._pairs: bytes | None = None
-        """The shapes of each contact of the last step."""
+        self._pairs: bytes | None = None  # the shapes of each contact of the last step
         self._objects = [
             (number, min(part.shape.least_radius for part in body.parts))
             for number, body in self._bodies.items()

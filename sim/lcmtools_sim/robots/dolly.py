@@ -28,17 +28,12 @@ WHEEL_RADIUS = 0.15
 TRACK = 0.6
 
 _GAZEBO_TRACK = 1.25
-_PLUGIN_RATE = 100.0
-"""[Hz] The default of Gazebo's differential drive."""
-_HEIGHT = 0.225
-"""[m] Of the middle of the chassis, and of base_link, which is above the axle."""
-_AXLE = 0.3
-"""[m] The distance of the wheels in front of the middle of the chassis."""
+_PLUGIN_RATE = 100.0  # [Hz] the default of Gazebo's differential drive
+_HEIGHT = 0.225  # [m] of the middle of the chassis, and of base_link, which is above the axle
+_AXLE = 0.3  # [m] the distance of the wheels in front of the middle of the chassis
 _CHASSIS = (1.0, 0.5, 0.15)
-_MASS = 2.0
-"""[kg] Chassis and two wheels."""
-_INERTIA = (0.06, 0.13, 0.19)
-"""[kg m^2] A box of 1 kg with two wheels of 0.5 kg beside it."""
+_MASS = 2.0  # [kg] chassis and two wheels
+_INERTIA = (0.06, 0.13, 0.19)  # [kg m^2] a box of 1 kg with two wheels of 0.5 kg beside it
 
 _WHITE: Color = (0.9, 0.9, 0.88)
 _WOOL: Color = (0.93, 0.91, 0.85)

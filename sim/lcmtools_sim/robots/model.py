@@ -15,8 +15,7 @@ BLACK: Color = (0.15, 0.15, 0.15)
 LIGHT: Color = (0.93, 0.93, 0.9)
 ACROSS: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 """A cylinder's along y, as a wheel's."""
-ALONG: Quaternion = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)
-"""A cylinder's along x."""
+ALONG: Quaternion = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)  # a cylinder's along x
 
 
 def wheel(radius: float, width: float, track: float) -> Part:

@@ -27,16 +27,12 @@ TRACK = 0.33
 
 _LENGTH, _WIDTH = 0.455, 0.381
 _BOTTOM, _TOP = 0.06, 0.237
-_CENTRE = -0.04
-"""[m] The middle of the body, behind the axle."""
+_CENTRE = -0.04  # [m] the middle of the body, behind the axle
 _CASTER = -0.185
-_MASS = 23.0
-"""[kg] The robot itself and a load of batteries and a computer."""
-_INERTIA = (0.35, 0.48, 0.62)
-"""[kg m^2] Of a box of this size and mass."""
+_MASS = 23.0  # [kg] the robot itself and a load of batteries and a computer
+_INERTIA = (0.35, 0.48, 0.62)  # [kg m^2] of a box of this size and mass
 
-_KINECT = (0.10, 0.0, 0.25)
-"""[m] The position of the Kinect in base_link, on the deck."""
+_KINECT = (0.10, 0.0, 0.25)  # [m] the position of the Kinect in base_link, on the deck
 
 _RED: Color = (0.7, 0.1, 0.1)
 _GOLD: Color = (0.83, 0.68, 0.35)

@@ -20,8 +20,7 @@ Pixels = npt.NDArray[np.uint8]
 SKY_COLOR: Color = (0.68, 0.80, 0.92)
 SUN = np.array((-0.4, -0.6, 1.0)) / np.linalg.norm((-0.4, -0.6, 1.0))
 """Direction towards the sun, in the world."""
-AMBIENT = 0.35
-"""Brightness of faces away from the sun; those towards it have 1."""
+AMBIENT = 0.35  # brightness of faces away from the sun; those towards it have 1
 _UP = np.array((0.0, 0.0, 1.0))
 _ON_CAP = 1 + 1e-5  # a pixel is on a cap whose inverse depth is at most this many times its own
 

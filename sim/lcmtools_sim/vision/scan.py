@@ -36,8 +36,7 @@ _BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
 Numbers = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 
-_TOGETHER = 32
-"""Scanners at a time, so that the arrays stay in the processor's cache."""
+_TOGETHER = 32  # scanners at a time, so that the arrays stay in the processor's cache
 
 
 class Scanner:

@@ -11,8 +11,7 @@ from lcmtools.formats import strict_xml
 from lcmtools_sim.geometry import Vector
 from lcmtools_sim.shapes import Color
 
-_LARGEST = 1e6
-"""Of all lengths, masses and angles."""
+_LARGEST = 1e6  # of all lengths, masses and angles
 
 
 @dataclass(slots=True)

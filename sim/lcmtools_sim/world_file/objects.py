@@ -21,10 +21,8 @@ from lcmtools_sim.world_file.sdf import read_sdf
 from lcmtools_sim.world_file.values import Item, value
 
 _COMMON_KEYS = ("type", "name", "pose", "mass", "friction", "color")
-_LEG = 0.05
-"""[m] Thickness of a table's legs."""
-_TOP = 0.03
-"""[m] Thickness of a table's top."""
+_LEG = 0.05  # [m] thickness of a table's legs
+_TOP = 0.03  # [m] thickness of a table's top
 
 
 def read_objects(item: Item, notes: list[str]) -> tuple[SceneObject, ...]:

@@ -14,11 +14,9 @@ from lcmtools_sim.scene import Ground
 from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.world_file.markup import Element
 
-_FRICTION = 1.0
-"""The default of SDF."""
+_FRICTION = 1.0  # the default of SDF
 _MOST_FRICTION = 10.0
-_SLAB = 0.02
-"""[m] Thickness of a plane that is not the ground."""
+_SLAB = 0.02  # [m] thickness of a plane that is not the ground
 _LEVEL = 0.9999
 _NEAR = 1e-3
 _SCRIPTS: dict[str, Color] = {

@@ -21,16 +21,12 @@ _DRIVE_KEYS = (
     *("left", "right", "max_speed", "max_turn_rate", "max_acceleration", "time_constant"),
     *("friction", "wheel_radius", "track"),
 )
-_NEAR = 0.01
-"""[m] Two places so near to each other are one."""
-_PARALLEL = 0.99
-"""Cosine of the largest angle between parallel axes."""
-_CLEARANCE = 0.004
-"""[m] The least height of all parts above the ground: only the feet touch it."""
+_NEAR = 0.01  # [m] two places so near to each other are one
+_PARALLEL = 0.99  # cosine of the largest angle between parallel axes
+_CLEARANCE = 0.004  # [m] the least height of all parts above the ground: only the feet touch it
 _DEEPEST = 0.05
 """[m] A part that reaches farther below the wheels would carry the robot instead of them."""
-_NEAR_GROUND = 0.01
-"""[m] A part so near to the ground supports the robot."""
+_NEAR_GROUND = 0.01  # [m] a part so near to the ground supports the robot
 _TURNING = ("continuous", "revolute")
 _SENSORS = (
     SensorMount("odometry", "odometry", 50.0),

@@ -169,10 +169,8 @@ def number(minimum: float, maximum: float) -> Callable[[Item], float]:
     return lambda item: item.number(minimum, maximum)
 
 
-length = number(1e-3, 1e4)
-"""Reads the side or radius of something [m]."""
-friction = number(0, 10)
-"""Reads a Coulomb coefficient."""
+length = number(1e-3, 1e4)  # reads the side or radius of something [m]
+friction = number(0, 10)  # reads a Coulomb coefficient
 
 
 def pose(item: Item, height: float = 0.0) -> Pose:
@@ -195,8 +193,7 @@ def triple(read: Callable[[Item], float]) -> Callable[[Item], Vector]:
     return read_triple
 
 
-color = triple(number(0, 1))
-"""Reads red, green and blue, 0 to 1."""
+color = triple(number(0, 1))  # reads red, green and blue, 0 to 1
 
 
 def checked_name(check: Callable[[str], str | None]) -> Callable[[Item], str]:

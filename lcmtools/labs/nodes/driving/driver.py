@@ -17,13 +17,10 @@ from lcmtools.labs.nodes.driving.motion import Motion, Sliders
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.terminal import is_terminal
 
-PERIOD = 0.1
-"""Seconds between two commands while the robot moves."""
-STOPS = 3
-"""Number of zero commands that stop a robot: any one of them may be lost."""
+PERIOD = 0.1  # seconds between two commands while the robot moves
+STOPS = 3  # number of zero commands that stop a robot: any one of them may be lost
 _STOP_GAP = 0.01
-_KEY_TIME = 0.02
-"""Longest wait for a key [s], after which timers have their turn."""
+_KEY_TIME = 0.02  # longest wait for a key [s], after which timers have their turn
 
 _PIPE_HELP = "Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment."
 

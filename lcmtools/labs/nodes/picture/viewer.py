@@ -19,11 +19,9 @@ from lcmtools.observe.pixels import COLOR_MAPS
 from lcmtools.terminal import is_terminal
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
-_TURN = 0.03
-"""Longest time between two calls of the display's ``attend`` [s]."""
+_TURN = 0.03  # longest time between two calls of the display's ``attend`` [s]
 _RATE, _LINES_RATE = 10.0, 1.0
-_ANSWERED = 0.3
-"""Time that nodes have to say what they publish [s]."""
+_ANSWERED = 0.3  # time that nodes have to say what they publish [s]
 _PICTURES = {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}
 _MOST = 3  # topics that a hint names
 _GRAPHICS = ("auto", "blocks", "sixel", "kitty")
