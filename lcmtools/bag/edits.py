@@ -11,11 +11,7 @@ from dataclasses import dataclass, replace
 
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
-from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
-    decode_announcement,
-    encode_announcement,
-)
+from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement, encode_announcement
 from lcmtools.messages.filter import Filter
 from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden
 from lcmtools.observe.decoding import Decoder

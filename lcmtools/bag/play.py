@@ -98,10 +98,7 @@ def play(
                 "the log has no message in these times", "leave out --start or --end"
             )
         known, graph = _check(url, playlist.tracks, notify, force=manner.force)
-        with (
-            own_node("play", url) as node,
-            _Watch(url, playlist.tracks, node.name, known) as watch,
-        ):
+        with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
             session = _Session(node, playlist.tracks, manner, notify, watch)
             session.find(graph)
             if manner.waits:
@@ -132,12 +129,7 @@ class _Session:
     """The sending of a log by a node."""
 
     def __init__(
-        self,
-        node: Node,
-        tracks: Sequence[Track],
-        manner: Manner,
-        notify: Notify,
-        watch: "_Watch",
+        self, node: Node, tracks: Sequence[Track], manner: Manner, notify: Notify, watch: "_Watch"
     ) -> None:
         self._node, self._notify, self._watch = node, notify, watch
         self._forced = manner.force

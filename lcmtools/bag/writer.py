@@ -15,13 +15,7 @@ from lcmtools.observe.log_file import index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log import encode_head, events
 from lcmtools.wire.log_compression import Compression, compressor
-from lcmtools.wire.log_index import (
-    Block,
-    LostMessages,
-    RecordedNode,
-    RecordedSender,
-    RecordedType,
-)
+from lcmtools.wire.log_index import Block, LostMessages, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _AT_ONCE = 512 << 10  # bytes of a system call; Linux takes several times longer for each of more

@@ -9,12 +9,7 @@ import socket
 from collections.abc import Collection, Iterable
 
 from lcmtools.bus.kernel import ANNOUNCED, SUBSCRIBED, attach, detach, mark
-from lcmtools.bus.socket_filter import (
-    ENDING_BYTES,
-    these_channels,
-    these_endings,
-    well_formed,
-)
+from lcmtools.bus.socket_filter import ENDING_BYTES, these_channels, these_endings, well_formed
 
 _MOST = 50  # channels, or endings, that a datagram is compared with
 

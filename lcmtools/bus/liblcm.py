@@ -25,11 +25,7 @@ import time
 from collections.abc import Callable, Iterator
 
 from lcmtools.bus.channel_filter import ChannelFilter
-from lcmtools.bus.kernel import (
-    drop_what_is_late,
-    open_descriptors,
-    receive_buffer_bytes,
-)
+from lcmtools.bus.kernel import drop_what_is_late, open_descriptors, receive_buffer_bytes
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, MissingExtra

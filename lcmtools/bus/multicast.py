@@ -12,14 +12,7 @@ import struct
 import time
 from collections.abc import Iterator
 
-from lcmtools.bus.kernel import (
-    ANNOUNCED,
-    SELECTIVE,
-    attach,
-    mark,
-    receive_buffer_bytes,
-    share_port,
-)
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, attach, mark, receive_buffer_bytes, share_port
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError

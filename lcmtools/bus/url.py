@@ -80,10 +80,7 @@ class BusUrl(NamedTuple):
 
 
 def choose_url(
-    url: str | None,
-    domain: str | None,
-    environment: Mapping[str, str],
-    file: UserFile = NO_FILE,
+    url: str | None, domain: str | None, environment: Mapping[str, str], file: UserFile = NO_FILE
 ) -> tuple[BusUrl, str]:
     """Return the chosen bus, and the source of the choice.
 

@@ -8,11 +8,7 @@ from lcmtools.cli.options import bus_options
 
 
 def _group(
-    name: str,
-    text: str,
-    entries: Mapping[str, Entry],
-    *examples: str,
-    has_bus: bool = True,
+    name: str, text: str, entries: Mapping[str, Entry], *examples: str, has_bus: bool = True
 ) -> LazyGroup:
     """A group of commands; where it has a bus, that may be named before the command."""
     text = with_examples(text, (f"{name} {example}" for example in examples))

@@ -31,12 +31,7 @@ class Entry(NamedTuple):
 class LazyGroup(click.Group):
     """A group with a table of commands."""
 
-    def __init__(
-        self,
-        *args: object,
-        entries: Mapping[str, Entry],
-        **kwargs: object,
-    ) -> None:
+    def __init__(self, *args: object, entries: Mapping[str, Entry], **kwargs: object) -> None:
         super().__init__(*args, **kwargs)  # type: ignore[arg-type] # click's own arguments
         self._entries = entries
 

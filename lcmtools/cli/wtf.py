@@ -10,13 +10,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
-from lcmtools.cli.judging import (
-    JudgingCommand,
-    WrongUsage,
-    judged_rules,
-    look_once,
-    rule_option,
-)
+from lcmtools.cli.judging import JudgingCommand, WrongUsage, judged_rules, look_once, rule_option
 from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
 from lcmtools.cli.output import data, lines, show, talk
 from lcmtools.color import stream_wants_color

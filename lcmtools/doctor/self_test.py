@@ -8,12 +8,7 @@ import errno
 import select
 import socket
 
-from lcmtools.bus.multicast import (
-    check_multicast,
-    check_sending,
-    receiving_socket,
-    sending_socket,
-)
+from lcmtools.bus.multicast import check_multicast, check_sending, receiving_socket, sending_socket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import fragments

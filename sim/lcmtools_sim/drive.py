@@ -71,8 +71,4 @@ def dead_reckoning(pose: Vector, distance: Value, half_turn: Value, ops: Arithme
     """
     x, y, yaw = pose
     heading = yaw + half_turn
-    return (
-        x + distance * ops.cos(heading),
-        y + distance * ops.sin(heading),
-        heading + half_turn,
-    )
+    return (x + distance * ops.cos(heading), y + distance * ops.sin(heading), heading + half_turn)

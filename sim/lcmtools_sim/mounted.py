@@ -9,13 +9,7 @@ from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.sensors import SENSORS
-from lcmtools_sim.sensors.sensor import (
-    RobotState,
-    Sensor,
-    SensorContext,
-    SensorMount,
-    SharedSensor,
-)
+from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, SensorMount, SharedSensor
 
 
 class Subscribers(Enum):

@@ -269,10 +269,7 @@ def planar_motion(position: Vector, yaw: Value, velocity: Vector, turn_rate: Val
 
 
 def measured(
-    motion: Motion,
-    before: Motion,
-    values: tuple[Constants, Variables],
-    times: tuple[int, float],
+    motion: Motion, before: Motion, values: tuple[Constants, Variables], times: tuple[int, float]
 ) -> RobotState:
     """The state that sensors measure.
 

@@ -3,12 +3,7 @@
 from lcmtools.bag import edits
 from lcmtools.bag.summary import log_span
 from lcmtools.bag.times import LogTime
-from lcmtools.cli.bag.common import (
-    made_options,
-    places,
-    time_option,
-    write,
-)
+from lcmtools.cli.bag.common import made_options, places, time_option, write
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.errors import UsageError
 from lcmtools.observe.log_file import LogFile
@@ -49,11 +44,4 @@ def shift(
         span = log_span(log)
         late = to.within(*span) - span[0] if to else edits.parse_shift(str(by))
         found = edits.shifted(log.packets(), late)
-        write(
-            target,
-            found,
-            log,
-            force=force,
-            as_json=as_json,
-            later=late,
-        )
+        write(target, found, log, force=force, as_json=as_json, later=late)

@@ -76,19 +76,12 @@ def command(
     """
     check_options(snapshot=snapshot, after=after, when=when, split=split)
     limits = replace(
-        split_limits(split),
-        duration=seconds,
-        messages=limit,
-        bytes=None if snapshot else max_size,
+        split_limits(split), duration=seconds, messages=limit, bytes=None if snapshot else max_size
     )
     names, url = looking_names(), chosen_url()
     choice = RecordedTopics(topics, names, exclude=exclude, nodes=nodes, hidden=hidden)
     series = LogSeries(
-        output,
-        numbered=split is not None,
-        most=max_files,
-        force=force,
-        compression=compression,
+        output, numbered=split is not None, most=max_files, force=force, compression=compression
     )
     with ExitStack() as stack:
         monitor = stack.enter_context(

@@ -4,13 +4,7 @@ from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UnknownType
-from lcmtools.messages.registry import (
-    message_class,
-    packages,
-    problems,
-    service_names,
-    type_names,
-)
+from lcmtools.messages.registry import message_class, packages, problems, service_names, type_names
 from lcmtools.names import did_you_mean
 
 _single_line_option = flag("-s", "--single-line", help="All on one line, separated by spaces.")

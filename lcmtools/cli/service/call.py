@@ -4,13 +4,7 @@ import math
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
-from lcmtools.cli.options import (
-    bus_options,
-    json_option,
-    rate_option,
-    timeout_option,
-    times_option,
-)
+from lcmtools.cli.options import bus_options, json_option, rate_option, timeout_option, times_option
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWait
 from lcmtools.messages.plain import to_json

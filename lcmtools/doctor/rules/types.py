@@ -69,11 +69,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
             yield from found(title, facts, "same-type", severity=Severity.NOTE)
 
 
-@rule(
-    "unknown-type",
-    "generate the sender's types again from the same .lcm files",
-    Severity.NOTE,
-)
+@rule("unknown-type", "generate the sender's types again from the same .lcm files", Severity.NOTE)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """The types of all messages are known, and what is sent are LCM messages.
 

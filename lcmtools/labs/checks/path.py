@@ -146,12 +146,7 @@ def judge(drive: DrivenPath, touches: Sequence[Touch]) -> Iterator[CheckResult]:
     sample, offset = drive.farthest
     side = "left" if offset > 0 else "right"
     for what, limit, measured, is_ok in (
-        (
-            "drives the path",
-            wanted,
-            f"{drive.along:.1f} m",
-            drive.along >= _MOST * drive.length,
-        ),
+        ("drives the path", wanted, f"{drive.along:.1f} m", drive.along >= _MOST * drive.length),
         (
             "farthest from the path",
             f"{_FARTHEST:g} m at most",

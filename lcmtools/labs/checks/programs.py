@@ -46,11 +46,7 @@ class CheckedProgram(ChildProcess):
         if command[0] == "lcmtools":
             words[:1] = own_command()
         start = Start(
-            words,
-            environment,
-            has_keyboard=has_keys,
-            output=output,
-            most_bytes=_MOST_BYTES,
+            words, environment, has_keyboard=has_keys, output=output, most_bytes=_MOST_BYTES
         )
         try:
             super().__init__(start, guard, _TIMEOUTS)

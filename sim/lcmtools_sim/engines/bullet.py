@@ -9,16 +9,7 @@ from pybullet_utils.bullet_client import BulletClient
 
 from lcmtools_sim.engines.engine import ContactPoint, Motion, RigidBody
 from lcmtools_sim.engines.native import suppressed_output
-from lcmtools_sim.geometry import (
-    IDENTITY,
-    ZERO,
-    Quaternion,
-    Vector,
-    add,
-    axes,
-    scaled,
-    subtract,
-)
+from lcmtools_sim.geometry import IDENTITY, ZERO, Quaternion, Vector, add, axes, scaled, subtract
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
 
@@ -149,11 +140,7 @@ class Bullet:
 
     def _make(self, mass: float, shape: int, position: Vector, rotation: Quaternion) -> int:
         number = self._bullet.createMultiBody(
-            mass,
-            shape,
-            basePosition=position,
-            baseOrientation=rotation,
-            useMaximalCoordinates=True,
+            mass, shape, basePosition=position, baseOrientation=rotation, useMaximalCoordinates=True
         )
         return int(number)
 
