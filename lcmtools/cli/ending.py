@@ -2,8 +2,10 @@
 
 import contextlib
 import os
+import select
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
@@ -19,6 +21,7 @@ INTERRUPTED = 130
 USAGE = UsageError.exit_code
 BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
+_READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
 
 _SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
@@ -60,7 +63,7 @@ def interrupting_signals() -> Iterator[list[int]]:
         else:
             show(ignored)
 
-    numbers = (*_ending_signals(), signal.SIGALRM)
+    numbers = (*_ending_signals(), signal.SIGALRM, _READER_GONE)
     before = {number: signal.signal(number, interrupt) for number in numbers}
     show, sys.unraisablehook = sys.unraisablehook, interrupt_again
     try:
@@ -76,6 +79,27 @@ def _ending_signals() -> list[int]:
     """The signals that end a command; under nohup a closed terminal does not."""
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
+
+
+def end_with_reader() -> None:
+    """Let a command that may be silent for long end when nobody reads its output any more.
+
+    Of a terminal SIGHUP says so. Without effect outside of ``interrupting_signals``.
+    """
+    if callable(signal.getsignal(_READER_GONE)) and not sys.stdout.isatty():
+        threading.Thread(target=_await_reader_gone, daemon=True).start()
+
+
+def _await_reader_gone() -> None:
+    poll = select.poll()
+    poll.register(sys.stdout, 0)  # errors only: of a pipe that its readers have closed
+    poll.poll()
+    signal.pthread_kill(cast(int, threading.main_thread().ident), _READER_GONE)
+
+
+def exit_code(number: int) -> int:
+    """Return the exit code of a command that a signal has ended; a reader who left is no fault."""
+    return 0 if number == _READER_GONE else BY_SIGNAL + number
 
 
 def end_at_once() -> None:

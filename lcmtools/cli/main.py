@@ -79,7 +79,7 @@ def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
                 return result if isinstance(result, int) else 0
         except BaseException as error:
             if signals:  # a consequence of the signal, whatever the interrupted code raised
-                return ending.BY_SIGNAL + signals[0]
+                return ending.exit_code(signals[0])
             command = context.meta.get(COMMAND) if context else None
             code = ending.explain(error, command or "lcmtools", as_json=_wants_json(arguments))
             if code is None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
+from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.judging import JudgingCommand, WrongUsage, judged_rules, look_once, rule_option
 from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
 from lcmtools.cli.output import data, lines, show, talk
@@ -90,6 +91,7 @@ def command(
 
 
 def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool) -> None:
+    end_with_reader()
     for number, changes in enumerate(report.watch(look, rules)):
         if not (number or changes or as_json):
             data("No errors or warnings")

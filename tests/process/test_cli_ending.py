@@ -216,6 +216,17 @@ def test_reader_who_has_had_enough_is_no_fault(
     assert set(result.stderr.splitlines()) <= {"subscribed to [/chatter]"}
 
 
+@pytest.mark.parametrize(
+    "pipe", ["echo silent | true", "bw silent | true", "wtf --watch --rule unknown-type | head -1"]
+)
+def test_reader_who_leaves_ends_what_has_nothing_more_to_say(
+    pipe: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    result = shell(f"lcmtools {pipe}; echo ${{PIPESTATUS[0]}}")
+    assert result.stdout.splitlines()[-1] == "0"
+    assert "Traceback" not in result.stderr
+
+
 @pytest.mark.usefixtures("talker")
 @pytest.mark.parametrize(
     "command",

@@ -15,6 +15,7 @@ from lcmtools.cli.declare import (
     subcommand,
     whole_number,
 )
+from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import clearing, data, may_wait, on_screen
 from lcmtools.cli.topic.display import display, display_options
@@ -77,6 +78,7 @@ def command(
     prefix = clearing() if clear and options.form in ("text", "flow") else ""
     names = looking_names()
     meant = [select_topics(topic, names) for topic in topics]
+    end_with_reader()
     with open_monitor("echo", whole=True, plays=True) as monitor:
         monitor.discover()
         if monitor.tap:

@@ -5,6 +5,7 @@ from typing import Any
 
 from lcmtools.cli.bus import looking_names, notify
 from lcmtools.cli.declare import CommandT, argument, duration, flag, option, together, whole_number
+from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import lines, talk
 from lcmtools.observe.arrivals import SelectedPacket
@@ -49,6 +50,7 @@ def measure(
     **options: Any,  # noqa: ANN401 - of ``ListenOptions``
 ) -> None:
     """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
+    end_with_reader()
     wanted = ListenOptions(names=looking_names(), **options)
     measurement = Measurement(monitor, windows, item, wanted, notify)
     for channel in measurement.channels:
