@@ -5,6 +5,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
+from lcmtools.errors import os_errors_as
+
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
     """Return a folder of the user's by the XDG rules; None where the environment names no home.
@@ -33,7 +35,20 @@ def runtime_folder(environment: Mapping[str, str]) -> Path | None:
     return cache_folder(environment)
 
 
-def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file that a person has named: as a whole, or the one before stays.
+
+    Raises:
+        LcmtoolsError: It cannot be written.
+    """
+    with os_errors_as(f"cannot write {path}"):
+        if path.exists() and not path.is_file():  # /dev/stdout, a pipe: not to be replaced
+            path.write_bytes(_encoded(content))
+        else:
+            write_atomically(path, content)
+
+
+def write_atomically(path: Path, content: str | bytes, *, private: bool = False) -> None:
     """Write a file in an existing folder; a concurrent reader sees the old or the new one, whole.
 
     Where ``path`` is a link, as a settings file kept elsewhere may be, its target is written.
@@ -44,8 +59,8 @@ def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
     path = path.resolve()
     descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", errors="surrogateescape") as file:
-            file.write(text)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(_encoded(content))
         if not private:
             Path(temporary).chmod(path.stat().st_mode & 0o7777 if path.exists() else _usual_mode())
         Path(temporary).replace(path)
@@ -53,6 +68,10 @@ def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
         with contextlib.suppress(OSError):
             Path(temporary).unlink()
         raise
+
+
+def _encoded(content: str | bytes) -> bytes:
+    return content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content
 
 
 def _usual_mode() -> int:

@@ -5,6 +5,7 @@ Nothing here waits for luck: every wait has a condition and a deadline.
 
 import itertools
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -182,6 +183,17 @@ def start_python(start: Callable[..., Program], tmp_path: Path) -> Callable[...,
         return start(sys.executable, str(script), *arguments, **environment)
 
     return run
+
+
+@pytest.fixture
+def small_files() -> Iterator[int]:
+    """Files of this process may have so many bytes."""
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
+    yield 10_000
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    signal.signal(signal.SIGXFSZ, before)
 
 
 @pytest.fixture

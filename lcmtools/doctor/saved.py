@@ -17,6 +17,7 @@ from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.errors import LcmtoolsError, os_errors_as
+from lcmtools.folders import write_whole
 
 VERSION = 1  # of the file's layout: greater by one when a reader of the one before would go wrong
 _KEY = "lcmtools_evidence"
@@ -36,8 +37,7 @@ class _Misfit(Exception):  # noqa: N818 - never leaves this module
 
 def save(evidence: Evidence, file: Path) -> None:
     """Write evidence to a file; an error has one line."""
-    with os_errors_as(f"cannot write {file}"):
-        file.write_text(to_text(evidence), encoding="ascii")
+    write_whole(file, to_text(evidence))
 
 
 def load(file: Path) -> Evidence:

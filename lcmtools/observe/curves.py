@@ -4,11 +4,13 @@ import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path as FilePath
 from typing import cast
 
 from lcmtools.clock import join_stamp
-from lcmtools.errors import DecodeError, UsageError, needing_extra, os_errors_as
+from lcmtools.errors import DecodeError, UsageError, needing_extra
+from lcmtools.folders import write_whole
 from lcmtools.messages.fields import is_time, visible_fields
 from lcmtools.messages.layout import is_generated
 from lcmtools.messages.path import Path, select
@@ -183,8 +185,9 @@ def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
     axes.set_xlabel("time [s]")
     axes.grid(visible=True, alpha=0.3)
     axes.legend(loc="best")
-    with os_errors_as(f"cannot write {path}"):
-        figure.savefig(path, dpi=120)
+    picture = BytesIO()
+    figure.savefig(picture, dpi=120, format=path.suffix[1:])
+    write_whole(path, picture.getvalue())
 
 
 def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool) -> str:

@@ -6,7 +6,8 @@ Belongs here: what is written, and that nothing else in the package changes.
 import re
 from pathlib import Path
 
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, UsageError, os_errors_as
+from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import shown
 from lcmtools.packages.create import check_node_name, node_text
 from lcmtools.packages.finding import has_main
@@ -47,12 +48,10 @@ def add_node(
         texts[file] = (
             node_text(package.name, name, _dependencies(package)) if text is None else text
         )
-    try:
-        for path, content in texts.items():
+    for path, content in texts.items():
+        with os_errors_as(f"cannot write {path}"):
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(content, "utf-8")
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {error.filename}: {error.strerror}") from error
+        write_whole(path, content)
     return sorted(texts)
 
 

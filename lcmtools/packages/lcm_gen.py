@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -23,6 +24,7 @@ _OPTIONS = {
 }
 LANGUAGES = tuple(_OPTIONS)
 
+_ROOM = 1 << 16  # [B]; where so much is left, no file was cut off
 _LONGEST = 30.0  # [s] for one file; it is milliseconds usually
 _HINTS = {
     "expected token {": "lcm-gen wants a space or a new line before '{'",
@@ -80,33 +82,33 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
         LcmtoolsError: The folder cannot be written.
         MissingExtra: There is no lcm-gen.
     """
-    import shutil
     import tempfile
 
     def copy(path: Path, source: Path, target: Path) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         if path.name == "__init__.py" and target.exists():
-            _join(source, target)
+            write_whole(target, _joined(source, target))
         else:
-            shutil.copyfile(source, target)
+            write_whole(target, source.read_bytes())
 
-    with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
-        scratch, translated = Path(name, "made"), Path(name, "file.lcm")
-        scratch.mkdir()
-        options = [word.format(scratch) for word in _OPTIONS[language]]
-        for file in files:
-            if is_ros := file.suffix in SUFFIXES:
-                translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
-            problem = run_lcm_gen(translated if is_ros else file, options)
-            if problem:
-                raise problem.error()
-        made = sorted(path.relative_to(scratch) for path in scratch.rglob("*") if path.is_file())
-        try:
+    try:
+        with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
+            scratch, translated = Path(name, "made"), Path(name, "file.lcm")
+            scratch.mkdir()
+            options = [word.format(scratch) for word in _OPTIONS[language]]
+            for file in files:
+                if is_ros := file.suffix in SUFFIXES:
+                    translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
+                problem = run_lcm_gen(translated if is_ros else file, options)
+                if problem:
+                    raise problem.error()
+            translated.write_bytes(bytes(_ROOM))  # of a full disk lcm-gen says nothing
+            made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
                 copy(path, scratch / path, folder / path)
-        except OSError as error:
-            where = error.filename or folder
-            raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
+    except OSError as error:
+        where = error.filename or folder
+        raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
     return [folder / path for path in made]
 
 
@@ -120,8 +122,8 @@ def _problem(file: Path, output: str) -> Problem:
     return Problem(str(file), 0, said[0] if said else "lcm-gen rejects it without a reason")
 
 
-def _join(new: Path, old: Path) -> None:
+def _joined(new: Path, old: Path) -> str:
     """Keep the imports of an earlier run in a package, as lcm-gen itself does."""
     known = old.read_text("utf-8").splitlines()
     more = [line for line in new.read_text("utf-8").splitlines() if line.startswith("from ")]
-    old.write_text("\n".join([*known, *(line for line in more if line not in known), ""]), "utf-8")
+    return "\n".join([*known, *(line for line in more if line not in known), ""])

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.cli.output import data, lines
-from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError, os_errors_as
-from lcmtools.folders import write_atomically
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.folders import write_whole
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 
@@ -44,7 +44,7 @@ class Destination:
         else:
             document = _document(diagram, self.format)
             is_markdown = Path(self.file).suffix.lower() == ".md" and self.format == "mermaid"
-            _write(Path(self.file), mermaid.fenced(document) if is_markdown else document)
+            write_whole(Path(self.file), mermaid.fenced(document) if is_markdown else document)
 
 
 def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool) -> Destination:
@@ -107,11 +107,3 @@ def _graphviz() -> str:
         "SVG needs Graphviz's program dot, which is not installed",
         "install graphviz, or use --format dot or mermaid",
     )
-
-
-def _write(path: Path, document: str) -> None:
-    with os_errors_as(f"cannot write {path}"):
-        if path.exists() and not path.is_file():  # /dev/stdout, a pipe: not to be replaced
-            path.write_text(document, encoding="utf-8")
-        else:
-            write_atomically(path, document)

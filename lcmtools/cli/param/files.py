@@ -9,7 +9,8 @@ from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
+from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.folders import write_whole
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.find import find_node
 from lcmtools.publish import parameter_report as report
@@ -35,8 +36,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
         lines(report.tree(answers))
     elif not errors:  # half of a file is worse than none
         text = "".join(f"{row}\n" for row in report.tree(answers))
-        with os_errors_as(f"cannot write {file}"):
-            Path(str(file)).write_text(text, encoding="utf-8")
+        write_whole(Path(str(file)), text)
     return complain_of(errors)
 
 

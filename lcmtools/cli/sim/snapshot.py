@@ -7,7 +7,8 @@ import click
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.common import call, sim_options
-from lcmtools.errors import UsageError, os_errors_as
+from lcmtools.errors import UsageError
+from lcmtools.folders import write_whole
 from lcmtools.types.sim_msgs import Snapshot
 
 
@@ -38,6 +39,5 @@ def command(
         with click.open_file("-", "wb") as stream:
             stream.write(picture)
         return
-    with os_errors_as(f"cannot write {file}"):
-        path.write_bytes(picture)
+    write_whole(path, picture)
     talk(f"wrote {file}: {len(picture)} bytes")

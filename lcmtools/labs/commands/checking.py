@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from lcmtools.bag.log import Log
 from lcmtools.cli.output import talk
-from lcmtools.errors import os_errors_as
+from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
 from lcmtools.labs.checks.class_check import ClassCheck
@@ -52,7 +52,7 @@ def check_one(
     if plot:
         from lcmtools.labs.checks.plot import plot as plotted
 
-        _write(plot, plotted(world, reports))
+        write_whole(plot, plotted(world, reports))
         talk(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
@@ -91,9 +91,4 @@ def _show_report(show: Show, name: str, report: Report) -> None:
 
 def write_junit(file: Path, lab: Lab, outcome: Outcome) -> None:
     """Write results as JUnit's XML."""
-    _write(file, junit(lab.name, outcome.submissions).encode())
-
-
-def _write(file: Path, data: bytes) -> None:
-    with os_errors_as(f"cannot write {file}"):
-        file.write_bytes(data)
+    write_whole(file, junit(lab.name, outcome.submissions))

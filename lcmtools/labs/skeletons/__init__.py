@@ -7,6 +7,7 @@ what is missing. The answers are the nodes of the same names in the folder above
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.folders import write_whole
 from lcmtools.names import did_you_mean
 from lcmtools.packages.nodes import ANSWERS
 
@@ -32,12 +33,11 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
     path = folder / f"{name}.py"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with path.open("w" if overwrite else "x", encoding="utf-8") as file:
-            file.write(text)
     except FileExistsError:
-        if path.exists() and folder.is_dir():
-            raise UsageError(f"{path} already exists", "--force overwrites it") from None
         raise UsageError(f"{folder} is no folder", "name a folder to write into") from None
     except OSError as error:
         raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
+    if path.exists() and not overwrite:
+        raise UsageError(f"{path} already exists", "--force overwrites it")
+    write_whole(path, text)
     return path

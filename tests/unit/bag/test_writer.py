@@ -1,9 +1,6 @@
 """Logs as they are written, and their index."""
 
 import os
-import resource
-import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import lcm
@@ -27,17 +24,6 @@ def _packet(number: int, channel: str = "/a", size: int = 8) -> Packet:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "ride.lcmlog"
-
-
-@pytest.fixture
-def small_files() -> Iterator[int]:
-    """Files of this process may have so many bytes."""
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
-    yield 10_000
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    signal.signal(signal.SIGXFSZ, before)
 
 
 def test_a_log_has_the_messages_in_order_with_their_senders(path: Path) -> None:

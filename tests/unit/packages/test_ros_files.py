@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.errors import InvalidFile
+from lcmtools.errors import InvalidFile, LcmtoolsError
 from lcmtools.messages.definition import definition
 from lcmtools.messages.registry import Registry, fingerprint
 from lcmtools.messages.type_source import TypeSource
@@ -283,6 +283,16 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
     assert names == ["p/A.hpp", "p/Go_Request.hpp", "p/Go_Response.hpp"]
     assert "std::vector< double > values;" in made[0].read_text()
+
+
+@pytest.mark.usefixtures("small_files")
+def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
+    write: Write, tmp_path: Path
+) -> None:
+    folder = write({"p/msg/A.msg": "float64[] values\n"})
+    with pytest.raises(LcmtoolsError, match=r"cannot write .*: File too large"):
+        generate_code([folder / "p/msg/A.msg"], "cpp", tmp_path / "generated")
+    assert not (tmp_path / "generated").exists()
 
 
 @given(st.text(max_size=200), st.sampled_from([".msg", ".srv", ".action"]))

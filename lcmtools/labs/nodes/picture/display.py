@@ -1,16 +1,16 @@
 """Displays that need no terminal: lines of text, and PNG files."""
 
 import json
-import os
 import re
 import sys
 from abc import ABC, abstractmethod
 from array import array
+from io import BytesIO
 from pathlib import Path
 
 import PIL.Image
 
-from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import write_whole
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.observe.pixels import Kind
@@ -92,10 +92,6 @@ def values_of(picture: Picture) -> PIL.Image.Image:
 
 def _write_png(path: str, image: PIL.Image.Image) -> None:
     """Write a file as a whole: a reader never sees half of it."""
-    part = Path(f"{path}.part")
-    try:
-        image.save(part, "PNG", compress_level=_COMPRESSION)
-        os.replace(part, path)  # noqa: PTH105 - the path may be relative, as typed
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
+    png = BytesIO()
+    image.save(png, "PNG", compress_level=_COMPRESSION)
+    write_whole(Path(path), png.getvalue())

@@ -1,0 +1,33 @@
+"""Files that a person names: whole, or not at all."""
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import write_whole
+
+
+@pytest.mark.parametrize("content", ["x" * 20_000, bytes(20_000)])
+def test_a_full_disk_leaves_the_file_before_and_nothing_beside(
+    content: str | bytes, tmp_path: Path, small_files: int
+) -> None:
+    assert len(content) > small_files
+    path = tmp_path / "results.xml"
+    path.write_text("mine")
+    with pytest.raises(LcmtoolsError, match=r"cannot write .*results.xml: File too large"):
+        write_whole(path, content)
+    assert path.read_text() == "mine"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    writer = threading.Thread(target=write_whole, args=(path, "text"))
+    writer.start()
+    assert path.read_text() == "text"
+    writer.join()
+    assert path.is_fifo()
