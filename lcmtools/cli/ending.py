@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn, TextIO, cast
@@ -87,14 +88,19 @@ def end_with_reader() -> None:
     Of a terminal SIGHUP says so. Without effect outside of ``interrupting_signals``.
     """
     if callable(signal.getsignal(_READER_GONE)) and not sys.stdout.isatty():
-        threading.Thread(target=_await_reader_gone, daemon=True).start()
+        ended, end_of_command = os.pipe()
+        click.get_current_context().call_on_close(partial(os.close, end_of_command))
+        descriptors = sys.stdout.fileno(), ended
+        threading.Thread(target=_await_reader_gone, args=descriptors, daemon=True).start()
 
 
-def _await_reader_gone() -> None:
+def _await_reader_gone(output: int, ended: int) -> None:
     poll = select.poll()
-    poll.register(sys.stdout, 0)  # errors only: of a pipe that its readers have closed
-    poll.poll()
-    signal.pthread_kill(cast(int, threading.main_thread().ident), _READER_GONE)
+    for descriptor in (output, ended):
+        poll.register(descriptor, 0)  # errors only: of a pipe whose other end is closed
+    if ended not in dict(poll.poll()):
+        signal.pthread_kill(cast(int, threading.main_thread().ident), _READER_GONE)
+    os.close(ended)
 
 
 def exit_code(number: int) -> int:

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sysconfig
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -225,6 +226,14 @@ def test_reader_who_leaves_ends_what_has_nothing_more_to_say(
     result = shell(f"lcmtools {pipe}; echo ${{PIPESTATUS[0]}}")
     assert result.stdout.splitlines()[-1] == "0"
     assert "Traceback" not in result.stderr
+
+
+def test_who_waits_for_the_readers_end_ends_with_the_command(
+    cli: Callable[..., Any], wait_until: Callable[..., None]
+) -> None:
+    before = threading.active_count()
+    assert cli("echo", "silent", "--timeout", "0.1").code == 4
+    wait_until(lambda: threading.active_count() <= before)
 
 
 @pytest.mark.usefixtures("talker")
