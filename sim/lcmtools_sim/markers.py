@@ -41,7 +41,8 @@ def world_markers(
     clear.pose.orientation.w = 1.0  # else wtf says that it is no rotation
     message = MarkerArray()
     fixed = _fixed(scene) if scene else ()
-    message.markers = [clear, *fixed, *_movable(objects), *_of_robots(robots)]
+    movable = (_marker(true_frame(one), one.name, part) for one in objects for part in one.parts)
+    message.markers = [clear, *fixed, *movable, *_of_robots(robots)]
     for number, marker in enumerate(message.markers):
         marker.id = number
     return message
@@ -56,12 +57,6 @@ def _fixed(scene: Scene) -> Iterator[Marker]:
                 yield _marker(WORLD, thing.name, part.placed(*thing.pose.frame))
     for path in scene.paths:
         yield _painted(path)
-
-
-def _movable(objects: Iterable[MovableObject]) -> Iterator[Marker]:
-    for thing in objects:
-        for part in thing.parts:
-            yield _marker(true_frame(thing), thing.name, part)
 
 
 def _of_robots(robots: Iterable[Robot]) -> Iterator[Marker]:

@@ -48,7 +48,6 @@ class MountedSensor:
         self.sensor = sensor
         self._shares = isinstance(sensor, SharedSensor) and sensor.is_shared
         self._bulky = bulky
-        self._always = mount.always
         # The topic and the type of each output.
         self.labels = {
             name: (_topic(robot.namespace, mount, name), kind)
@@ -71,7 +70,7 @@ class MountedSensor:
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
         """Measure only outputs that can have subscribers from now on."""
         found = {name: subscribers(topic) for name, (topic, _) in self.labels.items()}
-        if self._always:
+        if self.mount.always:
             found = dict.fromkeys(found, Subscribers.KNOWN)
         used = [name for name, state in found.items() if state is not Subscribers.NONE]
         self.seldom = tuple(

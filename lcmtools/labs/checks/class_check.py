@@ -81,8 +81,10 @@ class ClassCheck:
             finally:
                 self._is_over.set()
                 pool.shutdown(wait=False, cancel_futures=True)
+        names = " or ".join(program.node for program in self._lab.programs)
+        none = _failed("", f"it has no program of this lab: {names}")
         return {
-            name: [reports[name][job.option] for job in jobs] or [self._without_program()]
+            name: [reports[name][job.option] for job in jobs] or [none]
             for name, jobs in found.items()
         }
 
@@ -117,10 +119,6 @@ class ClassCheck:
                 for is_error, line in child.read(stream):
                     (errors if is_error else output).append(line)
         return output, errors
-
-    def _without_program(self) -> Report:
-        names = " or ".join(program.node for program in self._lab.programs)
-        return _failed("", f"it has no program of this lab: {names}")
 
 
 def _reason(errors: Sequence[str]) -> str:

@@ -36,7 +36,7 @@ LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION, TIMER)
 _LONG_CALL, _LONG_MEAN = 1.0, 0.1  # [s]
 _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
-_LONG_TIMER = re.compile(r"create_timer: a period of .+")
+_LONG_TIMER = re.compile(r"create_timer: a period of .+")  # as a node warns
 _SMALL = 1e-6
 _NO_SPIN = "does it call lcmtools.spin(node), or often spin_once?"
 
@@ -134,11 +134,9 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     wrong = wrong or _not_hearing(look, program.subscribes)
     if wrong or program.has_keys:
         return wrong
-    return (
-        _long_timer(observed.printed)
-        or _not_running(look)
-        or _not_publishing(look, program.publishes, hint)
-    )
+    if warning := _LONG_TIMER.search(observed.printed):
+        return Cause(TIMER, f"its timer has not been called yet: {warning[0]}")
+    return _not_publishing(look, program.publishes, hint)
 
 
 def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Cause | None:
@@ -184,22 +182,11 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
     return None
 
 
-def _long_timer(printed: str) -> Cause | None:
-    """Return the timer whose first call is far away, which its node has warned of."""
-    warning = _LONG_TIMER.search(printed)
-    return Cause(TIMER, f"its timer has not been called yet: {warning[0]}") if warning else None
-
-
-def _not_running(look: BusLook) -> Cause | None:
-    """Return why its callbacks do not run, if they do not."""
-    if look.nodes and not look.runs_callbacks:
-        return Cause("spin", f"no callback of its node was ever called: {_NO_SPIN}")
-    return None
-
-
 def _not_publishing(look: BusLook, wanted: Sequence[str], hint: str) -> Cause | None:
     if not look.nodes:
         return None
+    if not look.runs_callbacks:
+        return Cause("spin", f"no callback of its node was ever called: {_NO_SPIN}")
     calls = max((wire.calls for wire in look.subscriptions), default=0)
     runs = f"its callbacks run ({calls} calls), but " if calls else ""
     if not wanted:

@@ -58,12 +58,9 @@ def rate_row(times: Sequence[float], now: float) -> CheckResult:
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
     cause = rate_cause(len(times), rate, now - times[-1])
-    what, wanted, is_ok = (
-        "rate of commands",
-        f"{_RATE:g} Hz within {BAND:.0%}",
-        is_within(rate, _RATE),
-    )
-    return CheckResult(what, wanted, f"{rate:.2f} Hz", is_ok, cause.text, cause.key)
+    wanted, measured = f"{_RATE:g} Hz within {BAND:.0%}", f"{rate:.2f} Hz"
+    is_ok = is_within(rate, _RATE)
+    return CheckResult("rate of commands", wanted, measured, is_ok, cause.text, cause.key)
 
 
 def rate_cause(count: int, rate: float, silent: float) -> Cause:
@@ -154,11 +151,11 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
 def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
     """Return the numbers in a text that are ranges of a scan [m], but for rounding and noise."""
     measured = [value for value in ranges if math.isfinite(value)]
-    found = {
-        match[0]
-        for match in _NUMBER.finditer(text)
-        if any(abs(float(match[0]) - value) <= _tolerance(match[1]) for value in measured)
-    }
+    found = set()
+    for number, decimals in ((match[0], match[1]) for match in _NUMBER.finditer(text)):
+        tolerance = 0.5 * 10.0 ** -len(decimals) + _NOISE
+        if any(abs(float(number) - value) <= tolerance for value in measured):
+            found.add(number)
     return sorted(found, key=float)
 
 
@@ -171,12 +168,7 @@ def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) ->
         scaled = [f"{float(number) / factor:.3f}" for number in numbers]
         if 2 * sum(bool(ranges_in(number, ranges)) for number in scaled) > len(scaled) > 1:
             return Cause("unit", f"it prints {unit}: ranges are in metres, and are wanted so")
-    text = "print some of scan.ranges with two decimals, again and again"
-    return Cause("ranges", text)
-
-
-def _tolerance(decimals: str) -> float:
-    return float(0.5 * 10.0 ** -len(decimals)) + _NOISE
+    return Cause("ranges", "print some of scan.ranges with two decimals, again and again")
 
 
 def _lines(program: CheckedProgram) -> int:

@@ -198,10 +198,15 @@ def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckR
 def _error_result(what: str, measured: float, desired: Step, samples: int = 0) -> CheckResult:
     wanted = math.hypot(desired.forward, desired.turn_rate)
     is_ok = math.isclose(measured, wanted, rel_tol=0.02, abs_tol=0.005)
-    formula = "the root of (v - desired v)^2 + (w - desired w)^2"
     cause = error_cause(measured, desired, samples)
-    hint = f"it is {cause}, and should be {formula}" if cause else formula
+    hint = error_hint(cause)
     return CheckResult(what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, hint, cause or what)
+
+
+def error_hint(cause: str) -> str:
+    """Return the formula of the error, behind the one that a program has in its place, if known."""
+    formula = "the root of (v - desired v)^2 + (w - desired w)^2"
+    return f"it is {cause}, and should be {formula}" if cause else formula
 
 
 def error_cause(measured: float, desired: Step, samples: int = 0) -> str:

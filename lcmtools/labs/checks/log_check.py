@@ -55,7 +55,8 @@ def check_log(lab: Lab, log: Log) -> tuple[list[Report], list[NotJudged]]:
         observed = run.observations(program)
         explanation = Explanation(lambda observed=observed: observed)  # type: ignore[misc]
         results = []
-        for row in _JUDGES[program.option](run, program):
+        judge = _JUDGES.get(program.option, _nothing)
+        for row in judge(run, program):
             if isinstance(row, NotJudged):
                 others.append(row)
             else:
@@ -130,13 +131,12 @@ def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
              for stat, near in errors]  # fmt: skip
     wrong = [one for one, is_right in zip(errors, right, strict=True) if not is_right]
     cause = husky.error_cause(wrong[-1][0].last_error, Step(*wrong[-1][1][-1])) if wrong else ""
-    formula = "the root of (v - desired v)^2 + (w - desired w)^2"
     yield CheckResult(
         "last_error",
         f"{_MOST:.0%} are those of the odometry",
         f"{sum(right)} of {len(right)}",
         is_ok=sum(right) >= _MOST * len(right) > 0,
-        hint=f"it is {cause}, and should be {formula}" if cause else formula,
+        hint=husky.error_hint(cause),
     )
     yield _average(stats)
 
@@ -237,11 +237,8 @@ def _last_part(states: Sequence[TrueState], seconds: float) -> list[TrueState]:
     return [one for one in states if one.time >= states[-1].time - seconds]
 
 
-def _nothing(reason: str) -> Callable[[RecordedRun, LabProgram], Rows]:
-    def judge_nothing(_: RecordedRun, program: LabProgram) -> Rows:
-        yield NotJudged(program.option, "all of it", reason)
-
-    return judge_nothing
+def _nothing(_: RecordedRun, program: LabProgram) -> Rows:
+    yield NotJudged(program.option, "all of it", f"{_ELSEWHERE[program.option]} not in a log")
 
 
 def _no_message(program: LabProgram, *topics: str) -> NotJudged:
@@ -252,10 +249,13 @@ def _no_message(program: LabProgram, *topics: str) -> NotJudged:
 _JUDGES: Mapping[str, Callable[[RecordedRun, LabProgram], Rows]] = {
     "controller": _controller,
     "evaluator": _evaluator,
-    "teleop": _nothing("the keys that were pressed are not in a log"),
-    "viewer": _nothing("the picture that it saves is not in a log"),
     "path": _path,
     "mover": _mover,
-    "reader": _nothing("the lines that it prints are not in a log"),
 }
 """By the program's option."""
+_ELSEWHERE = {
+    "teleop": "the keys that were pressed are",
+    "viewer": "the picture that it saves is",
+    "reader": "the lines that it prints are",
+}
+"""What the other programs are judged by."""

@@ -16,7 +16,7 @@ from lcmtools.labs.checks.keys import (
     text_of,
 )
 from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.types.geometry_msgs import Twist
@@ -77,11 +77,8 @@ class _Keyboard:
         return text_of(velocity) if velocity else "nothing comes"
 
     def _moves(self) -> bool:
-        return any(velocity_of(self.last()) or ()) or bool(self._odd())
-
-    def _odd(self) -> Cause | None:
         twist = self.last()
-        return misplaced(twist) if twist else None
+        return twist is not None and bool(any(velocity_of(twist) or ()) or misplaced(twist))
 
 
 def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,16 +76,15 @@ def class_arguments(rate: float | None, time_limit: float | None) -> list[str]:
 
 def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
     """Check each submission in a folder, and show the rows of each program once it is done."""
-    found = checker.run(folder, partial(_show_report, show))
+
+    def show_report(name: str, report: Report) -> None:
+        rows = [row for result in report.results for row in result_lines(result)]
+        head = heading(report.program, report.command)[1:] if report.command else []
+        show(["", f"== {name}", *head, *rows])
+
+    found = checker.run(folder, show_report)
     records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
     return Outcome(found, records, ["", *table(found)])
-
-
-def _show_report(show: Show, name: str, report: Report) -> None:
-    """Show the rows of a program of a class, once it is done."""
-    rows = [row for result in report.results for row in result_lines(result)]
-    head = heading(report.program, report.command)[1:] if report.command else []
-    show(["", f"== {name}", *head, *rows])
 
 
 def write_junit(file: Path, lab: Lab, outcome: Outcome) -> None:

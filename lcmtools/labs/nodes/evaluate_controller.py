@@ -46,7 +46,9 @@ class EvaluateController(Node):
     def _take_odometry(self, odometry: Odometry) -> None:
         if self._desired is None:
             return
-        error = _error(odometry.twist.twist, self._desired)
+        measured, desired = odometry.twist.twist, self._desired
+        forward, turn_rate = measured.linear.x, measured.angular.z
+        error = math.hypot(forward - desired.linear.x, turn_rate - desired.angular.z)
         if not math.isfinite(error):  # one such error would spoil the average for ever
             self.get_logger().warning("a velocity is not finite: sample ignored", once=True)
             return
@@ -57,11 +59,6 @@ class EvaluateController(Node):
         message.last_error = error
         message.average_error = math.sqrt(self._sum_of_squares / self._samples)
         self._stat.publish(message)
-
-
-def _error(measured: Twist, desired: Twist) -> float:
-    """Return the distance of two velocities, 1 m/s counting as much as 1 rad/s."""
-    return math.hypot(measured.linear.x - desired.linear.x, measured.angular.z - desired.angular.z)
 
 
 def main(args: Sequence[str] | None = None) -> None:

@@ -11,7 +11,7 @@ from lcmtools_sim.engines.engine import ContactPoint, Motion, RigidBody
 from lcmtools_sim.engines.native import suppressed_output
 from lcmtools_sim.geometry import IDENTITY, ZERO, Quaternion, Vector, add, axes, scaled, subtract
 from lcmtools_sim.scene import Scene
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 
 _RECOVERY = 12.0
 """[1/s] The rate at which bodies that overlap separate; a higher one shakes a pushed body aside."""
@@ -154,7 +154,7 @@ class Bullet:
         }
         number = bullet.createCollisionShapeArray(
             shapeTypes=[kinds[type(shape)] for shape in shapes],
-            halfExtents=[_half_extents(shape) for shape in shapes],
+            halfExtents=[scaled(s.size, 0.5) if isinstance(s, Cuboid) else ZERO for s in shapes],
             radii=[0.0 if isinstance(shape, Cuboid) else shape.radius for shape in shapes],
             lengths=[shape.length if isinstance(shape, Cylinder) else 0.0 for shape in shapes],
             collisionFramePositions=[part.position for part in parts],
@@ -184,7 +184,3 @@ def _with_rims(parts: Sequence[Part]) -> list[Part]:
             Part(rim, subtract(part.position, out), part.rotation),
         ]
     return found
-
-
-def _half_extents(shape: Shape) -> Vector:
-    return scaled(shape.size, 0.5) if isinstance(shape, Cuboid) else ZERO

@@ -107,26 +107,21 @@ class WorldView(Protocol):
 
     def fixed_parts(self) -> tuple[Part, ...]:
         """The immovable shapes, in the world; the same object until one is added."""
-        ...
 
     def moving_parts(self, but: int) -> list[Part]:
         """The movable shapes but for one body's, in the world."""
-        ...
 
     def fixed_solids(self) -> Solids:
         """The immovable shapes as arrays; the same object until one is added."""
-        ...
 
     def moving_bodies(self) -> Mapping[int, PlacedSolids]:
         """The movable bodies by their numbers.
 
         The shapes of a body are the same object as long as it exists.
         """
-        ...
 
     def contacts(self, body: int) -> list[Contact]:
         """The contacts of a body with anything but the ground."""
-        ...
 
 
 class Noise:
@@ -207,11 +202,9 @@ class Sensor(Protocol):
     @property
     def outputs(self) -> Mapping[str, type[Message]]:
         """The type of each output, by its name below the mount's topic ("" for that itself)."""
-        ...
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The payloads of one step, of the wanted outputs."""
-        ...
 
 
 class SharedSensor(ABC):

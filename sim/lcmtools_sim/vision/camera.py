@@ -90,10 +90,10 @@ class PixelBounds(NamedTuple):
     bottom: int
 
 
-def pixel_bounds(solids: Solids, camera: Camera, far: float) -> list[PixelBounds]:
+def pixel_bounds(solids: Solids, camera: Camera) -> list[PixelBounds]:
     """The bounds of all solids (in the optical frame) in view, the nearest first.
 
-    Solids behind the camera, further than ``far`` [m] or beside the picture have none.
+    Solids behind the camera or beside the picture have none.
     """
     corners = corners_of(solids)
     depths = corners[:, :, 2]
@@ -104,7 +104,7 @@ def pixel_bounds(solids: Solids, camera: Camera, far: float) -> list[PixelBounds
     first = np.ceil(np.clip(lowest * camera.focal_length + centre - _SLACK, 0, ends))
     last = np.floor(np.clip(highest * camera.focal_length + centre + _SLACK, -1, ends - 1))
     # A body that the engine has lost (NaN) fails these comparisons, too.
-    in_view = (furthest > 0) & (nearest <= far) & (first <= last).all(axis=1)
+    in_view = (furthest > 0) & (first <= last).all(axis=1)
     numbers = np.flatnonzero(in_view)
     numbers = numbers[np.argsort(nearest[numbers], kind="stable")]
     edges = np.stack((first, last + 1), axis=-1)[numbers].astype(int).reshape(-1, 4)

@@ -25,12 +25,12 @@ _UP = np.array((0.0, 0.0, 1.0))
 _ON_CAP = 1 + 1e-5  # a pixel is on a cap whose inverse depth is at most this many times its own
 
 
-def color_image(view: Rendering, sky: Color = SKY_COLOR) -> Pixels:
+def color_image(view: Rendering) -> Pixels:
     """The picture: (height, width, 3) uint8, red, green, blue."""
     picture = np.empty((*view.depth.shape, 4), np.uint8)
     packed = picture.view(np.uint32)[:, :, 0]
-    floor = _lit(np.array(view.solids.ground or sky), _UP)
-    packed[:] = np.where(view.solid == GROUND, _packed(floor), _packed(np.array(sky)))
+    floor = _lit(np.array(view.solids.ground or SKY_COLOR), _UP)
+    packed[:] = np.where(view.solid == GROUND, _packed(floor), _packed(np.array(SKY_COLOR)))
     if lines := marks_of(view.solids.lines):
         _draw_lines(packed, view, lines)
     for bounds in view.bounds:

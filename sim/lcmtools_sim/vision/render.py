@@ -18,7 +18,6 @@ from lcmtools_sim.vision.surfaces import Floats32, Surfaces, evaluate, ground, h
 
 SKY = -2
 GROUND = SKY + 1
-_REACH = 1e-6  # relative; solids at the greatest depth are still seen
 _STRIP = 1 << 16  # [pixels]
 
 
@@ -44,7 +43,6 @@ def render(
     camera: Camera,
     position: Vector,
     rotation: Quaternion,
-    far: float = np.inf,
     *,
     only_depth: bool = False,
 ) -> Rendering:
@@ -55,15 +53,14 @@ def render(
         camera: Its intrinsics.
         position: Of the optical frame in the world [m].
         rotation: Of the optical frame in the world (see ``camera.optical``).
-        far: Greatest depth that is seen [m].
         only_depth: Leave out which solid is visible.
     """
     local, turn = solids.seen_from(position, rotation), matrix(rotation)
-    picture = _DepthBuffer(camera, (1 - _REACH) / far, only_depth=only_depth)
+    picture = _DepthBuffer(camera, only_depth=only_depth)
     form = ground(position[2], turn[2])
     if solids.ground is not None and form is not None:
         picture.fill(form)
-    in_view = pixel_bounds(local, camera, far * (1 + _REACH))
+    in_view = pixel_bounds(local, camera)
     for bounds in in_view:
         seen = surfaces(local, bounds.number)
         if seen is not None:
@@ -74,25 +71,23 @@ def render(
 class _DepthBuffer:
     """Inverse depth and number of the nearest surface so far."""
 
-    def __init__(self, camera: Camera, least: float, *, only_depth: bool) -> None:
+    def __init__(self, camera: Camera, *, only_depth: bool) -> None:
         shape = camera.height, camera.width
         self._x, self._y = camera.slopes()
-        self._least = np.float32(least)
-        self._inverse_depth = np.full(shape, self._least)
+        self._inverse_depth = np.zeros(shape, np.float32)  # as the sky has
         self.solid = np.full((0, 0) if only_depth else shape, SKY, np.int16)
         self._buffers = [np.empty(max(_STRIP, camera.width), np.float32) for _ in range(4)]
 
     def fill(self, form: Floats) -> None:
         """Draw the ground into the empty picture."""
         a, b, c = form
-        numbers = np.flatnonzero(b * self._y + c + np.abs(a * self._x).max() > self._least)
+        numbers = np.flatnonzero(b * self._y + c + np.abs(a * self._x).max() > 0)
         if len(numbers):  # rows below the horizon
             rows = slice(numbers[0], numbers[-1] + 1)
             inverse_depth = evaluate(form, self._x, self._y[rows], self._inverse_depth[rows])
-            np.maximum(inverse_depth, self._least, out=inverse_depth)
-            # Sums and products of masks, here and below: to assign by a mask takes far longer.
-            if self.solid.size:
-                np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid[rows])
+            np.maximum(inverse_depth, 0, out=inverse_depth)
+            if self.solid.size:  # a sum, for to assign by a mask takes far longer
+                np.add(inverse_depth > 0, np.int16(SKY), out=self.solid[rows])
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
         """Draw a solid in front of what is behind it."""
@@ -107,10 +102,7 @@ class _DepthBuffer:
 
     def depth(self) -> Floats32:
         """The depth [m]; it takes the buffer's place."""
-        inverse_depth = self._inverse_depth
-        if self._least:  # which the sky has
-            np.multiply(inverse_depth, inverse_depth > self._least, out=inverse_depth)
-        return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
+        return np.divide(np.float32(1), self._inverse_depth, out=self._inverse_depth)
 
     def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:
         """The inverse depth of entering and leaving a solid; for a miss entering is less or NaN."""

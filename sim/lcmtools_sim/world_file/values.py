@@ -63,7 +63,8 @@ class Item:
         """Return an angle [rad] within the bounds; "90 deg" is one too."""
         if not self.text().endswith("deg"):
             return self.number(minimum, maximum)
-        return self._bounded(self._parsed(_parse_degrees, "an angle"), minimum, maximum)
+        degrees = self._parsed(lambda text: float(text.removesuffix("deg")), "an angle")
+        return self._bounded(math.radians(degrees), minimum, maximum)
 
     def integer(self, minimum: int, maximum: int) -> int:
         """Return a whole number within the bounds."""
@@ -151,10 +152,6 @@ def load(text: str, source: str, name: str) -> Item:
 def _parse_number(text: str) -> float:
     numerator, slash, denominator = text.partition("/")
     return float(numerator) / float(denominator) if slash else float(text)
-
-
-def _parse_degrees(text: str) -> float:
-    return math.radians(float(text.removesuffix("deg")))
 
 
 def value(

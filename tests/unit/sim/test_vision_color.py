@@ -44,7 +44,6 @@ def test_the_sky_has_its_own_colour() -> None:
     picture = color_image(sight_of())
 
     assert picture[0, 0].tolist() == [round(255 * level) for level in SKY_COLOR]
-    assert color_image(sight_of(), sky=(0, 0, 0))[0, 0].tolist() == [0, 0, 0]
 
 
 def test_the_faces_of_a_box_differ_and_each_is_even() -> None:

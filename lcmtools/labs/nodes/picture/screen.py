@@ -195,7 +195,8 @@ def _query(*, answers: bool) -> tuple[str, CellSize]:
         sys.stdout.write(f"{_KITTY_QUERY}{_CELL_QUERY}{_ATTRIBUTES_QUERY}")
         sys.stdout.flush()
         answer = _read_answer()
-    cell = _cell_size(answer)
+    found = _CELL.search(answer)
+    cell = CellSize(*(max(1, int(size)) for size in found.group(2, 1))) if found else _USUAL_CELL
     get_cell_size._result = cell  # type: ignore[attr-defined] # noqa: SLF001 - so that it sends no query
     return graphics_in(answer), cell
 
@@ -206,12 +207,6 @@ def graphics_in(answer: bytes) -> str:
         return "kitty"
     attributes = _ATTRIBUTES.search(answer)
     return "sixel" if attributes and _SIXEL_ATTRIBUTE in attributes[1].split(b";") else "blocks"
-
-
-def _cell_size(answer: bytes) -> CellSize:
-    if found := _CELL.search(answer):
-        return CellSize(max(1, int(found[2])), max(1, int(found[1])))
-    return _USUAL_CELL
 
 
 def _read_answer() -> bytes:
