@@ -5,6 +5,7 @@ are translated from the bag's own definitions and compiled, as .msg files of a p
 """
 
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -40,7 +41,7 @@ class RosImport:
 
     types: dict[str, RecordedType] = field(default_factory=dict)  # the types that were translated
     # Why messages were left out, and how many for each reason.
-    left_out: dict[str, int] = field(default_factory=dict)
+    left_out: Counter[str] = field(default_factory=Counter)
     _classes: dict[str, type[Message]] = field(default_factory=dict)
 
     def read(self, path: Path) -> Iterator[Imported]:
@@ -86,7 +87,7 @@ class RosImport:
                 reader = stores[channel.id]
                 if reader is None:
                     kind = channel.message_encoding or "an unknown encoding"
-                    self._leave_out(f"{channel.topic} is in {kind}, not in ROS's")
+                    self.left_out[f"{channel.topic} is in {kind}, not in ROS's"] += 1
                     continue
                 conversion, name, read = reader
                 made = read(message.data, name)
@@ -115,9 +116,6 @@ class RosImport:
         for one in types:
             self.types[one.name] = replace(one, fingerprint=source.fingerprints[one.name])
         return Registry([source]).message_class(_lcm_name(name))
-
-    def _leave_out(self, reason: str) -> None:
-        self.left_out[reason] = self.left_out.get(reason, 0) + 1
 
 
 def _reader(

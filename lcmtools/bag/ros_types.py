@@ -123,7 +123,8 @@ class Conversion:
         pairs: list[_Pair] = []
         for part in fields(cls):
             spelled = _spelling(cls, part.name, theirs)
-            if spelled is None and (part.is_length or _is_optional(cls, part)):
+            is_optional = part.name == "seq" and type_name(cls) == "std_msgs/Header"
+            if spelled is None and (part.is_length or is_optional):
                 continue
             converts = self._converts(part, theirs.pop(spelled)) if spelled else None
             if spelled is None or converts is None:
@@ -182,7 +183,9 @@ class Conversion:
             )
         import numpy as np
 
-        ours, theirs = np.dtype(part.type), np.dtype(_numpy_name(element[1][0]))
+        name = element[1][0]
+        ours = np.dtype(part.type)
+        theirs = np.dtype("uint8" if name in ("byte", "char", "octet") else name)
 
         def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - as messages have them
             if part.depth > 1:
@@ -310,10 +313,6 @@ def _spelling(cls: type[Message], name: str, theirs: Mapping[str, _Described]) -
     return next((one for one in spellings if one in theirs), None)
 
 
-def _is_optional(cls: type[Message], part: Field) -> bool:
-    return part.name == "seq" and type_name(cls) == "std_msgs/Header"
-
-
 def _fixed_size(part: Field) -> int | None:
     """The number of elements of an array, over all its dimensions; None where that varies."""
     sizes = [size for size in part.dimensions if isinstance(size, int)]
@@ -346,7 +345,3 @@ def _shaped(values: Sequence[Any], sizes: Sequence[int]) -> Any:  # noqa: ANN401
         return list(values)
     step = prod(sizes[1:])
     return [_shaped(values[row * step : (row + 1) * step], sizes[1:]) for row in range(sizes[0])]
-
-
-def _numpy_name(name: str) -> str:
-    return "uint8" if name in ("byte", "char", "octet") else name

@@ -97,9 +97,7 @@ class ZenohSession:
             self._keys.key(NODE_CHANNEL), _direct(self._answer)
         )
 
-        self._barrier = self._session.declare_queryable(
-            self._keys.key(_RECEIVED), _direct(_end_at_once)
-        )
+        self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
 
     def fileno(self) -> int:
         """Return the descriptor that can be read while something has arrived."""
@@ -321,14 +319,8 @@ def _leave_to_parent(session: ZenohSession | None) -> None:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(session))
 
 
-def _end_at_once(query: zenoh.Query) -> None:
-    """Answer nothing: a question ends when it has been asked."""
-    del query
-
-
-def _ignore(reply: zenoh.Reply) -> None:
-    """Take no answer."""
-    del reply
+def _ignore(_: object) -> None:
+    """Answer nothing, as a question ends when it has been asked; take no answer."""
 
 
 def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":

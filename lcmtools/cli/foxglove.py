@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
-from lcmtools.cli.options import bus_options, json_option, names_options
+from lcmtools.cli.options import bus_options, exclude_option, json_option, names_options
 from lcmtools.cli.output import document
 from lcmtools.errors import UsageError
 
@@ -20,14 +20,7 @@ _LAST_PORT = 65535
     "foxglove --allow-publish /husky0/desired_velocity",
 )
 @argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:topics")
-@option(
-    "-x",
-    "--exclude",
-    metavar="TOPIC",
-    multiple=True,
-    help="Leave out a topic, or what a pattern matches.",
-    completer="bus:topics",
-)
+@exclude_option
 @option(
     "--allow-publish",
     "allowed",

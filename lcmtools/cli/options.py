@@ -154,6 +154,14 @@ def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:
     return option("--timeout", type=duration, default=seconds, help=text)
 
 
+exclude_option = option(
+    "-x",
+    "--exclude",
+    metavar="TOPIC",
+    multiple=True,
+    help="Leave out a topic, or what a pattern matches.",
+    completer="bus:topics",
+)
 json_option = flag("--json", "as_json", help="Print JSON.")
 all_option = flag("-a", "--all", "show_all", help="Show hidden names too (a part starts with '_').")
 

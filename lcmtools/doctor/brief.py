@@ -7,7 +7,7 @@ only listening shows takes a whole second: programs that announce nothing, and s
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import examine, pace
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -25,8 +25,8 @@ def is_enough(evidence: Evidence) -> bool:
     return (
         _is_among_nodes(evidence)
         and not any(_unheard(evidence))
-        and not any(map(_is_uneven, _intervals(evidence)))
-        and not any(map(_is_busy, _looks(evidence)))
+        and not any(_is_uneven(stream) for stream in evidence.streams)
+        and not any((busy_share(*pair) or 0.0) > _BUSY for pair in _looks(evidence))
         and not pace.may_have_fallen(evidence)
         and all(finding.severity is Severity.NOTE for finding in examine(evidence))
     )
@@ -60,17 +60,9 @@ def _unheard(evidence: Evidence) -> Iterator[Endpoint]:
                 yield end
 
 
-def _intervals(evidence: Evidence) -> Iterator[tuple[float, float]]:
-    """Of each stream the usual interval, and the longest [s]."""
-    for stream in evidence.streams:
-        if usual := pace.usual_interval(stream):
-            yield usual, max(later - one for one, later in pairwise(stream.times)) / 1e9
-
-
-def _is_uneven(interval: tuple[float, float]) -> bool:
-    usual, longest = interval
+def _is_uneven(stream: Stream) -> bool:
+    usual = pace.usual_interval(stream)
+    if not usual:
+        return False
+    longest = max(later - one for one, later in pairwise(stream.times)) / 1e9
     return longest > max(pace.SHORTEST, pace.UNEVEN * usual)
-
-
-def _is_busy(pair: tuple[Node, Node]) -> bool:
-    return (busy_share(*pair) or 0.0) > _BUSY

@@ -101,7 +101,9 @@ def _summary(elements: Sequence[object], field: Field) -> str:
     if isinstance(elements, bytes):
         shown = elements[:_SHOWN_BYTES].hex(" ")
         return f"{shown} {_DOTS}" if len(elements) > _SHOWN_BYTES else shown
-    shown = ", ".join(_short_text(element) for element in elements[:_SHOWN])
+    shown = ", ".join(
+        f"{one:.4g}" if isinstance(one, float) else _scalar_text(one) for one in elements[:_SHOWN]
+    )
     return f"{shown}, {_DOTS}" if len(elements) > _SHOWN else shown
 
 
@@ -112,7 +114,3 @@ def _scalar_text(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return repr(value)
-
-
-def _short_text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else _scalar_text(value)

@@ -163,7 +163,11 @@ class MessageFormatter:
 
     def _headed(self, found: SelectedPacket, text: str) -> str:
         """A text under its topic, as a comment in YAML, where there may be several."""
-        return f"# {_one_line(found.packet.channel)}\n{text}" if self._is_one_of_many() else text
+        if not self._is_one_of_many():
+            return text
+        channel = found.packet.channel
+        # nothing in it may end the comment, or colour the terminal
+        return f"# {channel if channel.isprintable() else ascii(channel)}\n{text}"
 
     def _undecoded(self, found: SelectedPacket, reason: DecodeError) -> str | None:
         packet = found.packet
@@ -192,11 +196,6 @@ class MessageFormatter:
 def _plain(found: dict[str, SelectedValue], view: View) -> Plain:
     plain = {path: plain_value(one.value, one.target, view) for path, one in found.items()}
     return plain if len(plain) > 1 else next(iter(plain.values()))
-
-
-def _one_line(channel: str) -> str:
-    """A channel's name without what would end the comment, or colour the terminal."""
-    return channel if channel.isprintable() else ascii(channel)
 
 
 def _kind(selection: SelectedValue) -> str:

@@ -210,7 +210,7 @@ class BusMonitor:
         with contextlib.suppress(EOFError):  # a log that has ended is complete
             # where this process itself was held up, what has come meanwhile still counts
             while (
-                not _complete(time.monotonic(), soonest, changed)
+                time.monotonic() <= min(max(soonest, changed + QUIET), soonest + _AT_MOST)
                 or self._observer.is_awaiting
                 or self._receives_talk(0.0)
                 or self._awaits_known_node()
@@ -315,7 +315,3 @@ class BusMonitor:
             if not silent_senders(self.url.host, self.url.port, ports, known):
                 return
             self.receive(min(left, 0.1))
-
-
-def _complete(now: float, soonest: float, changed: float) -> bool:
-    return now > min(max(soonest, changed + QUIET), soonest + _AT_MOST)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.summary import LogSummary, summarize
 from lcmtools.bag.surgery import write_log
 from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
@@ -53,6 +54,12 @@ window_options = together(
     time_option("-s", "--start", text="From this time on: 10s, end-1m, 12:30:05."),
     time_option("-e", "--end", text="Until this time."),
 )
+
+
+def summary_of(file: str) -> LogSummary:
+    """Return the summary of a log; progress is shown of one that is read for it."""
+    with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
+        return summarize(log, report)
 
 
 def topic_choice(log: LogFile, wanted: tuple[str, ...], excluded: tuple[str, ...]) -> TopicChoice:

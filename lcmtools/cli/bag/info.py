@@ -1,8 +1,8 @@
 """``lcmtools bag info`` and ``reindex``."""
 
 from lcmtools.bag.reindex import reindex_log
-from lcmtools.bag.summary import summarize
 from lcmtools.bag.summary_report import summary_record, summary_rows, topic_table
+from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, document, lines, progress, show
@@ -21,10 +21,7 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
     the longest time without a message of the topic. Losses are messages that did not reach the
     recorder, by the numbers of their sender.
     """
-    found = []
-    for file in files:
-        with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
-            found.append(summarize(log, report))
+    found = list(map(summary_of, files))
     if as_json:
         document(list(map(summary_record, found)))
         return

@@ -2,17 +2,12 @@
 
 from lcmtools.bag.compare import differences
 from lcmtools.bag.contract import breaches, read_contract
-from lcmtools.bag.summary import LogSummary, summarize
+from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.cli.output import columns, document, lines, show
 from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
-
-
-def _summary(file: str) -> LogSummary:
-    with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
-        return summarize(log, report)
 
 
 @subcommand("check", json_option)
@@ -29,7 +24,7 @@ def check(file: str, *, against: str, as_json: bool) -> int:
     max_duration; those of a topic type, min_rate, max_rate [Hz], max_gap [s], min_messages.
     """
     contract = read_contract(against)
-    found = list(breaches(contract, _summary(file)))
+    found = list(breaches(contract, summary_of(file)))
     place = [f" ({against}:{one.line})" if one.line else "" for one in found]
     rows = [
         f"FAIL {one.topic + ': ' if one.topic else ''}{one.text}{where}"
@@ -62,7 +57,7 @@ def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
 @argument("file", metavar="FILE", completer="files")
 def du(file: str, *, as_json: bool) -> None:
     """Show the topics that take the most space in a log, largest first."""
-    summary = _summary(file)
+    summary = summary_of(file)
     topics = sorted(summary.topics, key=lambda topic: (-topic.bytes, topic.name))
     if as_json:
         document([{"topic": one.name, "bytes": one.bytes} for one in topics])

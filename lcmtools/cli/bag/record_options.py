@@ -5,20 +5,14 @@ import click
 from lcmtools.bag.recorder import Limits
 from lcmtools.bag.series import USUAL_NAME
 from lcmtools.cli.declare import duration, flag, option, size, together, whole_number
+from lcmtools.cli.options import exclude_option
 from lcmtools.errors import UsageError
 from lcmtools.settings import parse_bytes, parse_duration
 from lcmtools.wire.log_compression import SUFFIXES
 
 choice_options = together(
     flag("-a", "--all", "hidden", help="Record hidden topics too."),
-    option(
-        "-x",
-        "--exclude",
-        metavar="TOPIC",
-        multiple=True,
-        help="Leave out a topic, or what a pattern matches.",
-        completer="bus:topics",
-    ),
+    exclude_option,
     option(
         "--node",
         "nodes",

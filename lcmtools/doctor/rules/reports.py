@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.evidence import Evidence, LogLine
+from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
 from lcmtools.graph.model import CallbackError, Node
 
@@ -53,7 +53,13 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     """
     raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
     facts = [
-        state("logged", node=Subject("node", line.node), **_words(line))
+        state(
+            "logged",
+            node=Subject("node", line.node),
+            level=line.level,
+            text=line.text,
+            messages=line.count,
+        )
         for line in evidence.logs
         if not any(error.exception in line.text for error in raising.get(line.node, ()))
     ]
@@ -63,7 +69,3 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
 def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:
     """The time since an exception, by its own computer's clock [s]."""
     return (node.time_there(evidence.graph.time) - error.last_time) / 1e9
-
-
-def _words(line: LogLine) -> dict[str, str | int]:
-    return {"level": line.level, "text": line.text, "messages": line.count}
