@@ -258,4 +258,4 @@ _ELSEWHERE = {
     "viewer": "the picture that it saves is",
     "reader": "the lines that it prints are",
 }
-"""What the other programs are judged by."""
+"""The things that the other programs are judged by, with their verb."""
