@@ -96,7 +96,8 @@ class Terminal:
     def __enter__(self) -> "Terminal":
         """Set it up."""
         if self._keys is not None:
-            self._saved = termios.tcgetattr(self._keys)
+            with contextlib.suppress(termios.error):  # gone already: reading it will show that
+                self._saved = termios.tcgetattr(self._keys)
         self._handlers = {
             signal.SIGTSTP: signal.signal(signal.SIGTSTP, self._take_suspension),
             signal.SIGCONT: signal.signal(signal.SIGCONT, self._take_resumption),
@@ -129,17 +130,17 @@ class Terminal:
         return is_resumed
 
     def _apply(self) -> None:
-        with contextlib.suppress(termios.error):  # gone already: reading it will show that
+        with contextlib.suppress(termios.error):
             if self._keys is not None:
                 tty.setcbreak(self._keys, termios.TCSANOW)
                 # Ctrl-S is a key like any other: a program that cannot write drives no robot
                 attributes = termios.tcgetattr(self._keys)
                 attributes[0] &= ~termios.IXON
                 termios.tcsetattr(self._keys, termios.TCSANOW, attributes)
-        _write(self._opening)
+        write_screen(self._opening)
 
     def _restore(self) -> None:
-        _write(self._closing)
+        write_screen(self._closing)
         if self._keys is not None and self._saved is not None:
             with contextlib.suppress(termios.error):
                 termios.tcsetattr(self._keys, termios.TCSANOW, self._saved)
@@ -183,7 +184,8 @@ class TerminalKeys:
         return keys
 
 
-def _write(text: str) -> None:
+def write_screen(text: str) -> None:
+    """Write to standard output, if its terminal is still there."""
     if text:
         with contextlib.suppress(OSError, ValueError):  # the terminal is closed
             sys.stdout.write(text)

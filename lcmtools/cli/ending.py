@@ -1,9 +1,11 @@
 """The end of a command: errors and signals become one line and an exit code."""
 
 import contextlib
+import errno
 import os
 import select
 import signal
+import stat
 import sys
 import threading
 from collections.abc import Iterator
@@ -206,18 +208,22 @@ def end(code: int) -> NoReturn:
 
 
 def flush(code: int) -> int:
-    """Write what is left: a closed pipe is no fault, a full disk is one, which is said once."""
+    """Write what is left: no reader is no fault, a full disk is one, which is said once."""
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        if not code:  # else the command has said why it failed
+        if not (code or _is_without_reader(error)):  # else the command has said why it failed
             talk(f"cannot write: {error.strerror}", "lcmtools")
+            code = 1
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = code or 1
     try:
         sys.stderr.flush()
     except OSError:  # else the interpreter tries again at its end, and exits with 120
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
     return code
+
+
+def _is_without_reader(error: OSError) -> bool:
+    """Return whether the pipe or the terminal at standard output has been closed."""
+    is_device = stat.S_ISCHR(os.fstat(sys.stdout.fileno()).st_mode)
+    return error.errno == errno.EPIPE or (error.errno == errno.EIO and is_device)

@@ -11,6 +11,7 @@ import subprocess
 import termios
 import time
 from collections.abc import Callable
+from contextlib import closing
 from fcntl import ioctl
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 import lcm
 import PIL.Image
 import pytest
+from fixtures.typist import Typist
 
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
@@ -161,3 +163,14 @@ def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one st
             viewer.kill()
     os.close(screen)
     os.close(end)
+
+
+@pytest.mark.parametrize("shown", ["\x1b[c", "\x1b[H"])
+def test_a_terminal_that_is_closed_ends_a_viewer_as_its_signal_does(
+    shown: str, bus_url: str, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    with closing(Typist(lcmtools_path, "run", "image_view")) as person:
+        person.wait_for(shown)
+        person.hang_up()
+        assert person.process.wait(40) == 0

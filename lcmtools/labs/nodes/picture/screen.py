@@ -6,6 +6,7 @@ import select
 import shutil
 import sys
 import time
+from io import StringIO
 from unittest.mock import patch
 
 from rich.console import Console, ConsoleDimensions
@@ -15,7 +16,14 @@ from lcmtools.color import stream_wants_color
 from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
 from lcmtools.labs.nodes.picture.display import Display
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.terminal import ESCAPE, Terminal, TerminalKeys, is_terminal
+from lcmtools.terminal import (
+    ESCAPE,
+    Terminal,
+    TerminalKeys,
+    is_terminal,
+    read_waiting,
+    write_screen,
+)
 
 with patch.object(sys, "__stdout__", None):
     # With a terminal there, the import would send queries and wait for the answers for 0.1 s only:
@@ -64,6 +72,8 @@ class ScreenDisplay(Display):
             color_system="truecolor" if full else "256",
             no_color=not self._has_color,
             highlight=False,
+            file=StringIO(),  # it only captures, but would flush standard output
+            force_terminal=True,
         )
         self._drawing: type[ImageRenderable] = UnicodeImage
         self._has_keys = is_terminal(sys.stdin)
@@ -192,8 +202,7 @@ def _query(*, answers: bool) -> tuple[str, CellSize]:
     """
     answer = b""
     if answers:
-        sys.stdout.write(f"{_KITTY_QUERY}{_CELL_QUERY}{_ATTRIBUTES_QUERY}")
-        sys.stdout.flush()
+        write_screen(f"{_KITTY_QUERY}{_CELL_QUERY}{_ATTRIBUTES_QUERY}")
         answer = _read_answer()
     found = _CELL.search(answer)
     cell = CellSize(*(max(1, int(size)) for size in found.group(2, 1))) if found else _USUAL_CELL
@@ -214,7 +223,7 @@ def _read_answer() -> bytes:
     answer = b""
     while not _ATTRIBUTES.search(answer) and (left := deadline - time.monotonic()) > 0:
         if select.select([sys.stdin.fileno()], [], [], left)[0]:
-            data = os.read(sys.stdin.fileno(), 4096)
+            data = read_waiting()
             if not data:
                 break
             answer += data
