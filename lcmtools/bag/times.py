@@ -33,13 +33,9 @@ _HINT = "write 10s, end-1m, 12:30:05 or '2026-11-22 12:30:05'"
 
 @dataclass(frozen=True, slots=True)
 class LogTime:
-    """A time within a log.
+    """A time within a log."""
 
-    Attributes:
-        text: As it was written.
-    """
-
-    text: str
+    text: str  # as it was written
     _find: Callable[[int, int], int]
 
     def within(self, start: int, end: int) -> int:

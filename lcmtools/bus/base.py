@@ -21,7 +21,6 @@ class Bus(Protocol):
     @property
     def ports(self) -> list[int]:
         """UDP ports that messages come from besides the one of announcements."""
-        ...
 
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
@@ -34,22 +33,18 @@ class Bus(Protocol):
             type_name: The type "package/Name", for a bus whose keys name it; "" if unknown.
             latched: It is state, that may be late; on Zenoh other messages are dropped then.
         """
-        ...
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
         """Send those of these messages that cost less together, perhaps in another order.
 
         Returns the places of the others, which are to be sent one by one. Safe from any thread.
         """
-        ...
 
     def subscribe(self, channel: str, handler: Handler) -> None:
         """Call ``handler``, on the thread that receives, for each message on the channel."""
-        ...
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
-        ...
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Wait until an event is set, or messages came, for ``timeout`` seconds at most; clear it.
@@ -57,12 +52,9 @@ class Bus(Protocol):
         The calling thread may receive meanwhile; it is to come back soon, or to call ``hand_over``.
         Returns now and then before anything has come.
         """
-        ...
 
     def hand_over(self) -> None:
         """Receive without the threads that have called ``wait``, which do something long."""
-        ...
 
     def close(self) -> None:
         """Send waiting messages and leave the bus."""
-        ...

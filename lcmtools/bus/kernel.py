@@ -261,22 +261,8 @@ def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def selective_sockets() -> frozenset[int]:
-    """Return the inodes of the sockets that drop most datagrams on purpose."""
-    return _marked(SELECTIVE)
-
-
-def subscribed_sockets() -> frozenset[int]:
-    """Return the inodes of the sockets that drop what their nodes do not subscribe."""
-    return _marked(SUBSCRIBED)
-
-
-def announced_sockets() -> frozenset[int]:
-    """Return the inodes of the sockets with which lcmtools itself receives."""
-    return _marked(ANNOUNCED, SELECTIVE, SUBSCRIBED)
-
-
-def _marked(*marks: int) -> frozenset[int]:
+def marked_sockets(*marks: int) -> frozenset[int]:
+    """Return the inodes of the sockets with one of these marks; with all of them, lcmtools' own."""
     return frozenset(
         inode for inode, value in _attributes(_TYPE_OF_SERVICE) if value and value[0] in marks
     )

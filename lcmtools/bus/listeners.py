@@ -7,7 +7,7 @@ there may always be a listener.
 import time
 from collections.abc import Callable, Collection
 
-from lcmtools.bus.kernel import announced_sockets
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
 from lcmtools.bus.processes import Process, owners, udp_sockets
 from lcmtools.bus.url import BusUrl
 
@@ -75,7 +75,7 @@ class PlainListeners:
         The tables are read one after the other, and a socket may come or go between.
         """
         before, sockets = self._foreign, listening_sockets(self._url)
-        marked = announced_sockets() & sockets
+        marked = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) & sockets
         self._foreign = sockets - marked if marked else self._without_nodes(sockets)
         certain = bool(self._foreign & before)
         # Without one's own socket the system shows none. And a program that was here before the

@@ -30,24 +30,20 @@ _WANTED, _NEEDED = 32, 2  # messages of the largest kind for which there is, or 
 
 
 class Receivers:
-    """The sockets of one observer; one at first.
-
-    Attributes:
-        sockets: All of them.
-        short: Those for short messages, the first of all.
-        since: Messages that arrived before are left out: they may have come twice, or not at all.
-        has_times: The system gives each datagram's receive time.
-        has_room: Two messages as large as the largest so far fit into the buffers together.
-    """
+    """The sockets of one observer; one at first."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
         self.sockets = [receiving_socket(url)]
+        # the system gives each datagram's receive time
         self.has_times = self._prepare(self.sockets[0])
         self._granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
-        self.short = self.sockets[:]
-        self._shares = self._message_bytes = self.since = 0
+        self.short = self.sockets[:]  # those for short messages, the first of all
+        self._shares = self._message_bytes = 0
+        # messages that arrived before are left out: they may have come twice, or not at all
+        self.since = 0
+        # two messages as large as the largest so far fit into the buffers together
         self.has_room = False
         self._poll = select.poll()
         self._poll.register(self.sockets[0], select.POLLIN)

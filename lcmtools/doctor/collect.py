@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import cast
 
 from lcmtools.bus.kernel import (
+    SELECTIVE,
+    SUBSCRIBED,
     joined_interfaces,
+    marked_sockets,
     receive_buffers,
-    selective_sockets,
-    subscribed_sockets,
 )
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local, usage_of
@@ -280,8 +281,9 @@ def _listeners(
 ) -> tuple[Listener, ...]:
     buffers, before, after = receive_buffers(), begin.table, names.table
     # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
-    selective = selective_sockets()
-    drops = BufferDrops(before.rows, after.rows, selective | subscribed_sockets(), overflows)
+    selective = marked_sockets(SELECTIVE)
+    filtered = selective | marked_sockets(SUBSCRIBED)
+    drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     found = []
     for inode in (begin.on_bus & still_on_bus) - selective:
         row, earlier = after.rows.get(inode), before.rows.get(inode)

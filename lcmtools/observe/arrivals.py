@@ -79,9 +79,6 @@ class ArrivalStream:
     has it from its first message on /clock on. With ``wall_time`` times are the computer's even if
     a simulator publishes /clock. Only packets count for which ``keep`` is true.
 
-    Attributes:
-        is_one_of_many: Arrivals may be of several topics.
-
     Raises:
         UsageError: The text behind a topic is no field path.
     """
@@ -226,6 +223,7 @@ class ArrivalStream:
         self._clock.is_simulated = not self._wall_time and is_simulated(graph)
         for one in self._selections:
             one.learn(graph)
+        # arrivals may be of several topics
         self.is_one_of_many = len(self._selections) > 1 or any(
             isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
         )

@@ -62,11 +62,6 @@ class BusMonitor:
         asked: The moment at which ``observer`` has requested all nodes to announce themselves [s of
             ``time.monotonic``]; 0 for not yet.
 
-    Attributes:
-        trouble: The trouble with the connection; "" for none.
-        is_log: The source is a log, also one that is played: no node answers.
-        is_live: Messages come in real time; else a log is read at once by its own times.
-
     Raises:
         BusError: The bus cannot be reached, with what to type.
     """
@@ -86,7 +81,7 @@ class BusMonitor:
     ) -> None:
         self.url = url
         self._asked = asked
-        self.trouble = ""
+        self.trouble = ""  # with the connection; "" for none
         self._on_outage = on_outage
         self._observer = observer or open_observer(
             url, whole=whole, plays=plays, on_outage=self._note_outage

@@ -24,27 +24,22 @@ class Observer(Protocol):
     @property
     def is_awaiting(self) -> bool:
         """True while answers to a probe may still come, where the bus knows."""
-        ...
 
     @property
     def has_strangers(self) -> bool:
         """True if the bus knows of programs that do not answer probes, and may send."""
-        ...
 
     @property
     def numbered(self) -> Mapping[Sender, Sequence]:
         """The sequences of senders whose numbers show their losses."""
-        ...
 
     @property
     def is_log(self) -> bool:
         """True for a log, also one that is played: no node answers and none subscribes."""
-        ...
 
     @property
     def port(self) -> int:
         """The UDP port that ``send`` sends from; 0 when there is none."""
-        ...
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first.
@@ -52,15 +47,12 @@ class Observer(Protocol):
         Raises:
             EOFError: The source is a log, and it has ended.
         """
-        ...
 
     def send(self, channel: str, payload: bytes) -> None:
         """Publish one message; does nothing on a log."""
-        ...
 
     def close(self) -> None:
         """Leave the bus."""
-        ...
 
 
 class LogObserver:

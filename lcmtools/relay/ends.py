@@ -35,7 +35,6 @@ class BusEnd(Protocol):
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
-        ...
 
     def send(self, message: LineMessage, /) -> None:
         """Send a message, also if that takes time; with its origin, where the bus takes one.
@@ -43,15 +42,12 @@ class BusEnd(Protocol):
         Raises:
             BusError: It cannot be sent.
         """
-        ...
 
     def losses(self) -> Mapping[Sender, Loss]:
         """Return the messages that did not arrive here."""
-        ...
 
     def close(self) -> None:
         """Leave the bus."""
-        ...
 
 
 class UdpmEnd:

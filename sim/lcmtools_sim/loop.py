@@ -15,10 +15,6 @@ class Loop:
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
     ``paused`` waits for ``step``. ``let_step`` is called before each step, and waits until that may
     be done, or a function that it is given returns False; it returns True after a long wait.
-
-    Attributes:
-        paused: As given; may be changed.
-        is_stepping: True during ``step``; what is called in ``let_step`` may look.
     """
 
     def __init__(
@@ -31,7 +27,8 @@ class Loop:
         last_step: int | None = None,
         let_step: Callable[[Callable[[], bool]], bool] = lambda _: False,
     ) -> None:
-        self.paused = self.is_stepping = False
+        self.paused = False  # may be changed
+        self.is_stepping = False  # True during ``step``; what is called in ``let_step`` may look
         self._let_step = let_step
         self._simulation = simulation
         self._bridge = bridge

@@ -36,13 +36,6 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     One that does not lead leaves the clock to another process.
 
-    Attributes:
-        scene: As given.
-        steps: Their number so far.
-        leads: As given.
-        misplaced: Warnings of movable objects that start inside another body, one line each.
-        publishes_clock: True if its steps return the clock; else ``tick`` returns it on request.
-
     Raises:
         MissingExtra: There is no engine (see engines.chosen_engine).
         InvalidFile: A robot starts inside another body.
@@ -50,7 +43,9 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
         self.scene = scene
-        self.leads = self.publishes_clock = leads
+        self.leads = leads
+        # its steps return the clock; else ``tick`` returns it on request
+        self.publishes_clock = leads
         self._plans: dict[frozenset[float], _Plan] = {}
         """The sensors that are measured when these rates are due, until the fleet changes."""
         self._world = World(scene, engine=engine)
@@ -154,7 +149,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._fleet.remove(robot)
 
     def _begin(self, steps: int = 0) -> None:
-        self.steps = steps
+        self.steps = steps  # so far
         self._fleet = Fleet(self._world, self.scene)
         self._plans, self._planned_changes = {}, 0
         things = self._world.movable_objects()
@@ -163,6 +158,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)
         self._add(self.scene.robots)
+        # warnings of movable objects that start inside another body, one line each
         self.misplaced = [
             f"{thing.where or self.scene.name}: {thing.name} starts {depth:.2f} m inside {other},"
             " and is thrown out of it"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.bus.kernel import IS_LINUX, subscribed_sockets
+from lcmtools.bus.kernel import IS_LINUX, SUBSCRIBED, marked_sockets
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
@@ -204,7 +204,7 @@ def test_the_kernel_drops_what_a_bus_does_not_subscribe(
     heard: list[bytes] = []
 
     def dropped() -> list[int]:
-        found = subscribed_sockets() & listening_sockets(parse_url(bus_url))
+        found = marked_sockets(SUBSCRIBED) & listening_sockets(parse_url(bus_url))
         return [row.drops for row in udp_sockets() if row.inode in found]
 
     assert dropped() == []

@@ -10,7 +10,7 @@ import pytest
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.channel_socket import ChannelSocket
-from lcmtools.bus.kernel import selective_sockets
+from lcmtools.bus.kernel import SELECTIVE, marked_sockets
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
@@ -49,7 +49,7 @@ def channel_socket(bus_url: str) -> Callable[[], int]:
     """``channel_socket()``: the inode of this process's only channel socket."""
 
     def find() -> int:
-        (inode,) = selective_sockets() & listening_sockets(parse_url(bus_url))
+        (inode,) = marked_sockets(SELECTIVE) & listening_sockets(parse_url(bus_url))
         return inode
 
     return find

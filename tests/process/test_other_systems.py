@@ -121,7 +121,7 @@ assert ttl is None
 assert not kernel.attach(receiver, heads_only())
 assert kernel.dropped(receiver) is None
 assert kernel.receive_buffer_bytes() == 4 << 20
-assert kernel.receive_buffers() == {} and kernel.announced_sockets() == frozenset()
+assert kernel.receive_buffers() == {} and kernel.marked_sockets(kernel.ANNOUNCED) == frozenset()
 assert kernel.joined_interfaces(os.getpid(), 1, "239.255.76.67") == ()
 assert not processes.sockets_are_known() and processes.udp_sockets() == []
 assert processes.process_of(os.getppid()) == processes.Process(os.getppid(), "")

@@ -40,7 +40,7 @@ def computer(monkeypatch: pytest.MonkeyPatch) -> Computer:
     made = Computer()
     monkeypatch.setattr(listeners, "udp_sockets", made.udp_sockets)
     monkeypatch.setattr(listeners, "owners", made.owners)
-    monkeypatch.setattr(listeners, "announced_sockets", lambda: made.marked)
+    monkeypatch.setattr(listeners, "marked_sockets", lambda *_: made.marked)
     return made
 
 
