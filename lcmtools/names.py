@@ -211,11 +211,22 @@ def _expression(pattern: str) -> str:
 
 
 def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
-    """The known names nearest to ``name``, best first, for "did you mean"."""
+    """The known names nearest to ``name``, best first, for "did you mean".
+
+    A namespace that two names share makes them no nearer.
+    """
     from difflib import get_close_matches
 
+    namespace, slash, last = name.lower().rpartition("/")
+
+    def is_near(candidate: str) -> bool:
+        rest = candidate.removeprefix(namespace + slash)
+        whole = last if rest != candidate else name.lower()
+        return bool(get_close_matches(whole, [rest], 1, 0.6))
+
     by_lower = {candidate.lower(): candidate for candidate in known}
-    return [by_lower[near] for near in get_close_matches(name.lower(), by_lower, count, 0.6)]
+    near = get_close_matches(name.lower(), filter(is_near, by_lower), count, 0.6)
+    return [by_lower[candidate] for candidate in near]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

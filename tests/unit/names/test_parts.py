@@ -68,6 +68,13 @@ def test_a_near_miss_is_suggested() -> None:
     assert names.did_you_mean("anything", []) == ""
 
 
+def test_a_shared_namespace_makes_no_name_nearer() -> None:
+    assert names.did_you_mean("/husky0/evaluation_stat", ["/husky0/ground_truth"]) == ""
+    near = names.did_you_mean("/husky0/odom", ["/husky0/ground_truth", "/husky0/odometry"])
+    assert near == "did you mean /husky0/odometry?"
+    assert names.did_you_mean("/cmd_vel", ["/husky0/cmd_vel"]) == "did you mean /husky0/cmd_vel?"
+
+
 def test_the_closest_names_come_best_first() -> None:
     assert names.closest("/chatter", ["/chatter2", "/chatters_x", "/scan"], 2) == [
         "/chatter2",
