@@ -155,6 +155,9 @@ def _usage_error(error: click.ClickException, command: str) -> int:
     message = _of_variable(error) or f"{message[:1].lower()}{message[1:]}"
     if isinstance(error, click.NoSuchOption) and (instead := _of_ros(command, error.option_name)):
         message = f"no such option '{error.option_name}'; {instead}"
+    words = {parameter.metavar for parameter in context.command.params} if context else ()
+    if "extra argument" in message and "COMMAND" in words:
+        message += "; a command line is one word, in quotes"
     talk(f"{message} (see {command} --help)", command)
     return error.exit_code
 
