@@ -18,7 +18,7 @@ _ESCAPES = {
     code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
     for code in (*range(0x20), *_ODD)
     if code != ord("\t")
-}
+} | {0xDC00 + byte: f"\\x{byte:02x}" for byte in range(0x80, 0x100)}  # bytes that are no UTF-8
 _ESCAPES_IN_LINES = {code: text for code, text in _ESCAPES.items() if code != ord("\n")}
 
 _PATIENCE = 0.5  # [s] before progress is shown

@@ -1,4 +1,4 @@
-"""Output that may wait for more, and output that may not."""
+"""Output that may wait for more or may not, and bytes that are no UTF-8."""
 
 import io
 import os
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.output import may_wait
+from lcmtools.cli.output import lines, may_wait
 
 
 def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
@@ -19,3 +19,10 @@ def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
             monkeypatch.setattr(sys, "stdout", stream)
             assert may_wait() is may
             monkeypatch.undo()
+
+
+def test_a_byte_that_is_no_utf_8_is_written_as_everywhere(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    lines(["a\udcff\x1b"])
+    assert capsys.readouterr().out == "a\\xff\\x1b\n"
