@@ -27,7 +27,7 @@ class Hold:
     def __init__(self, lines: Iterable[str], now: float) -> None:
         self._lines = frozenset(lines)
         self._active: frozenset[str] = frozenset()
-        self._is_deaf = False
+        self._deaf = ""
         self.begin(now)
 
     def begin(self, now: float) -> None:
@@ -38,8 +38,8 @@ class Hold:
         """Take all relays, the own one first, and those that are to carry from now on."""
         own, *others = links
         deaf = {end.id for end in own.ends if not end.heard}
-        self._is_deaf = len(deaf) == 1 and deaf <= self._lines
-        if not self._is_deaf:
+        self._deaf = deaf.pop() if len(deaf) == 1 and deaf <= self._lines else ""
+        if not self._deaf:
             self._deaf_until = now + _DEAF
         relieved = self._active - active
         if any(one.id in relieved and one.state is State.ACTIVE for one in others):
@@ -48,4 +48,8 @@ class Hold:
 
     def lasts(self, now: float) -> bool:
         """Return whether the relay must wait."""
-        return now < (max(self._until, self._deaf_until) if self._is_deaf else self._until)
+        return now < (max(self._until, self._deaf_until) if self._deaf else self._until)
+
+    def awaited(self, now: float) -> str:
+        """Return the id of the line on which alone the relay still waits for others, else ""."""
+        return self._deaf if self._until <= now < self._deaf_until else ""

@@ -118,6 +118,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._error: BaseException | None = None
         self._troubles = ["", ""]
         self._has_said: bool | None = None
+        self._awaited = ""
         self._ends = threading.Event()
         self._stopped = threading.Event()
         self._threads = [
@@ -294,6 +295,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.idle = self._known.idle(side.identifier, active)
         self._hold.learn(self._known.links(), active, now)
         waits = self._waits(now)
+        self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits
         if carries != self._has_said and not waits:
             self._has_said = carries
@@ -319,6 +321,15 @@ class Relay(AbstractContextManager["Relay"]):
         """Send latched messages again to a bus on which they may have been lost."""
         if self._carries:
             self._sides[index].outbox.add(self._sides[1 - index].latched())
+
+    def _say_awaited(self, identifier: str) -> None:
+        """Say once for which line the relay waits, though another one is beside it."""
+        if identifier and identifier != self._awaited:
+            here, there = self._sides
+            line, other = (here, there) if identifier == here.identifier else (there, here)
+            said = f"another relay is on {other.bus}"
+            self._notify(f"{said}; waits some seconds for its answer on {line.bus}")
+        self._awaited = identifier
 
     def _say_state(self, active: Collection[str]) -> None:
         here, there = (side.bus for side in self._sides)

@@ -32,6 +32,8 @@ def test_who_hears_a_relay_beside_it_and_none_over_the_line_waits_for_the_line()
     for time in (100.1, 102.0, 104.9):
         hold.learn((_relay("own", "beside/0"), beside), frozenset({"own", "beside"}), time)
         assert hold.lasts(time)
+        assert hold.awaited(time) == ("own/1" if time > 101.0 else "")
+    assert not hold.awaited(105.1)
     assert not hold.lasts(105.1)  # nobody is there, or the connection would have ended by now
 
 
