@@ -125,7 +125,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         """
         return {
             sender: sequence
-            for sender, sequence in self.sequences.items()
+            for sender, sequence in tuple(self.sequences.items())  # one may be added meanwhile
             if sender.port != self._address[1] and not sequence.is_shared
         }
 

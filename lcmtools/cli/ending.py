@@ -8,6 +8,7 @@ import signal
 import stat
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -27,6 +28,7 @@ BY_SIGNAL = 128
 _READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
 
 _SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
+_AGAIN = 1.0  # [s] from one to the next, while a command goes on though its reader is gone
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
 _CHANGED = ("LCMTOOLS_COLOR", "LCMTOOLS_DEBUG", "NO_COLOR", "COLUMNS", "LINES")
 """Environment variables that options set for the command and the processes that it starts."""
@@ -100,8 +102,9 @@ def _await_reader_gone(output: int, ended: int) -> None:
     poll = select.poll()
     for descriptor in (output, ended):
         poll.register(descriptor, 0)  # errors only: of a pipe whose other end is closed
-    if ended not in dict(poll.poll()):
+    while ended not in dict(poll.poll()):
         signal.pthread_kill(cast(int, threading.main_thread().ident), _READER_GONE)
+        time.sleep(_AGAIN)  # Python may lose an interrupt: one that comes as it words an error
     os.close(ended)
 
 

@@ -43,7 +43,7 @@ def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> d
     """Return the loss of each sender (see ``Tap.numbered``), since an earlier count."""
     return {
         sender: Loss(found.lost, found.lost + found.messages) - (since or {}).get(sender, Loss())
-        for sender, found in numbers.items()
+        for sender, found in tuple(numbers.items())  # a thread that receives may add one now
     }
 
 

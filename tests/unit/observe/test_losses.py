@@ -41,3 +41,14 @@ def test_numbers_that_begin_again_and_again_are_those_of_several_programs() -> N
     for number in (0, 5, 0, 5, 0, 5):
         numbers.add(number)
     assert numbers.is_shared
+
+
+def test_losses_are_counted_while_a_sender_is_added() -> None:
+    class Growing(Sequence):
+        @property
+        def lost(self) -> int:
+            numbers[OTHER] = Sequence()
+            return 0
+
+    numbers: dict[Sender, Sequence] = {ONE: Growing()}
+    assert losses(numbers) == {ONE: Loss()}
