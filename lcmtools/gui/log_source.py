@@ -8,6 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Literal
@@ -76,14 +77,7 @@ class LogSource:
     def follow(self, channel: str, take: Take) -> End:
         """Pass a channel's messages on, its latest one at once; return the end of that."""
         self._wish(lambda: self._add(channel, take))
-        has_ended: list[bool] = []
-
-        def end() -> None:
-            if not has_ended:
-                has_ended.append(True)
-                self._wish(lambda: self._remove(channel, take))
-
-        return end
+        return partial(self._wish, lambda: self._remove(channel, take))
 
     def read(self, topics: Collection[str]) -> tuple[int, Iterator[Packet]]:
         """Return n, 1 unless they are many, and each n-th message of topics from start to end."""
@@ -262,11 +256,8 @@ class LogSource:
 
     def _typed(self, row: ChannelRow) -> ChannelRow:
         """A row with its type, where no message has shown it yet."""
-        return (
-            row
-            if row.types
-            else replace(row, types=tuple(filter(None, [self._types.get(row.channel)])))
-        )
+        known = self._types.get(row.channel)
+        return replace(row, types=(known,)) if known and not row.types else row
 
 
 def _packet(one: Played) -> Packet:

@@ -20,7 +20,7 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 End = Callable[[], None]
-"""Ends what was begun; may be called twice."""
+"""Ends what was begun; called once."""
 
 
 class Source(Protocol):
@@ -82,13 +82,10 @@ class BusSource:
         """Announce to listen to every channel but those of images; return the end of that."""
         self._listeners += 1
         self._feed.listens_to_all = True
-        has_ended: list[bool] = []
 
         def end() -> None:
-            if not has_ended:
-                has_ended.append(True)
-                self._listeners -= 1
-                self._feed.listens_to_all = self._listeners > 0
+            self._listeners -= 1
+            self._feed.listens_to_all = self._listeners > 0
 
         return end
 

@@ -7,6 +7,7 @@ reads the beginning only, by one tap for all of them, which is there while some 
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from typing import TypeAlias
 
 from lcmtools.bus.tap import Tap
@@ -41,14 +42,7 @@ class Following:
         with self._lock:
             self._takers[channel] = (*self._takers.get(channel, ()), take)
             self._attend_large()
-        ended = threading.Event()
-
-        def end() -> None:
-            if not ended.is_set():
-                ended.set()
-                self._remove(channel, take)
-
-        return end
+        return partial(self._remove, channel, take)
 
     def pass_on(self, packet: Packet) -> None:
         """Pass on what the monitor has read."""

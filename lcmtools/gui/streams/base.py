@@ -5,6 +5,7 @@ A kind of stream is a class in a file of its own and a line in ``streams.STREAMS
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -43,11 +44,14 @@ class PageStream(ABC):
         self.source = source
         self.parameters = parameters
         self._topic = ""
-        self._ends: list[Callable[[], None]] = []
+        self._at_close = ExitStack()
 
     @abstractmethod
     def update(self) -> Update | None:
-        """Return what is new since the last call, the newest only; None for nothing."""
+        """Return what is new since the last call, the newest only; None for nothing.
+
+        Where a stream is shared, an update like the last one counts as nothing.
+        """
 
     def problem(self) -> str:
         """Return why there is nothing to show, as a sentence; "" if all is well.
@@ -58,8 +62,7 @@ class PageStream(ABC):
 
     def close(self) -> None:
         """Follow nothing any more."""
-        while self._ends:
-            self._ends.pop()()
+        self._at_close.close()
 
     def follow(self, topic: str, take: Callable[..., None]) -> None:
         """Take a topic's messages until the stream is closed."""
@@ -69,4 +72,4 @@ class PageStream(ABC):
 
     def until_closed(self, end: Callable[[], None]) -> None:
         """Call this when the stream is closed."""
-        self._ends.append(end)
+        self._at_close.callback(end)

@@ -34,7 +34,6 @@ class DoctorFindings(PageStream):
         if source.kind == "bus":
             self._command += ["--wait", _LISTEN]
         self._latest: Update | None = None
-        self._sent: Update | None = None
         self._fault = ""
         self._process: subprocess.Popen[bytes] | None = None
         self._ends_soon = threading.Event()
@@ -42,10 +41,7 @@ class DoctorFindings(PageStream):
         threading.Thread(target=self._run, name="findings", daemon=True).start()
 
     def update(self) -> Update | None:
-        """Return the findings of the last look, once."""
-        if self._latest is self._sent:
-            return None
-        self._sent = self._latest
+        """Return the findings of the last look."""
         return self._latest
 
     def problem(self) -> str:

@@ -40,7 +40,6 @@ class GraphStream(PageStream):
         self._maker = GraphMaker(parameters)
         self._url = BusUrl("file", source.name) if source.kind == "log" else parse_url(source.name)
         self._latest: Mapping[str, Json] | None = None
-        self._sent: Mapping[str, Json] | None = None
         self._fault = ""
         self._ends_soon = threading.Event()
         self._thread = threading.Thread(target=self._run, name="graph", daemon=True)
@@ -49,12 +48,8 @@ class GraphStream(PageStream):
         self._thread.start()
 
     def update(self) -> Update | None:
-        """Return the graph, if it is another one."""
-        latest = self._latest
-        if latest is None or latest is self._sent:
-            return None
-        self._sent = latest
-        return Update(latest)
+        """Return the graph as it was last laid out."""
+        return None if self._latest is None else Update(self._latest)
 
     def problem(self) -> str:
         """Return that nothing is there."""

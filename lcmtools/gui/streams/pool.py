@@ -35,7 +35,8 @@ class OpenStream:
         except Exception as error:  # noqa: BLE001 - shown in the panel; the others go on
             self.problem = f"a fault of lcmtools ({type(error).__name__}: {error})"
             return
-        if update is not None:
+        # the updates of streams that are not shared add to each other
+        if update is not None and not (self.stream.is_shared and update == self.latest):
             self.latest = update
             self.version += 1
 

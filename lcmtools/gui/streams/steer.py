@@ -4,7 +4,7 @@ import os
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.velocity import USUAL, commands_velocity
@@ -24,22 +24,19 @@ class Steer(PageStream):
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
         self._steered = parameters.text("topic")
-        self._told: dict[str, Json] = {}
 
-    def update(self) -> Update | None:
-        """Return what is known of the topic, where that has changed."""
+    def update(self) -> Update:
+        """Return what is known of the topic."""
         graph = self.source.latest.graph
         topic = graph.topic(self._steered)
-        about: dict[str, Json] = {
-            "topic": self._steered,
-            "type": "" if self._mistake() else self._type(),
-            "listeners": [node.name for node, _ in topic.subscribers if _obeys(node)],
-            "others": self._others(graph, topic),
-        }
-        if about == self._told:
-            return None
-        self._told = about
-        return Update(about)
+        return Update(
+            {
+                "topic": self._steered,
+                "type": "" if self._mistake() else self._type(),
+                "listeners": [node.name for node, _ in topic.subscribers if _obeys(node)],
+                "others": self._others(graph, topic),
+            }
+        )
 
     def problem(self) -> str:
         """Return that it cannot be steered, or that nobody is known to obey."""

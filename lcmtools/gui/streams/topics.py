@@ -4,7 +4,6 @@ from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.feed import Snapshot
 
 
 class Topics(PageStream):
@@ -16,14 +15,10 @@ class Topics(PageStream):
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
         self.until_closed(source.listen_to_all())
-        self._seen: Snapshot | None = None
 
-    def update(self) -> Update | None:
-        """Return the rows, if they are others than before."""
+    def update(self) -> Update:
+        """Return the rows as they are now."""
         latest = self.source.latest
-        if latest is self._seen:
-            return None
-        self._seen = latest
         return Update(
             {
                 "rows": [_row(row) for row in latest.rows],

@@ -11,11 +11,10 @@ from typing import ClassVar
 
 from lcmtools.errors import DecodeError
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawable_types
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.observe.feed import Snapshot
 from lcmtools.observe.find import offered_services
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
@@ -33,34 +32,24 @@ class Drawable(PageStream):
     period = 0.5
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        self._seen: Snapshot | None = None
-        self._last: dict[str, Json] = {}
-
-    def update(self) -> Update | None:
-        """Return them, if they are others than before."""
+    def update(self) -> Update:
+        """Return them as they are now."""
         latest = self.source.latest
-        if latest is self._seen:
-            return None
-        self._seen = latest
-        found: dict[str, Json] = {
-            "topics": [
-                {"topic": row.channel, "type": kind, "rate": row.rate, "silent": row.is_silent}
-                for row in latest.rows
-                for kind in row.types[:1]
-                if kind in drawable_types()
-            ],
-            "simulators": [
-                service.name.rpartition("/")[0]
-                for service in offered_services(latest.graph)
-                if service.is_alive and _SIMULATOR in service.types
-            ],
-        }
-        if found == self._last:
-            return None
-        self._last = found
-        return Update(found)
+        return Update(
+            {
+                "topics": [
+                    {"topic": row.channel, "type": kind, "rate": row.rate, "silent": row.is_silent}
+                    for row in latest.rows
+                    for kind in row.types[:1]
+                    if kind in drawable_types()
+                ],
+                "simulators": [
+                    service.name.rpartition("/")[0]
+                    for service in offered_services(latest.graph)
+                    if service.is_alive and _SIMULATOR in service.types
+                ],
+            }
+        )
 
 
 class _Messages(PageStream):

@@ -10,6 +10,7 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.streams.base import Update
+from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
 from lcmtools.messages.registry import Message
 from lcmtools.observe.feed import Snapshot
@@ -76,7 +77,21 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
         ("/tf", "tf2_msgs/TFMessage"),
     ]
     assert update.data["simulators"] == ["/morse"]
-    assert stream.update() is None
+
+
+def test_pages_get_what_they_share_once_until_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Drawable, "period", 0.0)
+    source = FakeSource()
+    source.know(tf=TFMessage)
+    shown = OpenStream(Drawable(source, Parameters({})))
+    for _ in range(2):
+        shown.refresh()
+    assert shown.version == 1
+
+    source.know(scan=LaserScan)
+    shown.refresh()
+
+    assert shown.version == 2
 
 
 def test_frames_of_all_messages_are_kept_each_where_it_was_last() -> None:
