@@ -10,11 +10,16 @@ from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import MarkedPath, Scene
-from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
 
 WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)
 _LINE_HEIGHT = 0.002  # [m] of lines above the ground on which they are painted
+_TYPES: dict[type[Shape], int] = {
+    Cuboid: Marker.CUBE,
+    Cylinder: Marker.CYLINDER,
+    Sphere: Marker.SPHERE,
+}
 
 
 def true_frame(body: Robot | MovableObject, part: str = "") -> str:
@@ -71,8 +76,8 @@ def _of_robots(robots: Iterable[Robot]) -> Iterator[Marker]:
 
 def _marker(frame: str, name: str, part: Part) -> Marker:
     marker = _empty(frame, name, part.color)
-    marker.type, size = _measured(part.shape)
-    marker.scale.x, marker.scale.y, marker.scale.z = size
+    marker.type = _TYPES[type(part.shape)]
+    marker.scale.x, marker.scale.y, marker.scale.z = part.shape.size
     place, turn = marker.pose.position, marker.pose.orientation
     place.x, place.y, place.z = part.position
     turn.x, turn.y, turn.z, turn.w = part.rotation
@@ -97,13 +102,3 @@ def _empty(frame: str, name: str, color: Color) -> Marker:
     marker.color.r, marker.color.g, marker.color.b = color
     marker.color.a = 1.0
     return marker
-
-
-def _measured(shape: Shape) -> tuple[int, tuple[float, float, float]]:
-    """A shape's type of marker, and its size [m]."""
-    if isinstance(shape, Cuboid):
-        return Marker.CUBE, shape.size
-    width = 2 * shape.radius
-    if isinstance(shape, Cylinder):
-        return Marker.CYLINDER, (width, width, shape.length)
-    return Marker.SPHERE, (width, width, width)

@@ -22,11 +22,6 @@ class Cuboid:
 
     size: Vector
 
-    @property
-    def least_radius(self) -> float:
-        """Half of its least dimension [m]."""
-        return min(self.size) / 2
-
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -36,9 +31,9 @@ class Cylinder:
     length: float
 
     @property
-    def least_radius(self) -> float:
-        """Half of its least dimension [m]."""
-        return min(self.radius, self.length / 2)
+    def size(self) -> Vector:
+        """The dimensions of the box around it [m]."""
+        return 2 * self.radius, 2 * self.radius, self.length
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +43,9 @@ class Sphere:
     radius: float
 
     @property
-    def least_radius(self) -> float:
-        """Half of its least dimension [m]."""
-        return self.radius
+    def size(self) -> Vector:
+        """The dimensions of the box around it [m]."""
+        return 2 * self.radius, 2 * self.radius, 2 * self.radius
 
 
 Shape: TypeAlias = Cuboid | Cylinder | Sphere

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from lcmtools import Node
 from lcmtools.clock import split_stamp
 from lcmtools.node.timer import Timer
-from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import MarkerArray
 from lcmtools_sim.geometry import Frame, from_euler
@@ -19,6 +18,7 @@ from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.markers import WORLD, true_frame, wheel_frames, world_markers
 from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
+from lcmtools_sim.sensors.motion import transform_message
 from lcmtools_sim.simulation import Simulation
 
 _RATE = 30.0  # [Hz]
@@ -83,7 +83,7 @@ class Poses:
             frames += [(WORLD, base), (WORLD, f"{robot.namespace}/odom".lstrip("/"))]
             frames += [(base, wheel) for wheel in wheel_frames(robot)]
         self._message = TFMessage()
-        self._message.transforms = [_transform(*names) for names in frames]
+        self._message.transforms = [transform_message(*names, Frame()) for names in frames]
 
     def frames(self) -> list[Frame]:
         """Each frame in its parent."""
@@ -105,9 +105,3 @@ class Poses:
             place, turn = transform.transform.translation, transform.transform.rotation
             (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w) = frame
         return self._message
-
-
-def _transform(parent: str, child: str) -> TransformStamped:
-    message = TransformStamped()
-    message.header.frame_id, message.child_frame_id = parent, child
-    return message

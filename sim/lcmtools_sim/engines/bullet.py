@@ -66,7 +66,7 @@ class Bullet:
             )
         if body.mass and not body.is_robot:
             # A body that moves farther than its own size in a step would pass through a wall.
-            radius = min(part.shape.least_radius for part in body.parts) / 2
+            radius = min(min(part.shape.size) for part in body.parts) / 4
             self._bullet.changeDynamics(number, -1, ccdSweptSphereRadius=radius)
         return number
 

@@ -259,7 +259,7 @@ class Mujoco:
         self._friction = model.geom_friction[:, 0].copy()
         self._pairs: bytes | None = None  # the shapes of each contact of the last step
         self._objects = [
-            (number, min(part.shape.least_radius for part in body.parts))
+            (number, min(min(part.shape.size) for part in body.parts) / 2)
             for number, body in self._bodies.items()
             if body.mass and not body.is_robot
         ]

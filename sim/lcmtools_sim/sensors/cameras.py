@@ -1,7 +1,7 @@
 """A colour camera, and a depth camera with a colour camera in the same place, as the Kinect is."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -44,7 +44,8 @@ BULKY = frozenset((DEPTH_METRES, POINTS))
 
 _COLORED = {COLOR_RAW, COLOR_COMPRESSED, POINTS}
 _PICTURES = _COLORED | {DEPTH_RAW, DEPTH_METRES, DEPTH_COMPRESSED}
-_Made = dict[str, Image | CompressedImage | CameraInfo | PointCloud2]
+_Makers = dict[str, Callable[[], Image | CompressedImage | CameraInfo | PointCloud2]]
+"""Functions that make the message of each output, by its name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +87,11 @@ class _MountedCamera:
         view = optical(rotation)
         return render(self._solids(), self.camera, position, view, only_depth=only_depth)
 
-    def encoded(self, made: _Made, state: RobotState) -> dict[str, bytes]:
-        """The messages' payloads, with their headers."""
+    def encoded(
+        self, makers: _Makers, wanted: Collection[str], state: RobotState
+    ) -> dict[str, bytes]:
+        """The payloads of the messages that are wanted, with their headers."""
+        made = {name: make() for name, make in makers.items() if name in wanted}
         for message in made.values():
             fill_header(message.header, state.time, self._frame)
         return {name: encode(message) for name, message in made.items()}
@@ -118,13 +122,11 @@ class CameraSensor:
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The pictures of one step."""
-        made: _Made = {}
-        if INFO in wanted:
-            made[INFO] = self._mounted.camera.info()
+        makers: _Makers = {INFO: self._mounted.camera.info}
         if RAW in wanted or COMPRESSED in wanted:
             picture = color_image(self._mounted.view(state))
-            made |= _color_messages(picture, RAW, COMPRESSED, wanted)
-        return self._mounted.encoded(made, state)
+            makers |= _color_makers(picture, RAW, COMPRESSED)
+        return self._mounted.encoded(makers, wanted, state)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,42 +175,32 @@ class DepthCameraSensor:
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The pictures of one step; the view that they share is rendered once."""
-        made: _Made = {}
+        makers: _Makers = {}
         if _PICTURES.intersection(wanted):
             is_colored = bool(_COLORED.intersection(wanted))
             view = self._mounted.view(state, only_depth=not is_colored)
             color = color_image(view) if is_colored else None
-            random = self._noise.at(state.time)
-            depth = noisy(view.depth, random, **self._errors)
-            made |= self._depth_messages(depth, color, wanted)
+            depth = noisy(view.depth, self._noise.at(state.time), **self._errors)
+            makers |= self._depth_makers(depth, color)
             if color is not None:
-                made |= _color_messages(color, COLOR_RAW, COLOR_COMPRESSED, wanted)
-        info = self._mounted.camera.info
-        made |= {name: info() for name in (DEPTH_INFO, COLOR_INFO) if name in wanted}
-        return self._mounted.encoded(made, state)
+                makers |= _color_makers(color, COLOR_RAW, COLOR_COMPRESSED)
+        makers |= dict.fromkeys((DEPTH_INFO, COLOR_INFO), self._mounted.camera.info)
+        return self._mounted.encoded(makers, wanted, state)
 
-    def _depth_messages(
-        self, depth: Floats32, color: Pixels | None, wanted: Collection[str]
-    ) -> _Made:
-        near, far = self._settings.near, self._settings.far
-        made: _Made = {}
-        if DEPTH_RAW in wanted:
-            made[DEPTH_RAW] = messages.depth_message(depth, messages.MILLIMETRES, near, far)
-        if DEPTH_METRES in wanted:
-            made[DEPTH_METRES] = messages.depth_message(depth, messages.METRES, near, far)
-        if DEPTH_COMPRESSED in wanted:
-            made[DEPTH_COMPRESSED] = messages.compressed_message(
+    def _depth_makers(self, depth: Floats32, color: Pixels | None) -> _Makers:
+        near, far, camera = self._settings.near, self._settings.far, self._mounted.camera
+        return {
+            DEPTH_RAW: lambda: messages.depth_message(depth, messages.MILLIMETRES, near, far),
+            DEPTH_METRES: lambda: messages.depth_message(depth, messages.METRES, near, far),
+            DEPTH_COMPRESSED: lambda: messages.compressed_message(
                 messages.in_millimetres(depth, near, far)
-            )
-        if POINTS in wanted:
-            made[POINTS] = messages.cloud_message(depth, self._mounted.camera, near, far, color)
-        return made
+            ),
+            POINTS: lambda: messages.cloud_message(depth, camera, near, far, color),
+        }
 
 
-def _color_messages(color: Pixels, raw: str, compressed: str, wanted: Collection[str]) -> _Made:
-    made: _Made = {}
-    if raw in wanted:
-        made[raw] = messages.color_message(color)
-    if compressed in wanted:
-        made[compressed] = messages.compressed_message(color)
-    return made
+def _color_makers(color: Pixels, raw: str, compressed: str) -> _Makers:
+    return {
+        raw: lambda: messages.color_message(color),
+        compressed: lambda: messages.compressed_message(color),
+    }

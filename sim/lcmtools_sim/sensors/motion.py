@@ -170,8 +170,8 @@ class TransformsSensor(MotionSensor):
         message = TFMessage()
         base = context.frame("base_link")
         message.transforms = [
-            _transform(context.frame("odom"), base, Frame()),
-            *(_transform(base, name, frame) for name, frame in context.frames.items()),
+            transform_message(context.frame("odom"), base, Frame()),
+            *(transform_message(base, name, frame) for name, frame in context.frames.items()),
         ]
         self._count = len(message.transforms)
         stamps = (f"transforms[{index}].header.stamp" for index in range(self._count))
@@ -182,7 +182,8 @@ class TransformsSensor(MotionSensor):
         return _planar_pose(state), *[state.stamp] * self._count
 
 
-def _transform(parent: str, child: str, frame: Frame) -> TransformStamped:
+def transform_message(parent: str, child: str, frame: Frame) -> TransformStamped:
+    """The message of a frame in its parent, without a time."""
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
     place, turn = message.transform.translation, message.transform.rotation

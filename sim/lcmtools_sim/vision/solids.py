@@ -17,6 +17,7 @@ from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Line, Part, Shape, Sphe
 Floats = npt.NDArray[np.float64]
 
 CUBOID, CYLINDER, SPHERE = range(3)
+_KINDS: dict[type[Shape], int] = {Cuboid: CUBOID, Cylinder: CYLINDER, Sphere: SPHERE}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +66,11 @@ def solids_of(
     parts: Sequence[Part], ground: Color | None = None, lines: tuple[Line, ...] = ()
 ) -> Solids:
     """A group of parts, in their order."""
-    kinds, sizes = (
-        zip(*(_measure(part.shape) for part in parts), strict=True) if parts else ((), ())
-    )
     return Solids(
-        kinds=np.array(kinds, np.int8),
+        kinds=np.array([_KINDS[type(part.shape)] for part in parts], np.int8),
         centres=_array([part.position for part in parts], 3),
         axes=_array([axes(part.rotation) for part in parts], 3, 3).transpose(0, 2, 1),
-        half_sizes=_array(sizes, 3),
+        half_sizes=_array([part.shape.size for part in parts], 3) / 2,
         colors=_array([part.color for part in parts], 3),
         ground=ground,
         lines=lines,
@@ -95,17 +93,6 @@ def joined(*groups: Solids) -> Solids:
 def matrix(rotation: Quaternion) -> Floats:
     """The 3x3 matrix of a rotation."""
     return np.array(axes(rotation)).T
-
-
-def _measure(shape: Shape) -> tuple[int, Vector]:
-    """A shape's kind and half sizes [m]."""
-    match shape:
-        case Cuboid(size=(length, width, height)):
-            return CUBOID, (length / 2, width / 2, height / 2)
-        case Cylinder(radius=radius, length=length):
-            return CYLINDER, (radius, radius, length / 2)
-        case Sphere(radius=radius):
-            return SPHERE, (radius, radius, radius)
 
 
 def _array(rows: object, *shape: int) -> Floats:
