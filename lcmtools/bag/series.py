@@ -1,5 +1,6 @@
 """The files of a recording: one log, or several one after another."""
 
+import re
 from collections import deque
 from contextlib import suppress
 from datetime import datetime
@@ -72,7 +73,8 @@ class LogSeries:
 
 
 def _dated(pattern: str) -> str:
-    try:
-        return datetime.now().astimezone().strftime(pattern)
+    now = datetime.now().astimezone()
+    try:  # all of the name but its bytes that are no UTF-8, which strftime refuses
+        return re.sub("[^\ud800-\udfff]+", lambda part: now.strftime(part.group()), pattern)
     except ValueError as error:
         raise LcmtoolsError(f"'{pattern}' is no name with a date: {error}") from error

@@ -14,6 +14,7 @@ from itertools import chain, pairwise
 from pathlib import PurePath
 from typing import NamedTuple
 
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import (
     PossibleSenders,
@@ -157,13 +158,14 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     """Return the programs of a bus that are no nodes, those of this computer first."""
     is_log = url.provider == "file"  # of programs that need not run now, or not here
     table = SocketTable({}, {}) if is_log else SocketTable.read()
-    listening = [] if is_log else listening_sockets(url)
+    listening = frozenset() if is_log else listening_sockets(url)
+    others = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) - table.holders.keys()
     known = {node.pid for node in graph.nodes if is_here(node)} | {os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():
         found.setdefault(_key(seen.sender, table), []).append(seen)
     receivers: dict[Process | None, list[UdpSocket]] = {}
-    for inode in listening:
+    for inode in listening - others:  # but for nodes and commands of other users
         process, row = table.holders.get(inode), table.rows.get(inode)
         if process is None or process.pid not in known:
             found.setdefault((process, row.uid if row else None, ""), [])

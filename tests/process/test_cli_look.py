@@ -423,3 +423,12 @@ def test_commands_leave_no_trace_on_the_bus(lcmtools: Run) -> None:
     assert [node["node"] for node in left] == ["/listener", "/talker"]
     records = os.path.expandvars("$XDG_RUNTIME_DIR/lcmtools/nodes")
     assert sum(len(files) for _, _, files in os.walk(records)) == len(left)
+
+
+def test_nodes_of_other_users_are_no_programs_without_a_node(
+    cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.observe.senders.owners", lambda _sockets: {})
+    listed = cli("node", "list", "-a").out
+    assert "/listener" in listed
+    assert "Programs that are no nodes" not in listed

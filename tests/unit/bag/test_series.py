@@ -1,5 +1,6 @@
 """The files of a recording."""
 
+import os
 from datetime import datetime
 from pathlib import Path
 
@@ -32,6 +33,13 @@ def test_a_name_has_the_date_and_a_folder_takes_the_usual_name(tmp_path: Path) -
     with LogSeries(str(tmp_path)).next() as writer:
         assert writer.path.parent == tmp_path
         assert writer.path.name.startswith(f"{year}-")
+
+
+def test_a_name_that_is_no_utf_8_is_a_name(tmp_path: Path) -> None:
+    name = os.fsdecode(b"\xe4%Y\xe5.lcmlog")
+    LogSeries(str(tmp_path / name)).next().close()
+    year = str(datetime.now().astimezone().year)
+    assert (tmp_path / name.replace("%Y", year)).exists()
 
 
 def test_snapshots_within_a_second_have_names_of_their_own(tmp_path: Path) -> None:
