@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
-from lcmtools.bag.summary import histogram
+from lcmtools.bag.summary import histogram, span_of
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
@@ -183,8 +183,7 @@ def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
         if not blocks:
             hint = "its first one is not complete" if log.size else "it is empty"
             raise LcmtoolsError(f"{log.path} has no messages", hint)
-    every = [block for _, blocks in logs for block in blocks]
-    return min(one.first_time for one in every), max(one.last_time for one in every)
+    return span_of([block for _, blocks in logs for block in blocks])
 
 
 def _messages(

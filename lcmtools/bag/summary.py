@@ -107,8 +107,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
     for topic in topics.values():
         seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
         topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
-    start = min((block.first_time for block in blocks), default=0)
-    end = max((block.last_time for block in blocks), default=0)
+    start, end = span_of(blocks)
     return LogSummary(
         str(log.path),
         log.size,
@@ -135,7 +134,11 @@ def known_nodes(log: LogFile) -> GraphBuilder:
 
 def log_span(log: LogFile) -> tuple[int, int]:
     """Return the times of the first and the last message [ns since 1970]; of an empty log 0, 0."""
-    blocks = list(log.blocks())
+    return span_of(list(log.blocks()))
+
+
+def span_of(blocks: Sequence[Block]) -> tuple[int, int]:
+    """Return the times of the first and the last message in blocks, as ``log_span``."""
     first = min((block.first_time for block in blocks), default=0)
     return first, max((block.last_time for block in blocks), default=0)
 

@@ -1,7 +1,11 @@
 """The words of a diagram: names, notes, labels and tips; the same in every format."""
 
+import re
+
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 
+_UNSHOWN = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
+"""Controls, line ends, changes of direction, surrogates, and what else XML 1.0 has not."""
 _LONGEST_COMMAND = 40  # characters
 _MOST_TOPICS = 4  # beside an arrow
 
@@ -101,7 +105,7 @@ def printable(text: str) -> str:
     """
     if text.isprintable():  # as nearly all are
         return text
-    return "".join(c if _is_plain(c) else _escaped(c) for c in text)
+    return _UNSHOWN.sub(_escaped, text)
 
 
 def _short_notes(member: Member) -> list[str]:
@@ -123,21 +127,8 @@ def _channel_tip(channel: Channel) -> list[str]:
     return rows + ([rate_text(channel.rate)] if channel.rate is not None else [])
 
 
-def _is_plain(character: str) -> bool:
-    """True unless it is a control, a line end, a change of direction, or not in XML 1.0."""
-    code = ord(character)
-    return not (
-        code < 0x20  # noqa: PLR2004
-        or 0x7F <= code < 0xA0  # noqa: PLR2004
-        or 0x2028 <= code <= 0x202E  # noqa: PLR2004 - line ends, and directions
-        or 0x2066 <= code <= 0x2069  # noqa: PLR2004 - directions
-        or 0xD800 <= code < 0xE000  # noqa: PLR2004 - surrogates
-        or code & 0xFFFE == 0xFFFE  # noqa: PLR2004 - U+FFFF and its like
-    )
-
-
-def _escaped(character: str) -> str:
-    code = ord(character)
+def _escaped(match: re.Match[str]) -> str:
+    code = ord(match[0])
     if 0xDC80 <= code <= 0xDCFF:  # noqa: PLR2004 - a byte that is not UTF-8
         code -= 0xDC00
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004
