@@ -20,7 +20,7 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
 from lcmtools.gui.streams.pool import OpenStream, StreamPool
 
-_MOST_STREAMS = 64
+_MOST_STREAMS = 300  # a world has one for each topic of each robot
 _MOST_REQUESTS = 8  # that are being answered; a page waits for the first of more
 _ANSWERED = ("ask", "do", "open")  # by a frame for each
 _STATE_PERIOD = 0.25  # [s]
@@ -106,16 +106,16 @@ class BrowserPage:
 
     def _open_stream(self, request: PageRequest) -> None:
         number, name = request.id, request.text("stream")
-        if number not in self._open and len(self._open) >= _MOST_STREAMS:
-            raise Rubbish("it opened too many streams")
         if stream_class(name).commands and COMMAND not in self._rights:
             self._send({"id": number, "problem": _MAY_NOT})
             return
         parameters = request.without("op", "id", "stream")
+        if number not in self._open and len(self._open) >= _MOST_STREAMS:
+            problem = "too much is shown on this page; close or hide some of it"
+            self._send({"id": number, "problem": problem})
+            return
         try:
             opened = _Subscription(number, self._streams.open(name, parameters))
-        except Rubbish:
-            raise
         except LcmtoolsError as error:  # a value that a person has typed
             self._close_stream(request)
             self._send({"id": number, "problem": str(error)})

@@ -30,7 +30,7 @@ SUBPROTOCOL = "lcmtools.1"
 LONGEST_REQUEST = 1 << 20
 """Bytes of the longest text that a page may send: a form with long arrays."""
 _LONGEST_TEXT = 1000  # characters of a name
-_MOST_TEXTS = 100  # names in a list
+_MOST_TEXTS = 1000  # names in a list
 _LARGEST_ID = 1 << 31
 _ALIGNMENT = 8
 

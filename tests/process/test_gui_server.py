@@ -166,7 +166,6 @@ def test_nobody_commands_a_read_only_window(open_window: Open) -> None:
         "[]",
         '{"op": "explode"}',
         '{"op": "open", "id": 1, "stream": "none"}',
-        '{"op": "open", "id": 1, "stream": "message", "topic": 7}',
         '{"op": "ask", "id": 1, "what": "x"}',
     ],
 )
@@ -196,6 +195,32 @@ def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> N
             page.open(2, "none")
             with pytest.raises(ConnectionClosed):
                 page.until(lambda _: False)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "problem"),
+    [
+        ({"topic": 7}, "'topic' is not a short text"),
+        ({"topic": "x" * 2000}, "'topic' is not a short text"),  # pasted
+        ({"topic": "/a", "toggled": ["x"] * 2000}, "'toggled' is not a short list"),
+    ],
+)
+def test_a_stream_that_cannot_be_opened_leaves_its_page_open(
+    open_window: Open, parameters: dict[str, Any], problem: str
+) -> None:
+    with open_window().page() as page:
+        page.open(1, "message", **parameters)
+        assert page.problem(1) == problem
+        assert "answer" in page.request("ask", "types")
+
+
+def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window: Open) -> None:
+    with open_window().page() as page:
+        for number in range(300):
+            page.open(number, "newest", topic=f"/robot{number}/odometry")
+        assert page.problem(299).startswith("there is no topic")
+        page.open(300, "newest", topic="/robot300/odometry")
+        assert page.problem(300) == "too much is shown on this page; close or hide some of it"
 
 
 def test_a_message_that_is_too_long_closes_its_page(open_window: Open) -> None:

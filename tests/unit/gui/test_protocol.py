@@ -48,7 +48,7 @@ def test_a_request_has_its_parameters() -> None:
 
 
 def test_parameters_are_checked() -> None:
-    values = Parameters({"a": "x" * 2000, "b": True, "c": ["x", 7], "d": 5, "e": list("x" * 200)})
+    values = Parameters({"a": "x" * 2000, "b": True, "c": ["x", 7], "d": 5, "e": ["x"] * 2000})
     for read in (
         *(lambda: values.text("a"), lambda: values.text("missing"), lambda: values.number("b")),
         *(lambda: values.texts("c"), lambda: values.texts("d"), lambda: values.texts("e")),
