@@ -11,7 +11,7 @@ PYTHON ?= $(shell for python in python3 python3.14 python3.13 python3.12 python3
   command -v $$python && break; done)
 VENV ?= .venv
 # how many tests run at a time: more than processors, for many of them wait; simulators do not
-JOBS ?= 4
+JOBS ?= 6
 SLOW_JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e

@@ -80,6 +80,7 @@ class ZenohSession:
         self._bytes = 0
         self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
         self._answers = 0  # requests whose answers are awaited
+        self._answered: set[str] = set()  # the sessions that answered the last one
         self._retained = Retained()
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
         self._large_keys: set[str] = set()
@@ -105,7 +106,10 @@ class ZenohSession:
 
     @property
     def is_awaiting(self) -> bool:
-        """True while answers to a probe may still come."""
+        """True while answers to a probe may still come; sessions found since then are asked."""
+        own = filter(is_own, map(str, self._session.info.peers_zid()))
+        if not self._answers and not self._answered.issuperset(own):
+            self._ask()
         return self._answers > 0
 
     @property
@@ -126,8 +130,8 @@ class ZenohSession:
         """Send one message; see ``Bus.publish``. BusError if the session is closed."""
         if channel == NODE_CHANNEL:
             self._retained.keep(payload, time.monotonic())
-        elif channel == PROBE_CHANNEL:
-            self._ask(payload)
+        elif channel == PROBE_CHANNEL and (probe := decode_probe(payload)) and not probe.target:
+            self._ask()
         if self._keys.is_typed and not type_name:
             names = candidates(int.from_bytes(payload[:8], "big"))
             type_name = names[0] if len(names) == 1 else ""
@@ -232,11 +236,9 @@ class ZenohSession:
             message.key, congestion_control=zenoh.CongestionControl.BLOCK, priority=priority
         )
 
-    def _ask(self, probe: bytes) -> None:
+    def _ask(self) -> None:
         """Request the announcements that other sessions keep: all that there are come at once."""
-        asked = decode_probe(probe)
-        if asked is None or asked.target:
-            return
+        self._answered.clear()
         self._answers += 1
         self._session.get(
             self._keys.key(NODE_CHANNEL),
@@ -247,6 +249,7 @@ class ZenohSession:
         )
 
     def _take_reply(self, reply: zenoh.Reply) -> None:
+        self._answered.add(str(reply.replier_id))
         if reply.ok is not None:
             self._arrive(reply.ok, is_reply=True)
 
@@ -256,6 +259,7 @@ class ZenohSession:
 
     def _answer(self, query: zenoh.Query) -> None:
         """Send the announcements of this session's nodes to who has come later."""
+        query.reply_err(b"")  # an answer that has none of them
         stamp = encode_stamp(self.id, 0)
         for payload in self._retained.payloads(time.monotonic()):
             query.reply(query.key_expr, payload, attachment=stamp)

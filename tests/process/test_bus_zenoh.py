@@ -13,7 +13,7 @@ import pytest
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh_bus import ZenohBus
 from lcmtools.bus.zenoh_listener import ZenohListener
-from lcmtools.graph.protocol import PROBE_CHANNEL, Probe, encode_probe
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
@@ -105,6 +105,15 @@ def test_a_late_list_is_complete_at_once(bus_url: str, start_node: Any) -> None:
         start_node(Talker, f"__ns:=/r{number}")
     with BusMonitor(parse_url(bus_url), "test", {}) as monitor:
         assert len(monitor.discover().nodes) == 10
+
+
+def test_sessions_found_after_the_question_are_asked_too(bus_url: str, start_node: Any) -> None:
+    """On a busy computer, sessions find each other while the first answers come."""
+    with _listening(parse_url(bus_url)) as listener:
+        start_node(Talker)
+        replies: list[Packet] = []
+        while listener.is_awaiting or not any(one.channel == NODE_CHANNEL for one in replies):
+            replies += [packet for packet in listener.receive(0.1) if packet.seqno is None]
 
 
 def test_dimos_program_is_heard_and_spoken_to(
