@@ -51,11 +51,16 @@ class LcmtoolsError(Exception):
 def os_errors_as(
     what: str, hint: str = "", kind: type[LcmtoolsError] = LcmtoolsError
 ) -> Iterator[None]:
-    """Raise the system's errors as an error of ours: "cannot write a.txt: Permission denied"."""
+    """Raise the system's errors as an error of ours: "cannot write a.txt: Permission denied".
+
+    Text that is not UTF-8 is one of them.
+    """
     try:
         yield
     except OSError as error:
         raise kind(f"{what}: {error.strerror or error}", hint) from error
+    except UnicodeDecodeError as error:
+        raise kind(f"{what}: it is not UTF-8 text", hint) from error
 
 
 class UsageError(LcmtoolsError):

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import home_folder
 from lcmtools.names import check_legal, did_you_mean
 
@@ -142,12 +142,8 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
 
     if size > _MOST_BYTES:
         raise InvalidFile(f"{path}: {size} bytes are no settings file")
-    try:
+    with os_errors_as(f"cannot read {path}", kind=InvalidFile):
         root = read_file(path.read_text("utf-8"), str(path))
-    except OSError as error:
-        raise InvalidFile(f"cannot read {path}: {error.strerror}") from error
-    except UnicodeDecodeError:
-        raise InvalidFile(f"{path}:1: not YAML: it is not UTF-8 text", _EXAMPLE) from None
     nodes = root.value if root else {}
     if not isinstance(nodes, dict):
         line = root.line if root else 1

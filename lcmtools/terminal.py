@@ -184,12 +184,12 @@ class TerminalKeys:
         return keys
 
 
-def write_screen(text: str) -> None:
-    """Write to standard output, if its terminal is still there."""
-    if text:
-        with contextlib.suppress(OSError, ValueError):  # the terminal is closed
-            sys.stdout.write(text)
-            sys.stdout.flush()
+def write_screen(text: str, stream: TextIO | None = None) -> None:
+    """Write to a terminal, that of standard output if no other is given, if it is still there."""
+    stream = stream or sys.stdout
+    with contextlib.suppress(OSError, ValueError):  # the terminal is closed
+        stream.write(text)
+        stream.flush()
 
 
 def is_terminal(stream: TextIO) -> bool:

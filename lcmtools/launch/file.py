@@ -62,10 +62,8 @@ def _read(content: bytes, source: str) -> Element:
         raise root.error(f"expected <launch>, got <{root.tag}>", hint)
     from lcmtools.launch.yaml_file import read_yaml
 
-    try:
+    with os_errors_as(f"cannot read {source}", kind=InvalidFile):
         return read_yaml(content.decode("utf-8-sig"), source)
-    except UnicodeDecodeError:
-        raise InvalidFile(f"cannot read {source}: it is not UTF-8 text") from None
 
 
 def _is_xml(content: bytes, source: str) -> bool:

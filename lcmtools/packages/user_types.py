@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from lcmtools.errors import LcmtoolsError, UnknownType
+from lcmtools.errors import UnknownType, os_errors_as
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import (
     Message,
@@ -178,11 +178,8 @@ def source_file(name: str) -> str:
 def source_text(kind: type[Message]) -> str:
     """Return the file of a message type, as its author wrote it."""
     file = source_file(type_name(kind))
-    try:
+    with os_errors_as(f"cannot read {file}, where {type_name(kind)} is from"):
         return Path(file).read_text("utf-8").strip()
-    except (OSError, UnicodeDecodeError) as error:
-        what = f"cannot read {file}, where {type_name(kind)} is from: {error}"
-        raise LcmtoolsError(what) from error
 
 
 def package_messages(module: str, file: str) -> Callable[[str], type[Message | ServiceType]]:

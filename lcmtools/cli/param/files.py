@@ -9,7 +9,7 @@ from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import write_whole
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.find import find_node
@@ -92,8 +92,5 @@ def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:
 
 def _read(file: str) -> str:
     source = "standard input" if file == "-" else file
-    try:
+    with os_errors_as(f"cannot read {source}", kind=InvalidFile):
         return (sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()).decode()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise InvalidFile(f"cannot read {source}: {reason}") from error

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from lcmtools.errors import InvalidFile, InvalidName
+from lcmtools.errors import InvalidFile, InvalidName, os_errors_as
 from lcmtools.formats import strict_yaml
 from lcmtools.formats.strict_yaml import Node
 from lcmtools.names import did_you_mean
@@ -234,14 +234,10 @@ def read_file(path: Path) -> str:
     Raises:
         InvalidFile: It cannot be read, is no text, or is too large for a description.
     """
-    try:
+    with os_errors_as(f"cannot read {path}", kind=InvalidFile):
         if path.is_file() and path.stat().st_size > _LARGEST_BYTES:
             raise InvalidFile(f"{path}: is larger than {_LARGEST_BYTES // 1_000_000} MB")
         return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InvalidFile(f"{path}: is not UTF-8 text (byte {error.start})") from None
 
 
 def find_model(uri: str, source: str) -> Path | None:

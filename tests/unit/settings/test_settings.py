@@ -102,7 +102,7 @@ def test_what_is_no_text_is_refused(write: Write) -> None:
     path = user_path(environment)
     assert path is not None
     path.write_bytes(b"color: \xff\n")
-    with pytest.raises(InvalidFile, match="not YAML: it is not UTF-8 text"):
+    with pytest.raises(InvalidFile, match="it is not UTF-8 text"):
         read_user_file(environment)
     path.unlink()
     path.mkdir()

@@ -256,7 +256,7 @@ WRONG = [
      " <model>")),
     ("<model", "<include><uri>loop.sdf</uri></include><model",
      ":1: FOLDER/loop.sdf includes itself"),
-    ("<model", "<include><uri>bytes.sdf</uri></include><model", ": is not UTF-8 text (byte 0)"),
+    ("<model", "<include><uri>bytes.sdf</uri></include><model", "bytes.sdf: it is not UTF-8 text"),
 ]  # fmt: skip
 
 

@@ -174,11 +174,11 @@ MISTAKES |= {
         "yard.yaml:2: a pioneer has two wheels, which do not skid"
     ),
     "robots:\n- {model: ./none.urdf, namespace: a}": (
-        "yard.yaml:2: none.urdf: cannot be read: No such file or directory"
+        "yard.yaml:2: cannot read none.urdf: No such file or directory"
     ),
     "objects:\n- {type: sdf, pose: [0, 0, 0]}": "yard.yaml:2: 'objects[0]' lacks the key 'file'",
     "objects:\n- {type: sdf, file: ./none.sdf}": (
-        "yard.yaml:2: none.sdf: cannot be read: No such file or directory"
+        "yard.yaml:2: cannot read none.sdf: No such file or directory"
     ),
     "objects:\n- {type: sdf, file: a.sdf, size: 3}": (
         "yard.yaml:2: unknown key 'size' in 'objects[0]'; known keys: type, file, pose"

@@ -48,9 +48,9 @@ def test_a_file_that_is_not_there_a_folder_and_binary_are_refused(tmp_path: Path
     binary = tmp_path / "image.yaml"
     binary.write_bytes(b"ab\xff\xfe")
 
-    with pytest.raises(InvalidFile, match=r"no\.yaml: cannot be read: No such file"):
+    with pytest.raises(InvalidFile, match=r"cannot read .*no\.yaml: No such file"):
         find_world("./no.yaml")
-    with pytest.raises(InvalidFile, match="cannot be read: Is a directory"):
+    with pytest.raises(InvalidFile, match=r"cannot read .*: Is a directory"):
         find_world(f"{tmp_path}/")
-    with pytest.raises(InvalidFile, match=r"image\.yaml: is not UTF-8 text \(byte 2\)"):
+    with pytest.raises(InvalidFile, match=r"image\.yaml: it is not UTF-8 text"):
         find_world(str(binary))

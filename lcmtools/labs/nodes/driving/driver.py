@@ -3,7 +3,6 @@
 It commands at once for each key, ten times a second while the robot moves, and 0 at the end.
 """
 
-import contextlib
 import shutil
 import sys
 import textwrap
@@ -15,7 +14,7 @@ from lcmtools import Node
 from lcmtools.labs.nodes.driving.keyboard import Keyboard, open_keyboard
 from lcmtools.labs.nodes.driving.motion import Motion, Sliders
 from lcmtools.labs.nodes.ending import ended_by_signals
-from lcmtools.terminal import is_terminal
+from lcmtools.terminal import is_terminal, write_screen
 
 PERIOD = 0.1  # seconds between two commands while the robot moves
 STOPS = 3  # number of zero commands that stop a robot: any one of them may be lost
@@ -66,9 +65,9 @@ class Driver(Node, ABC):
         status = str(self.motion)
         if is_terminal(sys.stderr):
             width = shutil.get_terminal_size().columns - 1
-            _write(f"\r{status[:width]}\x1b[K")
+            write_screen(f"\r{status[:width]}\x1b[K", sys.stderr)
         elif status != self._status:
-            _write(f"{status}\n")
+            write_screen(f"{status}\n", sys.stderr)
         self._status = status
 
     def _repeat(self) -> None:
@@ -100,12 +99,12 @@ def drive(driver: Driver) -> None:
                 driver.halt()
     finally:
         if is_terminal(sys.stderr):
-            _write("\n")  # a shell's prompt comes below the status line
+            write_screen("\n", sys.stderr)  # a shell's prompt comes below the status line
 
 
 def _follow(keyboard: Keyboard, driver: Driver) -> None:
     if is_terminal(sys.stdin):
-        _write(f"{driver.key_help}\n\n")
+        write_screen(f"{driver.key_help}\n\n", sys.stderr)
     driver.warn_of_unknown_parameters()
     lcmtools.spin_once(driver, 0.0)  # a node's first lines of log come before the status line
     if is_terminal(sys.stdin):
@@ -114,9 +113,3 @@ def _follow(keyboard: Keyboard, driver: Driver) -> None:
         for key in keyboard.read(_KEY_TIME):
             driver.press(key)
         lcmtools.spin_once(driver)
-
-
-def _write(text: str) -> None:
-    with contextlib.suppress(OSError, ValueError):  # the terminal is closed
-        sys.stderr.write(text)
-        sys.stderr.flush()
