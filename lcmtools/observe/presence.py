@@ -40,8 +40,6 @@ class Presence:
     ) -> None:
         self.node = node  # as it is announced
         self._records = records
-        if records:
-            records.write(node)
         self.trouble = ""  # the reason why the last announcement was not sent
         self.send, self._on_shutdown = send, on_shutdown
         self._next = 0.0
@@ -70,8 +68,10 @@ class Presence:
 
     def announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         """Announce the node now."""
-        if leaving and self._records:
+        if self._records and leaving:
             self._records.remove(self.node.id)
+        elif self._records and not self._next:  # the first time
+            self._records.write(self.node)
         announcement = Announcement(self.node, leaving, answers)
         # a network that is gone may come back: the next announcement is a period later
         try:

@@ -259,6 +259,19 @@ def test_nodes_are_seen_on_the_other_bus_with_their_own(
     assert not list(NodeRecords(parse_url(other), os.environ).read())
 
 
+def test_a_relay_that_is_interrupted_before_it_begins_is_missed_by_nobody(
+    urls: Callable[..., str],
+) -> None:
+    buses = parse_url(urls()), parse_url(urls())
+    records = [NodeRecords(bus, os.environ) for bus in buses]
+    relay = Relay(buses, Rules(), [].append, name="/short")
+    assert not any(list(of.read()) for of in records)
+    with relay:
+        relay.turn()
+        assert [node.name for of in records for node in of.read()] == ["/short", "/short"]
+    assert not any(list(of.read()) for of in records)
+
+
 def test_parameters_and_services_work_through_a_relay(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
