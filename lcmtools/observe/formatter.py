@@ -166,8 +166,11 @@ class MessageFormatter:
         if not self._is_one_of_many():
             return text
         channel = found.packet.channel
-        # nothing in it may end the comment, or colour the terminal
-        return f"# {channel if channel.isprintable() else ascii(channel)}\n{text}"
+        if not channel.isprintable():  # nothing in it may end the comment, or colour the terminal
+            from lcmtools.graph.drawing.labels import printable
+
+            channel = printable(channel)
+        return f"# {channel}\n{text}"
 
     def _undecoded(self, found: SelectedPacket, reason: DecodeError) -> str | None:
         packet = found.packet

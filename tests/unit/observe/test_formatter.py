@@ -95,7 +95,7 @@ def test_times_are_relative_to_the_clock_of_the_bus() -> None:
 
 def test_a_channel_cannot_write_to_the_terminal() -> None:
     shown = formatter(DisplayOptions(), many=True).text(match(String(), channel="a\x1b[2J\nb: 1"))
-    assert shown == "# 'a\\x1b[2J\\nb: 1'\ndata: ''\n---"
+    assert shown == "# a\\x1b[2J\\x0ab: 1\ndata: ''\n---"
 
 
 def test_several_fields_of_a_table_are_columns() -> None:
