@@ -105,7 +105,7 @@ _PIONEER = Lab(
             "path_follower",
             publishes=("/RosAria/cmd_vel",),
             types=("geometry_msgs/Twist",),
-            subscribes=("/path",),
+            subscribes=("/path", "/ground_truth"),
             may_end=True,
         ),
     ),

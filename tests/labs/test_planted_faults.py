@@ -137,6 +137,33 @@ node.create_timer(500.0 if FAULT == "timer" else 0.5, move)
 lcmtools.spin(node)
 """
 
+FOLLOWER = """
+import sys, time
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+
+FAULT = sys.argv[1]
+lcmtools.init()
+node = Node("path_follower")
+publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
+twist = Twist()
+
+
+def drive(odometry):
+    twist.linear.x = 0.4
+    publisher.publish(twist)
+    if FAULT == "busy":
+        time.sleep(0.5)
+    elif odometry.pose.pose.position.x > 0.0:
+        lcmtools.shutdown()
+
+
+node.create_subscription(Odometry, "/ground_truth", drive, 1)
+lcmtools.spin(node)
+"""
+
 
 @pytest.fixture
 def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path: Path) -> Check:
@@ -215,6 +242,22 @@ def test_the_cause_of_a_wrong_mover_is_named(
 ) -> None:
     first, *others = check("dolly", "mover", MOVER, fault)
     assert str(first["measured"]).startswith(measured)
+    assert words in first["hint"]
+    assert all(other["follows"] == first["what"] for other in others), others
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("busy", "its callback of /ground_truth runs for 0."),
+        ("ended", "it comes no farther than ("),
+    ],
+)
+def test_the_cause_of_a_path_that_is_not_followed_is_named(
+    fault: str, words: str, check: Check
+) -> None:
+    first, *others = check("pioneer", "path", FOLLOWER, fault)
+    assert first["what"] == "drives the path"
     assert words in first["hint"]
     assert all(other["follows"] == first["what"] for other in others), others
 

@@ -129,7 +129,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
         row = CheckResult("what wtf says of it", "nothing", found, is_ok=True)
         yield replace(row, findings=tuple(look.findings))
-    yield program.check_ctrl_c(may_have_ended=is_ok and run.program.may_end)
+    yield program.check_ctrl_c(may_have_ended=run.program.may_end)
 
 
 def _exception(bench: TestBench) -> CheckResult | None:

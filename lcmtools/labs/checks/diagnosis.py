@@ -188,7 +188,7 @@ def _not_publishing(look: BusLook, wanted: Sequence[str], hint: str) -> Cause | 
     if not look.runs_callbacks:
         return Cause("spin", f"no callback of its node was ever called: {_NO_SPIN}")
     calls = max((wire.calls for wire in look.subscriptions), default=0)
-    runs = f"its callbacks run ({calls} calls), but " if calls else ""
+    runs = f"its callbacks run (calls: {calls}), but " if calls else ""
     if not wanted:
         return Cause("output", f"{runs}nothing comes of them: {hint}") if calls else None
     if any(wire.topic in wanted for wire in look.publications):

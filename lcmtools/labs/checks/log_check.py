@@ -201,7 +201,7 @@ def _path(run: RecordedRun, program: LabProgram) -> Rows:
     for state in motion:
         if state.time >= commands[0].time and not drive.is_over(state.time):
             drive.add(state)
-    first, *others = path.judge(drive, ())
+    first, *others = path.judge(drive, (), commands)
     if drive.offsets and not drive.is_over(motion[-1].time):
         reason = f"the log ends after {drive.along:.1f} of {drive.length:.1f} m"
         yield NotJudged(program.option, first.what, reason)

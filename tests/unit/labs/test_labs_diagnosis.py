@@ -163,7 +163,11 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "timer",
             "its timer has not been called yet: create_timer: a period of 50 s; if 50 ms",
         ),
-        ({"look": WELL}, "publish", "its callbacks run (500 calls), but publish() is never called"),
+        (
+            {"look": WELL},
+            "publish",
+            "its callbacks run (calls: 500), but publish() is never called",
+        ),
         ({"look": replace(WELL, publications=[])}, "publisher", "it makes no publisher of"),
         ({"look": BusLook([NODE])}, "publisher", "it makes no publisher of /husky0/velocity_cmd"),
     ],

@@ -5,8 +5,9 @@ from collections.abc import Iterable
 
 import pytest
 
-from lcmtools.labs.checks.observations import Touch, TrueState
+from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.path import DrivenPath, drive_cause, judge
+from lcmtools.types.geometry_msgs import Twist
 
 ROUND = [(2 * math.sin(a / 20), 2 - 2 * math.cos(a / 20)) for a in range(126)]
 """Nearly a whole circle to the left, 12.5 m long."""
@@ -83,6 +84,7 @@ def test_a_good_drive_is_as_specified_in_all_rows() -> None:
         ([(n / 10, -n * n / 100, 0.4, -0.5) for n in range(12)], "turn-sign"),
         (circle(2.0, 0.5), "stops"),
         (circle(2.4), "strays"),
+        ([*circle(2.0, 0.5), (0, 2.9, 0.4, 0.2), (0, 2.7, 0.4, 0.2)], "strays"),  # a bend cut
         ([(0.2 * (n % 2), 0, 0.4, 5.2 * (-1) ** (n // 4)) for n in range(12)], "unit"),
         ([(0.1 * n, 0, 0.4, 0.2 if n < 11 else -5.0) for n in range(20)], "wrap"),
         ([(0.04 * n, -0.2 * (n > 2), 0.4, -5.0) for n in range(20)], "turn-sign"),
@@ -98,3 +100,13 @@ def test_what_the_robot_touches_is_the_first_cause() -> None:
     cause = drive_cause(drive_along(circle(2.4)), [Touch(3.0, "table1", 1.66, 0.5)])
 
     assert cause.text == "the robot touches table1 at (1.7, 0.5)"
+
+
+def test_commands_that_no_robot_could_follow_are_a_wrong_unit_or_gain() -> None:
+    command = Twist()
+    command.angular.z = 57.3
+    commands = [CommandMessage(0.0, "/RosAria/cmd_vel", command)]
+    drive = drive_along(circle(2.0, 0.1))
+
+    assert drive_cause(drive, []).key == "stops"
+    assert drive_cause(drive, [], commands).key == "unit"
