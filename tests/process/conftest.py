@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 from fixtures import tcpq_server_program
+from fixtures.command import Result
+from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.bus.lcm_bus import LcmBus
@@ -168,3 +170,26 @@ def other(bus_url: str) -> Iterator[LcmBus]:
     bus = LcmBus(parse_url(bus_url))
     yield bus
     bus.close()
+
+
+@pytest.fixture
+def on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bus of the test's own, for everything that it starts."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+
+
+@pytest.fixture
+def node(
+    start: Callable[..., Program],
+    cli: Callable[..., Result],
+    lcmtools_path: str,
+    wait_until: Callable[..., None],
+) -> Callable[..., Program]:
+    """``node("talker", "__ns:=/a")``: a node that runs and is listed."""
+
+    def run(*words: str) -> Program:
+        program = start(lcmtools_path, "run", *words)
+        wait_until(lambda: f'"pid": {program.pid},' in cli("node", "list", "--json").out)
+        return program
+
+    return run

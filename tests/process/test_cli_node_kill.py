@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.usefixtures("on_bus")
+
 Run = Callable[..., Any]
 HOST = socket.gethostname()
 
@@ -49,25 +51,6 @@ while lcmtools.ok():
     time.sleep(0.05)
 lcmtools.shutdown()
 """
-
-
-@pytest.fixture(autouse=True)
-def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-
-
-@pytest.fixture
-def node(
-    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
-) -> Callable[..., Any]:
-    """``node("talker")``: a node that runs and is listed."""
-
-    def run(*words: str) -> Any:
-        program = start(lcmtools_path, "run", *words)
-        wait_until(lambda: f'"pid": {program.pid},' in cli("node", "list", "--json").out)
-        return program
-
-    return run
 
 
 def test_a_node_ends_with_exit_code_0_and_a_goodbye(node: Callable[..., Any], cli: Run) -> None:

@@ -12,12 +12,7 @@ CANNOT = "lcmtools pub: cannot publish on /chatter: Network is unreachable"
 WAITING = f"{CANNOT}; waiting for the network"
 AGAIN = "lcmtools pub: messages leave again"
 
-pytestmark = pytest.mark.usefixtures("private_network")
-
-
-@pytest.fixture(autouse=True)
-def _on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+pytestmark = pytest.mark.usefixtures("on_bus", "private_network")
 
 
 def test_a_pub_that_repeats_goes_on_when_the_network_is_back(

@@ -53,12 +53,6 @@ def server(module_start_node: Start) -> Any:
     return module_start_node(Server).node
 
 
-@pytest.fixture
-def on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A bus of the test's own, for everything that it starts."""
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-
-
 shared_server = pytest.mark.usefixtures("use_module_bus", "server")
 
 

@@ -20,26 +20,8 @@ from lcmtools.labs.nodes.simple_controller import SimpleController
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
-pytestmark = pytest.mark.usefixtures("quiet_network")  # other tests have plain programs too
-
-
-@pytest.fixture(autouse=True)
-def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-
-
-@pytest.fixture
-def node(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
-) -> Callable[..., Any]:
-    """``node("talker", "__ns:=/a")``: a node that is on the bus."""
-
-    def run(*arguments: str) -> Any:
-        program = start(lcmtools_path, "run", *arguments)
-        wait_until(lambda: f'"pid": {program.pid},' in lcmtools("node", "list", "--json").stdout)
-        return program
-
-    return run
+# other tests have plain programs too
+pytestmark = pytest.mark.usefixtures("on_bus", "quiet_network")
 
 
 @pytest.fixture

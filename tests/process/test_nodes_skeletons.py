@@ -11,13 +11,9 @@ import pytest
 
 from lcmtools.labs.skeletons import NAMES
 
+pytestmark = pytest.mark.usefixtures("on_bus")
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
-
-
-@pytest.fixture(autouse=True)
-def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A bus of the test's own."""
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.mark.parametrize("name", NAMES)

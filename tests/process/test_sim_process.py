@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.usefixtures("on_bus")
+
 pytest.importorskip("pybullet")
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
@@ -47,12 +49,6 @@ lcmtools.init([])
 node = lcmtools.Node("both")
 {PLAIN_LISTENER}
 """
-
-
-@pytest.fixture(autouse=True)
-def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A bus of the test's own for all that it starts."""
-    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.fixture
