@@ -12,7 +12,6 @@ import os
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from pathlib import Path
-from urllib.parse import urlsplit
 
 from websockets.asyncio.server import Server as WebSocketServer
 from websockets.asyncio.server import ServerConnection, serve
@@ -119,7 +118,7 @@ class Server:
             return _response(refused.status, refused.reason.encode(), "text/plain")
 
     def _answer(self, request: Request) -> Response | None:
-        host, path = _one(request, "Host") or "", urlsplit(request.path).path
+        host, path = _one(request, "Host") or "", request.path.partition("?")[0]
         self._access.check_host(host)
         if path == "/socket":
             self._access.check_origin(host, _one(request, "Origin"))

@@ -11,7 +11,7 @@ from lcmtools.gui.protocol import Json
 from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.steering import Steering
 from lcmtools.messages.registry import Message
-from lcmtools.names import closest
+from lcmtools.names import check_length, closest
 from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.feed import Feed, Snapshot
@@ -75,8 +75,12 @@ class BusSource:
         return self._feed.latest
 
     def follow(self, channel: str, take: Take) -> End:
-        """Pass a channel's whole messages on, on another thread; return the end of that."""
-        return self._feed.follow(channel, take)
+        """Pass a channel's whole messages on, on another thread; return the end of that.
+
+        Raises:
+            InvalidName: No channel can have this name.
+        """
+        return self._feed.follow(check_length(channel), take)
 
     def listen_to_all(self) -> End:
         """Announce to listen to every channel but those of images; return the end of that."""

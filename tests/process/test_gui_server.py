@@ -97,7 +97,14 @@ def test_every_answer_keeps_others_out(open_window: Open, path: str) -> None:
 
 def test_no_file_outside_of_the_page_is_served(open_window: Open) -> None:
     window = open_window()
-    for path in ("/../server.py", "//etc/passwd", "/panels/../../server.py", "/panels/", "/x\0.js"):
+    for path in (
+        "/../server.py",
+        "//etc/passwd",
+        "//[",
+        "/panels/../../server.py",
+        "/panels/",
+        "/x\0.js",
+    ):
         with socket.create_connection(("127.0.0.1", window.port)) as raw:
             raw.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode())
             assert raw.recv(15) == b"HTTP/1.1 404 No", path
@@ -202,16 +209,19 @@ def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> N
     [
         ({"topic": 7}, "'topic' is not a short text"),
         ({"topic": "x" * 2000}, "'topic' is not a short text"),  # pasted
+        ({"topic": "\ud800"}, r"'\ud800' is no text that a channel can be named by"),
         ({"topic": "/a", "toggled": ["x"] * 2000}, "'toggled' is not a short list"),
     ],
 )
 def test_a_stream_that_cannot_be_opened_leaves_its_page_open(
-    open_window: Open, parameters: dict[str, Any], problem: str
+    open_window: Open, bus: LcmBus, parameters: dict[str, Any], problem: str
 ) -> None:
-    with open_window().page() as page:
+    with open_window().page() as page, repeated(bus, "/a", lambda _: String()):
         page.open(1, "message", **parameters)
         assert page.problem(1) == problem
-        assert "answer" in page.request("ask", "types")
+        page.open(2, "message", topic="\udcff")  # a channel that is no UTF-8
+        page.open(3, "topics")
+        assert page.data(3, lambda data: data["rows"])
 
 
 def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window: Open) -> None:
