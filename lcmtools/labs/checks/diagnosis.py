@@ -34,6 +34,7 @@ LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION, TIMER)
 """Keys of the causes that time does not mend; others may be of a program that starts slowly."""
 
 _LONG_CALL, _LONG_MEAN = 1.0, 0.1  # [s]
+_NOT_FOUND = 127  # the exit code of a shell, and of env, for a program that is not there
 _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
 _LONG_TIMER = re.compile(r"create_timer: a period of .+")  # as a node warns
@@ -61,6 +62,8 @@ def died(observed: Observations) -> Cause:
     code = observed.code or 0
     how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
     end = "; a node runs as long as it spins: lcmtools.spin(node)" if code == 0 else ""
+    if code == _NOT_FOUND and r"\r" in observed.printed:  # as env writes a carriage return
+        end = r"; its lines end as on Windows: sed -i 's/\r$//' FILE, or run it by python"
     return Cause(DIED, f"the program died: it {how}: {words}{end or _missing_module(words)}")
 
 
