@@ -21,6 +21,7 @@ from lcmtools.wire.datagram import short_message
 
 _SELF_TEST = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
+_NETWORK_ROUTE = "sudo ip route add 224.0.0.0/4 dev IFACE"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
@@ -114,6 +115,8 @@ def _explained(url: BusUrl) -> Iterator[None]:
         what, hint = f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more"
         if error.errno in _NO_ROUTE:
             what, hint = f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}"
+            if url.ttl:  # a route to lo would keep messages here, also once there is a network
+                hint = f"connect the network, or lead a route to its interface: {_NETWORK_ROUTE}"
         elif error.errno in (errno.EPERM, errno.EACCES):
             what = f"sending to {where} is forbidden ({error.strerror})"
             allow = f"sudo ufw allow out to {url.host} port {url.port} proto udp"

@@ -269,6 +269,6 @@ def text_of(file: Path) -> str:
 
 def _number(file: Path) -> int:
     try:
-        return int(text_of(file))
+        return int(text_of(file) or 0)  # int("") may lose a Ctrl-C
     except ValueError:
         return 0

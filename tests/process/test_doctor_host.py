@@ -196,7 +196,9 @@ def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -
     assert remedy.startswith("a firewall does that; type: ")
     ip("route", "del", "prohibit", "239.255.76.67/32")
     ip("route", "del", "224.0.0.0/4")
-    assert send_problem(url)[0] == "no multicast route to 239.255.76.67:7667"
+    what, remedy = send_problem(url)
+    assert what == "no multicast route to 239.255.76.67:7667"
+    assert remedy.startswith("connect the network, or lead a route to its interface: sudo ip route")
     assert large_problem(url) == ""  # not even a small one leaves: another rule says so
 
 
