@@ -231,7 +231,7 @@ def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The hint "did you mean X?", or "" where nothing is near."""
-    near = closest(name, known)
+    near = closest(name, (other for other in known if other != name))
     return f"did you mean {near[0]}?" if near else ""
 
 

@@ -251,3 +251,9 @@ def test_where_the_output_is_no_terminal_it_says_what_to_type(
     done = lcmtools("spy", LCM_DEFAULT_URL=bus_url)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "lcmtools spy: spy needs a terminal; --once prints the table\n"
+
+
+def test_where_the_terminal_cannot_move_the_cursor_too(spy: Callable[..., Terminal]) -> None:
+    terminal = spy(TERM="dumb")
+    assert terminal.wait() == 2
+    assert terminal.written == b"lcmtools spy: spy needs a terminal; --once prints the table\r\n"

@@ -67,6 +67,7 @@ def test_a_url_is_read_as_liblcm_reads_it(
         ("udmp://", "no LCM provider 'udmp'", "did you mean udpm?"),
         ("UDPM://", "no LCM provider 'UDPM'", "did you mean udpm?"),
         ("tcp://a:1", "no LCM provider 'tcp'", "did you mean tcpq?"),
+        ("memq", "no LCM provider 'memq'", "'udpm://239.255.76.67:7667?ttl=0'"),
         ("http://a:1", "no LCM provider 'http'", "'udpm://239.255.76.67:7667?ttl=0'"),
         ("239.255.76.67:7667", "no LCM provider", "'udpm://239.255.76.67:7667?ttl=0'"),
         ("udpm:/239.255.76.67:7667", "no LCM provider", "udpm://"),

@@ -66,6 +66,7 @@ def test_a_near_miss_is_suggested() -> None:
     assert names.did_you_mean("CHATER", ["/chatter", "/scan"]) == "did you mean /chatter?"
     assert names.did_you_mean("zzz", ["udpm", "tcpq"]) == ""
     assert names.did_you_mean("anything", []) == ""
+    assert names.did_you_mean("memq", ["memq", "mema"]) == "did you mean mema?"
 
 
 def test_a_shared_namespace_makes_no_name_nearer() -> None:

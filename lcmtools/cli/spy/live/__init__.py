@@ -4,6 +4,7 @@ import os
 import sys
 
 from lcmtools.cli.bus import chosen_log, open_monitor
+from lcmtools.cli.output import clearing
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError, needing_extra
 from lcmtools.observe.channel_columns import TableView
@@ -14,7 +15,7 @@ def watch(selection: ChannelSelection, view: TableView) -> int:
     """Show the channels until the person leaves; return the exit code."""
     if chosen_log() is not None:
         raise UsageError("the live view is of a bus", "--once shows the channels of a log")
-    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
+    if not (sys.stdin.isatty() and sys.stderr.isatty() and clearing()):
         raise UsageError("spy needs a terminal", "--once prints the table")
     with needing_extra("tui", "spy needs", " (--once does without)"):
         from lcmtools.cli.spy.live.app import show
