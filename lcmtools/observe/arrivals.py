@@ -16,12 +16,12 @@ from lcmtools.observe.selection import OneTopic, TopicPattern
 from lcmtools.wire.packet import Packet
 
 CLOCK = "/clock"  # the topic of a simulator's time
+TOGETHER = 8  # messages that are shown at once, where they arrived together
+PATIENCE = 2.0  # [s] without a message before a person reads what is on the bus
 _LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
 _MOST_NAMED = 8  # topics in a line
 _WAIT = 0.2  # [s] at most before a timeout is looked at again
-TOGETHER = 8  # messages that are shown at once, where they arrived together
 _new = tuple.__new__  # makes a named tuple in half the time
-PATIENCE = 2.0  # [s] without a message before a person reads what is on the bus
 
 
 class SelectedPacket(NamedTuple):

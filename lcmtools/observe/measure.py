@@ -291,7 +291,7 @@ def lossy_senders(
                 yield f"{what} arrive here; lcmtools wtf shows more"
 
 
-def counted(
+def watch_counters(
     monitor: BusMonitor,
     words: Sequence[str],
     wait: float | None,

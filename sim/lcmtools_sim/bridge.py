@@ -30,8 +30,6 @@ _TYPES: dict[bool, tuple[type[Command], ...]] = {
 
 _UPDATE_PERIOD = 0.1
 """[s] The longest delay of the first picture for a new subscriber, and of an idle clock."""
-
-
 _REPEAT_PERIOD = 0.5  # [s] between the repetitions of a warning: ``wtf`` listens for about a second
 
 

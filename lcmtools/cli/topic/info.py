@@ -5,7 +5,7 @@ from lcmtools.cli.declare import argument, duration, examples, flag, option, sub
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.observe.find import find_topic
-from lcmtools.observe.measure import counted
+from lcmtools.observe.measure import watch_counters
 from lcmtools.observe.topic_report import topic_record, topic_rows
 
 
@@ -23,7 +23,7 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     """
     names = looking_names()
     with open_monitor("info") as monitor:
-        graph, counters = counted(monitor, topics, wait, names, with_messages=verbose)
+        graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
     found = [find_topic(graph, name, names) for name in topics]
     if as_json:
         document([topic_record(topic, counters) for topic in found])

@@ -18,6 +18,9 @@ from lcmtools_sim.vision.solids import SPHERE, Floats, Solids
 OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
 """The optical frame in a camera's own frame (x forward, y left, z up; REP-103)."""
 _SLACK = 1e-3  # [pixels] for what rounding may have shifted
+_CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not i & step])
+"""The corners of a cube, and the places among them of the two ends of each edge."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,10 +113,6 @@ def pixel_bounds(solids: Solids, camera: Camera) -> list[PixelBounds]:
     edges = np.stack((first, last + 1), axis=-1)[numbers].astype(int).reshape(-1, 4)
     rows = zip(numbers.tolist(), nearest[numbers].tolist(), edges.tolist(), strict=True)
     return [PixelBounds(number, near, *edge) for number, near, edge in rows]
-
-
-_CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-_EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not i & step])
 
 
 def corners_of(solids: Solids) -> Floats:
