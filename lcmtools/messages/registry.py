@@ -99,9 +99,9 @@ class Registry:
     def candidates(self, fingerprint: int) -> list[str]:
         """Names of the types with this fingerprint (equal fields), the likeliest first."""
         for sources in self._tiers():
-            pairs = (pair for source in sources for pair in source.fingerprints.items())
-            if names := {name for name, number in pairs if number == fingerprint}:
-                return sorted(names, key=preference)
+            if having := [one for one in sources if fingerprint in one.fingerprints.values()]:
+                pairs = (pair for one in having for pair in one.fingerprints.items())
+                return sorted({name for name, of in pairs if of == fingerprint}, key=preference)
         return []
 
     def file(self, name: str) -> str:
