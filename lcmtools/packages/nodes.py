@@ -99,7 +99,7 @@ class Runnable:
         for attribute in path.split("."):
             value = getattr(value, attribute, None)
         if not callable(value):
-            hint = f"write  def {path}(args=None):  in it, or see"
+            hint = f"write def {path}(args=None): in it, or see"
             raise self._lost(f"{module} has no function '{path}'", hint)
         return cast("NodeProgram", value)
 

@@ -193,7 +193,7 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
         ("def main(args=None):\n    return undefined\n", "NameError: name 'undefined' is not"),
         ("def main(args=None)\n", "SyntaxError: expected ':'"),
         ("from lcmtools.types.geometry_msg import Twist\n", "No module named 'lcmtools.types.geo"),
-        ("x = 3\n", "has no function 'main'; write  def main(args=None):  in it"),
+        ("x = 3\n", "has no function 'main'; write def main(args=None): in it"),
         ("import no_such_module\n", "needs the Python package 'no_such_module', which is not"),
     ],
 )
@@ -245,7 +245,7 @@ def test_lcmtools_own_answer_says_so_when_it_runs(
         ('"air_lab0.simple_controler:main"', "there is no module air_lab0.simple_controler; see"),
         (
             '"air_lab0.simple_controller:run"',
-            "'run'; write  def run(args=None):  in it, or see [project",
+            "'run'; write def run(args=None): in it, or see [project",
         ),
         ('"air_lab0/simple_controller.py"', "is no function; write simple_controller = "),
     ],
