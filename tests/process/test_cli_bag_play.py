@@ -274,7 +274,8 @@ def test_lcms_own_programs_record_what_is_played_and_play_it(  # noqa: PLR0913, 
     logger = start(lcm_program("lcm-logger"), "-q", "-l", bus_url, str(path))
     wait_until(path.exists)
     done = cli(
-        "bag", "play", ride, "-x", "/cmd_vel", "--loop", until=lambda _: path.stat().st_size > 500
+        *("bag", "play", ride, "-x", "/cmd_vel", "--loop"),
+        until=lambda _: ODOMETRY in path.read_bytes(),
     )
     assert done.code == 130
     logger.send_signal(signal.SIGINT)
