@@ -18,6 +18,7 @@ Sans-I/O. Must not know what the streams are.
 import json
 import math
 import struct
+import sys
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias, cast
 
@@ -79,7 +80,7 @@ class Parameters:
         value = self._get(name, default)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise Rubbish(f"'{name}' is not a number")
-        if not math.isfinite(value) or not lowest <= value <= highest:
+        if not (abs(value) <= sys.float_info.max and lowest <= value <= highest):
             raise Rubbish(f"'{name}' is not within {lowest:g} to {highest:g}")
         return float(value)
 
