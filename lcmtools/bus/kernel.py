@@ -76,8 +76,10 @@ def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
 def keep_little_waiting(connection: socket.socket) -> None:
     """Let a connection take no more than the line takes at once, and little besides.
 
-    What waits in the program can still be dropped; what the kernel has taken arrives.
+    What waits in the program can still be dropped; what the kernel has taken arrives, and leaves
+    without waiting for the answer to what was sent before (Nagle's algorithm).
     """
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if hasattr(socket, "TCP_NOTSENT_LOWAT"):
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _LITTLE_BYTES)
 

@@ -218,7 +218,6 @@ class Hub(AbstractContextManager["Hub"]):
             self._say("", "full", f"{_MOST_CLIENTS} clients are connected, more are refused")
             return
         connection.setblocking(False)  # noqa: FBT003 - the socket module's own
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         keep_little_waiting(connection)
         client = _Client(connection, f"{address}:{port}", time.monotonic())

@@ -1,5 +1,6 @@
 """Buses that are no multicast group: tcpq, logs, memory; and what listens on them."""
 
+import os
 import socket
 import threading
 import time
@@ -15,6 +16,7 @@ import pytest
 from lcmtools.bus import preflight
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.lcm_listener import LcmListener
+from lcmtools.bus.liblcm import open_lcm
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
@@ -40,6 +42,13 @@ def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUnt
     assert bus.ports == []
     bus.close()
     other.close()
+
+
+def test_tcpq_sends_each_message_at_once(tcpq_server: Any) -> None:
+    """Nagle's algorithm holds a message back for 40 ms, and the answer to it as long again."""
+    instance, _ = open_lcm(parse_url(tcpq_server.url))
+    with socket.socket(fileno=os.dup(instance.fileno())) as connection:
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 def test_many_threads_may_use_tcpq_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:

@@ -72,7 +72,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """
     by_name: dict[str, list[Node]] = defaultdict(list)
     for node in evidence.graph.nodes:
-        if not node.stale:
+        if not (node.stale or node.tool):  # a command that observes and publishes is two
             by_name[node.name].append(node)
     for name, nodes in by_name.items():
         if len(nodes) > 1:

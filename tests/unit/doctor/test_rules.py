@@ -154,6 +154,11 @@ def test_two_live_nodes_of_one_name_are_an_error() -> None:
     assert finding.remedies == ("end one of them, or start it with __name:=talker2",)
 
 
+def test_a_command_that_observes_and_publishes_is_no_duplicate_of_itself() -> None:
+    looks = node("/_lcmtools_gui_7", sub("/chatter", STRING), tool=True)
+    assert "duplicate-names" not in findings(looks, looks._replace(id="other", endpoints=()))
+
+
 def test_a_restarted_node_is_no_duplicate_of_its_stale_self() -> None:
     found = findings(node("/talker", pid=7, stale=Staleness.UNANSWERED), node("/talker", pid=8))
     assert "duplicate-names" not in found
