@@ -319,8 +319,17 @@ def test_every_command_that_is_named_exists(document: Path) -> None:
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_link_within_the_project_leads_somewhere(document: Path) -> None:
-    links = re.findall(r"\]\((?!https?:)([^)#]+)", document.read_text())
-    assert [link for link in links if not (document.parent / link).exists()] == []
+    links = re.findall(r"\]\((?!https?:)([^)#]*)#?([^)]*)", document.read_text())
+    assert [link for link in links if not leads_somewhere(document, *link)] == []
+
+
+def leads_somewhere(document: Path, page: str, anchor: str) -> bool:
+    """Return whether a page is there, with a heading that makes the anchor as GitHub does."""
+    target = document.parent / page if page else document
+    if not anchor or not target.exists():
+        return target.exists()
+    headings = re.findall("^#+ (.+)$", target.read_text(), re.MULTILINE)
+    return anchor in [re.sub(r"[^\w -]", "", one).lower().replace(" ", "-") for one in headings]
 
 
 @pytest.mark.parametrize("page", sorted(ROOT.glob("labs/*/README.md")), ids=str)

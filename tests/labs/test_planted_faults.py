@@ -164,6 +164,22 @@ node.create_subscription(Odometry, "/ground_truth", drive, 1)
 lcmtools.spin(node)
 """
 
+UNSTOPPED = """
+import lcmtools
+from lcmtools.labs.nodes.path_follower import PathFollower
+
+
+class Unstopped(PathFollower):
+    def _take_odometry(self, odometry):
+        super()._take_odometry(odometry)
+        if self._pursuit and self._pursuit.nearest >= len(self._pursuit._points) - 4:
+            lcmtools.shutdown()
+
+
+lcmtools.init()
+lcmtools.spin(Unstopped())
+"""
+
 
 @pytest.fixture
 def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path: Path) -> Check:
@@ -260,6 +276,13 @@ def test_the_cause_of_a_path_that_is_not_followed_is_named(
     assert first["what"] == "drives the path"
     assert words in first["hint"]
     assert all(other["follows"] == first["what"] for other in others), others
+
+
+def test_a_program_that_ends_and_leaves_its_robot_driving_is_not_right(check: Check) -> None:
+    (row,) = check("pioneer", "path", UNSTOPPED, "no-stop")
+    assert row["what"] == "stops at the end"
+    assert str(row["measured"]).startswith("+0.400 m/s")
+    assert "publish a last Twist of 0" in row["hint"]
 
 
 def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:

@@ -30,6 +30,8 @@ RAISED, IGNORED = "raised", "ignored"
 """Its callbacks raise exceptions; the simulator ignores its commands."""
 TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsubscribed"
 TIMER = "timer"
+STRAYS, UNLIKE = "strays", "unlike"
+"""It strays from the path, or its picture is another one: input from another topic explains it."""
 LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION, TIMER)
 """Keys of the causes that time does not mend; others may be of a program that starts slowly."""
 
@@ -48,7 +50,8 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
     if result.cause == DIED or (observed.code not in (None, 0)):
         return died(observed)
     is_silent = result.cause == SILENT
-    found = raised(observed, frequent_only=not is_silent) or ignored(observed)
+    found = raised(observed, frequent_only=not is_silent)
+    found = misled(observed, result) or found or ignored(observed)
     if not found and result.cause in (SILENT, SELDOM, ZERO):
         found = busy(observed)
     if not found and is_silent:
@@ -75,6 +78,17 @@ def _missing_module(words: str) -> str:
     if any(text.startswith(f"{name}/") for text in type_names()):
         return f"; here it is lcmtools.types.{name}"
     return ""
+
+
+def misled(observed: Observations, result: CheckResult) -> Cause | None:
+    """Return the wrong topic of its input, if its callback of that raises, or the row is of it."""
+    look, wanted = observed.look, observed.program.subscribes
+    found = _not_hearing(look, wanted) if look else None
+    if look is None or found is None or found.key != SUBSCRIPTION:
+        return None
+    others = {wire.topic for wire in look.subscriptions if wire.topic not in wanted}
+    raises = any(failure.callback in others for failure in look.failures)
+    return found if raises or result.cause in (SELDOM, STRAYS, UNLIKE) else None
 
 
 def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 
-from lcmtools.labs.checks.diagnosis import SELDOM, velocity_of
+from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
@@ -120,6 +120,9 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
     has_driven = program.code == 0 and drive.along > _PROGRESS
     if program.code is None or has_driven:
         yield from results
+        if all(result.is_ok for result in results):
+            bench.observe()  # while it runs
+            yield bench.stop_at_end()
     else:
         yield program.early_end("drives the path")
 
@@ -186,7 +189,7 @@ def drive_cause(
         text = f"it comes no farther than ({last.x:.1f}, {last.y:.1f}), where it {does} at the end"
         return Cause("stops", text)
     return Cause(
-        "strays",
+        STRAYS,
         "it cuts corners if the point that it drives to is far ahead, swings around the path if it"
         " is too near or it turns too fast, and stays beside it by a pose other than /ground_truth",
     )
@@ -215,8 +218,8 @@ def _velocity_cause(drive: DrivenPath, commands: Sequence[CommandMessage]) -> Ca
 
 
 def _too_fast(turn_rate: float) -> Cause:
-    text = f"it turns at {turn_rate:.1f} rad/s: angles are in radians; is a gain"
-    return Cause("unit", f"{text} too high, or an angle in degrees?")
+    text = f"it turns at {turn_rate:.1f} rad/s: is a gain too high, an angle in degrees, or"
+    return Cause("unit", f"{text} orientation.z the heading? That is 2*atan2(z, w) [rad]")
 
 
 def _turn_around(samples: Sequence[TrueState]) -> TrueState | None:

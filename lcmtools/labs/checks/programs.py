@@ -70,7 +70,7 @@ class CheckedProgram(ChildProcess):
     def check_ctrl_c(self, *, may_have_ended: bool = False) -> CheckResult:
         """Check that Ctrl-C ends it; it has ended afterwards."""
         what, wanted = "ends on Ctrl-C", "within 4 s"
-        if may_have_ended and self.code == 0:
+        if may_have_ended and self.code == 0 and not self.was_interrupted:
             return CheckResult(what, wanted, "it has ended by itself", is_ok=True)
         if self.code is not None and not self.was_interrupted:
             return self.early_end(what)

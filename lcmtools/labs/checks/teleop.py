@@ -13,11 +13,10 @@ from lcmtools.labs.checks.keys import (
     is_alike,
     key_result,
     speeds_result,
-    text_of,
 )
 from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.results import CheckResult
-from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.checks.test_bench import STOPS, TestBench
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.types.geometry_msgs import Twist
 
@@ -71,11 +70,6 @@ class _Keyboard:
         self._bench.wait(lambda: False, _STALE)
         return velocity_of(self.last()) or (0.0, 0.0)
 
-    def measured(self) -> str:
-        """Return the newest command in words."""
-        velocity = velocity_of(self.last())
-        return text_of(velocity) if velocity else "nothing comes"
-
     def _moves(self) -> bool:
         twist = self.last()
         return twist is not None and bool(any(velocity_of(twist) or ()) or misplaced(twist))
@@ -117,7 +111,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         speed, turn = map(abs, velocity_of(press.twist) or (0.0, 0.0))
         if speed and turn:  # one wrong change does not make the next ones wrong
             motion = replace(motion, speed=speed, turn=turn)
-    yield _stop_at_end(keyboard)
+    yield _stop_at_end(bench, keyboard)
 
 
 def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
@@ -127,19 +121,8 @@ def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
     return KeyPress(key, wanted, keyboard.last())
 
 
-def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
-    what = "stops at the end"
+def _stop_at_end(bench: TestBench, keyboard: _Keyboard) -> CheckResult:
     if keyboard.program.code is not None:
-        return keyboard.program.early_end(what)
+        return keyboard.program.early_end(STOPS)
     keyboard.settled("i")
-    keyboard.press("")
-    keyboard.program.ends_on_interrupt()
-    stops = keyboard.receives((0.0, 0.0))
-    return CheckResult(
-        what,
-        "a Twist of 0 at last",
-        "it comes" if stops else keyboard.measured(),
-        is_ok=stops,
-        hint="publish a last Twist of 0 in a finally: the robot keeps its last command",
-        cause="no-stop",
-    )
+    return bench.stop_at_end()

@@ -20,7 +20,8 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
-from lcmtools.labs.checks.diagnosis import LASTING, cause_of
+from lcmtools.labs.checks.diagnosis import LASTING, cause_of, velocity_of
+from lcmtools.labs.checks.keys import text_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
 from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.recorder import BUMPER, Recorder
@@ -38,6 +39,7 @@ _AFTER_END = 0.5  # [s] for messages that a program sent before it ended
 _SLOWEST_PRINT = 15.0  # [s] for the simulator to print a world's file
 _ANSWER_TIMEOUT = 5.0  # [s] for the simulator to answer a service's call
 _FIRST_MESSAGE = 10.0  # [s] from a program's start
+STOPS = "stops at the end"  # the row of a last command
 _EARLY = 3.0  # [s] after which a program that is silent is looked at
 
 
@@ -190,6 +192,17 @@ class TestBench:
                 return False
             lcmtools.spin_once(self.node, min(left, _SPIN_TIME))
         return True
+
+    def stop_at_end(self) -> CheckResult:
+        """End the program, if it runs, by Ctrl-C; return the row of its last command, a Twist."""
+        program, commands = self.program, self.recorder.commands
+        assert program is not None
+        if program.code is None:
+            program.ends_on_interrupt()
+        stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
+        measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
+        hint = "publish a last Twist of 0 in a finally: the robot keeps its last command"
+        return CheckResult(STOPS, "a Twist of 0 at last", measured, stops, hint, "no-stop")
 
     def reset_pose(self) -> None:
         """Put the robot at the origin, at rest; LcmtoolsError if the simulator does not do it."""

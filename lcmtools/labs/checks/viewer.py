@@ -6,6 +6,7 @@ from pathlib import Path
 import PIL.Image
 
 from lcmtools.errors import DecodeError
+from lcmtools.labs.checks.diagnosis import UNLIKE
 from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
@@ -17,7 +18,9 @@ PICTURE = "{picture}"  # the placeholder in a viewer's command line for the name
 _DEPTH = "/camera/depth/image_raw"
 _PICTURE = 15.0  # [s] until a picture is whole: a program may take seconds for a PNG
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
+_CONTRAST = 25  # of 255: the difference of brightness that can be seen
 _FLIP = PIL.Image.Transpose
+_NO_CONTRAST = "near and far hardly differ: scale some 5000 mm to 255, not to 65535"
 
 
 def viewer_command(words: Sequence[str], picture: str) -> list[str]:
@@ -62,8 +65,12 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         hint=reason
         or "pixels of about the same depth do not look alike: 16UC1 is two bytes a pixel, low byte"
         " first, in mm, 0 for none: scale it to 255 at most; rows from the top",
-        cause="picture",
+        cause=UNLIKE,
     )
+    if part >= GOOD:
+        contrast = _contrast(truths[-1], seen[0])
+        what, wanted, hint = "has contrast", f"{_CONTRAST} or more of 255", _NO_CONTRAST
+        yield CheckResult(what, wanted, f"{contrast}", contrast >= _CONTRAST, hint)
 
 
 def _read(file: Path) -> Picture | None:
@@ -76,12 +83,30 @@ def _read(file: Path) -> Picture | None:
 
 def _likeness(truth: Image, picture: Picture) -> float:
     """Return the part of the colours that the true depths explain, at points of a grid."""
+    return explained(_sampled(read_picture(truth)).values(), _colors(picture))
+
+
+def _contrast(truth: Image, picture: Picture) -> int:
+    """Return the difference of brightness among most points that have a depth, of 255.
+
+    A file of 16 bits holds the depths themselves.
+    """
+    if picture.kind is Kind.DEPTH:
+        return 255
     depths = _sampled(read_picture(truth)).values()
+    colors = [color for depth, color in zip(depths, _colors(picture), strict=True) if depth]
+    few = len(colors) // 20
+    channels = map(sorted, zip(*colors, strict=True))
+    return max((channel[-1 - few] - channel[few] for channel in channels), default=0)
+
+
+def _colors(picture: Picture) -> list[tuple[int, ...]]:
+    """Return the one or three channels of each point of a grid."""
     shown = _sampled(picture)
     if shown.kind is not Kind.COLOR:
-        return explained(depths, [(value,) for value in shown.values()])
+        return [(value,) for value in shown.values()]
     channels = shown.image.tobytes()
-    return explained(depths, list(zip(channels[::3], channels[1::3], channels[2::3], strict=True)))
+    return list(zip(channels[::3], channels[1::3], channels[2::3], strict=True))
 
 
 _TURNED: Mapping[str, Callable[[PIL.Image.Image], PIL.Image.Image]] = {

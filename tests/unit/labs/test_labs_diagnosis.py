@@ -184,6 +184,29 @@ def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words:
 
 
 @pytest.mark.parametrize(
+    ("topic", "callback", "given", "key"),
+    [
+        ("/camera/depth/image", "/camera/depth/image", SILENT, "subscription"),
+        ("/camera/depth/image", "timer 0.1 s", SILENT, "raised"),
+        ("/camera/depth/image_raw", "/camera/depth/image_raw", SILENT, "raised"),
+        ("/camera/rgb/image_raw", "", "unlike", "subscription"),
+        ("/camera/depth/image_raw", "", "unlike", "unlike"),
+    ],
+)
+def test_a_wrong_input_explains_the_exception_and_the_picture_that_come_of_it(
+    topic: str, callback: str, given: str, key: str
+) -> None:
+    row = CheckResult("shows the depth", "90%", "78%", is_ok=False, cause=given)
+    failures = [Failure("ValueError", "size", "v.py:3", 86, callback)] if callback else []
+    look = replace(WELL, subscriptions=[Wire(topic, "sensor_msgs/Image")], failures=failures)
+    cause = cause_of(row, Observations(LABS["pioneer"].programs[1], look=look))
+    assert cause.key == key
+    assert (f"subscribes to {topic}, and not to /camera/depth/image_raw:" in cause.text) == (
+        key == "subscription"
+    )
+
+
+@pytest.mark.parametrize(
     ("callback", "count", "key"),
     [
         ("/husky0/odometry", 49, "slow"),

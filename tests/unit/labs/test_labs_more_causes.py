@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +23,7 @@ from lcmtools.labs.checks.keys import (
 from lcmtools.labs.checks.observations import CommandMessage, Failure
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
 from lcmtools.labs.checks.teleop import check_teleop
-from lcmtools.labs.checks.viewer import picture_cause
+from lcmtools.labs.checks.viewer import check_viewer, picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.observe.pixels import Kind
@@ -187,6 +189,27 @@ def test_a_picture_that_is_black_or_unlike_is_told_apart() -> None:
     assert picture_cause(truth, black).startswith("the picture is all black: is it the data")
     noise = PIL.Image.effect_noise((160, 120), 80)
     assert picture_cause(truth, Picture(noise, "L", Kind.GREY)) == ""
+
+
+@pytest.mark.parametrize(
+    ("shade", "contrast", "is_ok"),
+    [(lambda one: one, 120, True), (lambda one: 255 - one // 12, 10, False)],
+)
+def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
+    tmp_path: Path, shade: Callable[[int], int], contrast: int, *, is_ok: bool
+) -> None:
+    truth = depth_image()
+    grey(truth).point(shade).save(tmp_path / "picture.png")
+    bench: Any = SimpleNamespace(
+        folder=tmp_path,
+        recorder=SimpleNamespace(record=lambda *_: [truth]),
+        start=lambda *_: None,
+        wait=lambda condition, _: condition(),
+        first=lambda has_come, _, row: replace(row, is_ok=has_come()),
+    )
+    *others, row = check_viewer(bench, ["viewer"])
+    assert all(other.is_ok for other in others)
+    assert (row.what, row.measured, row.is_ok) == ("has contrast", f"{contrast}", is_ok)
 
 
 def test_a_dolly_that_does_not_drive_as_commanded_says_so() -> None:

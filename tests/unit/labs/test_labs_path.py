@@ -109,4 +109,6 @@ def test_commands_that_no_robot_could_follow_are_a_wrong_unit_or_gain() -> None:
     drive = drive_along(circle(2.0, 0.1))
 
     assert drive_cause(drive, []).key == "stops"
-    assert drive_cause(drive, [], commands).key == "unit"
+    cause = drive_cause(drive, [], commands)
+    assert cause.key == "unit"
+    assert "or orientation.z the heading? That is 2*atan2(z, w)" in cause.text
