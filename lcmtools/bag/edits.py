@@ -82,10 +82,12 @@ def matching(
             yield packet
 
 
-def parse_renames(words: Sequence[str], known: Iterable[str]) -> dict[str, str]:
+def parse_renames(
+    words: Sequence[str], known: Iterable[str], announced: Iterable[str] = ()
+) -> dict[str, str]:
     """Return the new names of topics, of words such as "/old:=/new".
 
-    A name that ends in "/" is a namespace, of all topics in it.
+    A name that ends in "/" is a namespace, of all topics in it: ``known`` ones have messages.
 
     Raises:
         UsageError: A word is no rename, or two topics would become one.
@@ -98,7 +100,8 @@ def parse_renames(words: Sequence[str], known: Iterable[str]) -> dict[str, str]:
         if not (old and sign and new) or old.endswith("/") != new.endswith("/"):
             raise UsageError(f"'{word}' is no rename", "write OLD:=NEW, or /old/:=/new/")
         is_all = old.endswith("/")
-        found = [one for one in known if one == old or (is_all and one.startswith(old))]
+        every = dict.fromkeys((*known, *announced))
+        found = [one for one in every if one == old or (is_all and one.startswith(old))]
         if not found:
             TopicChoice([old]).check(known)
         names |= {one: new + one[len(old) :] for one in found}

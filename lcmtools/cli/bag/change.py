@@ -1,7 +1,7 @@
 """``lcmtools bag rename`` and ``shift``: the same messages, elsewhere."""
 
 from lcmtools.bag import edits
-from lcmtools.bag.summary import log_span
+from lcmtools.bag.summary import known_nodes, log_span
 from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import made_options, places, time_option, write
 from lcmtools.cli.declare import argument, examples, option, subcommand
@@ -16,8 +16,10 @@ from lcmtools.observe.log_file import LogFile
 def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_json: bool) -> None:
     """Give topics other names; with a / at the end of both, all topics of a namespace."""
     with LogFile(source) as log:
-        known = dict.fromkeys(name for block in log.blocks() for name in block.channels)
-        table = edits.parse_renames(names, known)
+        nodes = known_nodes(log)
+        known = dict.fromkeys(name for block in log.blocks(nodes.add) for name in block.channels)
+        announced = [topic.name for topic in nodes.snapshot(0).topics()]
+        table = edits.parse_renames(names, known, announced)
         found = edits.renamed(log.packets(), table)
         write(
             target,

@@ -41,8 +41,11 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     with LogWriter("in.lcmlog") as log:
         one, other = log.sender_number(_ONE, "/driver"), log.sender_number(_OTHER, "talker.py")
-        end = Endpoint("/a/number", Role.PUBLISHER, ("std_msgs/Float64",))
-        said = encode_announcement(Announcement(Node("/driver", "id", "ada", 1, endpoints=(end,))))
+        ends = (
+            Endpoint("/a/number", Role.PUBLISHER, ("std_msgs/Float64",)),
+            Endpoint("/a/silent", Role.SUBSCRIBER),
+        )
+        said = encode_announcement(Announcement(Node("/driver", "id", "ada", 1, endpoints=ends)))
         log.add_node(RecordedNode(_START, one, said))
         log.add_types([_TYPE])
         for tenth in range(1000):
@@ -116,7 +119,7 @@ def test_rename_changes_announcements_too() -> None:
     with LogFile("out.lcmlog") as log:
         said = decode_announcement(log.index.nodes[0].payload)
     assert said is not None
-    assert [end.topic for end in said.node.endpoints] == ["/b/c/number"]
+    assert [end.topic for end in said.node.endpoints] == ["/b/c/number", "/b/c/silent"]
 
 
 @pytest.mark.parametrize(
