@@ -1,8 +1,12 @@
 """All robots of a running simulation, and which of them the engine moves.
 
-Many robots step together, by arrays. A robot that stands on level ground, with nothing that it or
-others could reach until the next look, needs no engine: its vehicles move it. The engine has it
-back before it can touch anything.
+Every robot has a row in a `Vehicles` (vehicles.py), alone or with others, which always moves its
+motors, wheels and encoders, and its body too while the robot is free: on level ground, with nothing
+that it or others could reach until the next look. Else the engine moves the body, and its tyres
+pull it before each of the engine's steps: by floats (`Robot.pull`) or, where many of one `Vehicles`
+are held, by arrays (`HeldRobots`). `_look` decides anew ten times a second: `Robot.release` copies
+the body's motion from the engine to the row, `Robot.hold` copies it back before it can touch
+anything.
 """
 
 from collections.abc import Sequence
