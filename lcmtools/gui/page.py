@@ -6,8 +6,9 @@ that a slow page sees less, and neither the bus nor the memory suffers.
 
 import asyncio
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Coroutine, Mapping
+from contextlib import AbstractAsyncContextManager, nullcontext
 from functools import partial
 
 from websockets.asyncio.server import ServerConnection
@@ -41,6 +42,8 @@ class BrowserPage:
         self._open: dict[int, _Subscription] = {}
         self._outbox: deque[Frame] = deque()
         self._tasks: set[asyncio.Task[None]] = set()
+        # Actions of one kind are done in the order in which the page sends them.
+        self._turns: dict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._state: Mapping[str, Json] = {}
         self._next_state = 0.0
         self._wakes = asyncio.Event()
@@ -146,11 +149,15 @@ class BrowserPage:
             self._send({"id": number, "error": {"what": _MAY_NOT, "hint": ""}})
             return
         parameters = request.without("op", "id", "what")
-        self._begin(self._reply(number, partial(function, self._source, parameters)))
+        turn = self._turns[name] if is_action else nullcontext()
+        self._begin(self._reply(number, partial(function, self._source, parameters), turn))
 
-    async def _reply(self, number: int, work: Callable[[], Json]) -> None:
+    async def _reply(
+        self, number: int, work: Callable[[], Json], turn: AbstractAsyncContextManager[None]
+    ) -> None:
         try:
-            self._send({"id": number, "answer": await asyncio.to_thread(work)})
+            async with turn:
+                self._send({"id": number, "answer": await asyncio.to_thread(work)})
         except LcmtoolsError as error:
             self._send({"id": number, "error": {"what": error.what, "hint": error.hint}})
         except Exception as error:  # noqa: BLE001 - shown in the panel; the server goes on

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 from fixtures.window import LivePage, LiveWindow
 
-from lcmtools.gui import log_source
+from lcmtools.gui import log_source, playback
 from lcmtools.gui.log_source import LogSource
+from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import plot
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
@@ -79,6 +80,27 @@ def test_any_time_shows_the_message_of_that_time(page: LivePage, time: float) ->
         _play(page, "seek", time=there)
         wanted = str(float(there * 2 // 1 / 2))
         page.data(1, lambda data, wanted=wanted: _value(data, "linear.x") == wanted)
+
+
+def test_actions_are_done_in_the_order_in_which_they_are_sent(
+    page: LivePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[float] = []
+    is_done = threading.Event()  # the second one
+
+    def play(_: object, parameters: Parameters) -> None:
+        time = parameters.number("time", None, 0, 9)
+        if time == 1:
+            is_done.wait(0.5)
+        done.append(time)
+        if time == 2:
+            is_done.set()
+
+    monkeypatch.setattr(playback, "play", play)
+    for number in (1, 2):
+        page.send(op="do", id=number, what="play", action="seek", time=number)
+    page.until(lambda frame: frame.get("id") == 2 and "answer" in frame)
+    assert done[-2:] == [1, 2]  # behind what the fixture has sent
 
 
 def test_what_came_long_before_is_there(page: LivePage) -> None:
