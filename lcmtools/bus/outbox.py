@@ -55,6 +55,11 @@ class Outbox:
         """Return whether a message of this topic waits or is being sent: none may overtake it."""
         return key in self._waiting or key == self._sending
 
+    def await_sent(self, key: str) -> None:
+        """Wait until no message of this topic waits or is being sent, or the outbox is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or not self.has_waiting(key))
+
     def close(self) -> None:
         """Send what waits, for half a second at most."""
         with self._changed:
@@ -67,6 +72,7 @@ class Outbox:
         while True:
             with self._changed:
                 self._sending = ""
+                self._changed.notify_all()
                 self._changed.wait_for(lambda: self._closed or self._waiting)
                 if not self._waiting:
                     return

@@ -85,7 +85,7 @@ class ZenohSession:
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
         self._large_keys: set[str] = set()
         self._is_slow = False  # the network, for small messages
-        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_quietly)
+        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_large)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session, is_client = open_session(url, self.id)
         self._wakeup = WakeupEvent()
@@ -224,6 +224,11 @@ class ZenohSession:
         publisher.put(message.payload, attachment=message.stamp)
         if not message.is_large:
             self._is_slow = time.monotonic() - start > _SLOW
+
+    def _put_large(self, message: Outgoing) -> None:
+        """Send a large message behind the small ones of its topic that wait still."""
+        self._small.await_sent(message.key)
+        self._put_quietly(message)
 
     def _put_quietly(self, message: Outgoing) -> None:
         with contextlib.suppress(zenoh.ZError):  # closed

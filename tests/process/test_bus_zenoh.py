@@ -3,6 +3,7 @@
 import os
 import socket
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import Any
 
 import pytest
 
+from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh_bus import ZenohBus
 from lcmtools.bus.zenoh_listener import ZenohListener
+from lcmtools.bus.zenoh_session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.monitor import BusMonitor
@@ -56,6 +59,31 @@ def test_zenoh_carries_channels_of_any_name(bus_url: str) -> None:
         packets = _receive(listener, len(names))
     assert [packet.channel for packet in packets] == names
     assert heard == [name.encode() for name in names]
+
+
+def test_a_large_message_overtakes_no_small_ones_of_its_topic(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url, has_room = parse_url(bus_url), threading.Event()
+    put = ZenohSession._put
+
+    def put_when_there_is_room(session: ZenohSession, message: Outgoing) -> None:
+        if threading.current_thread().name == "outbox" and not message.is_large:
+            has_room.wait(20.0)
+        put(session, message)
+        session._is_slow = True  # from now on small ones wait, too
+
+    with closing(ZenohBus(url)) as bus, _listening(url) as listener:
+        bus.publish("a", b"first")
+        monkeypatch.setattr(ZenohSession, "_put", put_when_there_is_room)
+        bus.publish("a", b"second")
+        for payload in (b"third", bytes(MOST_WAITING_BYTES + 1)):
+            bus.publish("a", payload)
+        packets = _receive(listener, 2)
+        assert not listener.receive(0.3)  # the large one waits
+        has_room.set()
+        packets += _receive(listener, 2)
+    assert [len(packet.payload) for packet in packets] == [5, 6, 5, MOST_WAITING_BYTES + 1]
 
 
 def test_zenoh_says_who_sent_what(bus_url: str) -> None:
