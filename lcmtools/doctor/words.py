@@ -198,7 +198,7 @@ REMEDIES = {
     "end-one-or-remap": "end one of them{pids:kills}, or start it with {topic}:={topic}_2",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
     "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
-    "end-or-rename": "end one of them, or start it with __name:={name}",
+    "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
     " one: pip uninstall, pip install lcm",

@@ -81,7 +81,9 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
                 for one in nodes
             )
             title = state("duplicate-names", count=len(nodes), name=name)
-            remedy = state("end-or-rename", name=f"{name.rpartition('/')[2]}2")
+            pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
+            kills = pids if len(pids) > 1 else ()
+            remedy = state("end-or-rename", pids=kills, name=f"{name.rpartition('/')[2]}2")
             yield from found(title, facts, remedy)
 
 

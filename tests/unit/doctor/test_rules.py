@@ -151,7 +151,8 @@ def test_two_live_nodes_of_one_name_are_an_error() -> None:
     assert finding.severity is Severity.ERROR
     assert finding.text == "2 nodes have the name /talker:"
     assert finding.items == (" * pid 7 on husky: run /talker", " * pid 8 on husky: run /talker")
-    assert finding.remedies == ("end one of them, or start it with __name:=talker2",)
+    (remedy,) = finding.remedies
+    assert remedy == "end one of them (kill 7) or (kill 8), or start it with __name:=talker2"
 
 
 def test_a_command_that_observes_and_publishes_is_no_duplicate_of_itself() -> None:
