@@ -195,7 +195,7 @@ REMEDIES = {
     "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them with"
     " the code that lcm-gen makes of it",
     "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
-    "end-one-or-remap": "end one of them{pids:kills}, or start it with {topic}:={topic}_2",
+    "end-one-or-remap": "end one of them{pids:kills}, or start {other} with {old}:={new}",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
     "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
     "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",

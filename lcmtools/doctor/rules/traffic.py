@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Node, Role
@@ -136,10 +137,13 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
 def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> Statement:
     """The remedy for several that compete for a topic."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
-    nodes = {s for node in evidence.graph.nodes if not node.tool for s in node.senders()}
-    is_node = any(one.sender in nodes for one in streams)
-    kind = "end-one-or-remap" if is_node else "end-one-or-rename"
-    return state(kind, pids=pids if len(pids) > 1 else (), topic=topic)
+    nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
+    known = {"pids": pids if len(pids) > 1 else ()}
+    node = next((nodes[one.sender] for one in streams if one.sender in nodes), None)
+    if node is None:
+        return state("end-one-or-rename", **known)
+    old = remap_argument(node, topic).partition(":=")[0] or topic
+    return state("end-one-or-remap", other=node, old=old, new=f"{topic}_2", **known)
 
 
 @rule("slow-simulator", "subscribe to fewer sensors, or simulate fewer robots")

@@ -174,6 +174,16 @@ def test_two_programs_that_send_at_once_compete() -> None:
     assert finding.items == (" * alice: /cmd", " * bob: /cmd")
 
 
+def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_has() -> None:
+    command = "lcmtools run simple_controller out:=cmd"
+    ends = (Endpoint("/cmd", Role.PUBLISHER),)
+    node = Node("/pilot", "p", "h", 8, sender=BOB, endpoints=ends, command=command)
+    streams = (stream("/cmd", 10), stream("/cmd", 10, sender=BOB, name="/pilot"))
+    graph = HEALTHY.graph._replace(nodes=(node,))
+    finding = found(replace(HEALTHY, streams=streams, graph=graph))["competing-publishers"]
+    assert finding.remedies == ("end one of them, or start /pilot with out:=/cmd_2",)
+
+
 def test_a_program_that_repeats_what_it_receives_may_make_a_circle() -> None:
     repeater = replace(stream("/a", 10, sender=BOB, name="bob"), repeated=9)
     finding = only(replace(HEALTHY, streams=(stream("/a", 10), repeater)))
