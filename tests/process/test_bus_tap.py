@@ -134,7 +134,7 @@ def test_what_a_tap_sends_is_received_by_plain_lcm(
     assert tap.port == 0
     tap.send("BIG", payload)
     assert tap.port > 0
-    wait_until(lambda: plain.handle_timeout(0) or heard)
+    wait_until(lambda: plain.handle_timeout(0) and heard)
     assert heard == [payload]
     (packet,) = _receive(tap, 1)
     assert packet.sender is not None
