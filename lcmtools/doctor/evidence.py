@@ -30,7 +30,6 @@ class Host:
     rp_filter_drops: int = 0  # datagrams that it dropped, during the look
     speed_mbit: int = 0  # [Mbit/s]
     is_wireless: bool = False
-    receive_buffer: int = 0  # [byte] of a socket by default (rmem_default)
     most_receive_buffer: int = 0  # [byte] that a socket may request (rmem_max)
     firewall: str = ""  # the name of one that is enabled
     firewall_chain: str = ""  # where it refuses: "inet filter input" of nftables, "INPUT"

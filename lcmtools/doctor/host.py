@@ -58,7 +58,6 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         ),
         speed_mbit=max(0, _number(folder / "speed")),
         is_wireless=(folder / "wireless").exists(),
-        receive_buffer=_number(_PROC / "sys/net/core/rmem_default"),
         most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
         container=_container(),
         environment=(

@@ -45,8 +45,7 @@ def test_this_computer_is_described(bus_url: str) -> None:
     with receiving_socket(url):
         here = host(url, {})
     assert here.uid == os.getuid()
-    assert here.receive_buffer > 0
-    assert here.most_receive_buffer >= here.receive_buffer / 2
+    assert here.most_receive_buffer > 0
     assert here.environment == ()
 
 
