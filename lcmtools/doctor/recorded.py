@@ -13,6 +13,7 @@ from lcmtools.doctor.collect import clock_of
 from lcmtools.doctor.evidence import Evidence, SenderFacts
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.programs import ProgramNames
+from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SocketTable
 from lcmtools.observe.sources import LogObserver
@@ -21,7 +22,7 @@ OF_LOGS = frozenset(
     {
         *("loss", "competing-publishers", "slow-simulator", "type-mismatch", "unknown-type"),
         *("names", "callback-errors", "logged", "not-finite", "quaternions", "covariances"),
-        *("stamps", "undecodable"),
+        *("stamps", "undecodable", "damaged-log"),
     }
 )
 """The rules that judge messages alone."""
@@ -55,4 +56,9 @@ def collect_log(path: str | Path) -> Evidence:
             oddities=listening.oddities(names.name),
             logs=listening.logs(),
             clock=clock_of(listening, graph, names, {}),
+            damaged_bytes=_damaged_bytes(monitor.log) if monitor.log else 0,
         )
+
+
+def _damaged_bytes(log: LogFile) -> int:
+    return log.size - sum(event.end - event.start for event in log.events())

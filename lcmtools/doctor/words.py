@@ -24,6 +24,7 @@ TITLES = {
     "competing-publishers": "{count} programs publish on {topics:and} at the same time:",
     "container": "This is a {container} with a network of its own, and no other computer is seen",
     "covariance": "Covariances that are published are invalid:",
+    "damaged-log": "{bytes} bytes of {log} belong to no message",
     "doubled": "Messages of the following come more than once, with the same number:",
     "duplicate-names": "{count} nodes have the name {name}:",
     "environment": "The environment of this shell is not in order:",
@@ -205,6 +206,7 @@ REMEDIES = {
     "export": "`export {variable}='{value}'`",
     "find-second-way": "look for a second way to this computer: a circle of cables or bridges, two"
     " interfaces on one network, a port that mirrors; or a sender that sends all twice",
+    "fix-log": "`lcmtools bag fix {log} fixed.lcmlog` leaves them out",
     "host-network": "start the container with: --network host",
     "if-no-log": "if it is no log, its computer's clock is wrong: `sudo timedatectl set-ntp true`",
     "inspect": "see what it does: `sudo gdb -p {pid}`",

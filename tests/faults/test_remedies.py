@@ -365,6 +365,7 @@ ELSEWHERE = {  # the tests that do them
     "correct-environment": "test_a_variable_is_corrected",
     "end-standby": "test_a_relay_beside_another_one",
     "export": "test_a_program_on_another_bus",
+    "fix-log": "test_the_damaged_bytes_of_a_log_are_left_out",
     "mend-bus": "test_a_bus_without_a_route",
     "microseconds": "test_a_utime_is_sent_in_microseconds",
     "mend-line": "test_a_relay_whose_server_has_ended",

@@ -1,6 +1,7 @@
 """wtf on a bus and on saved evidence; and node cleanup, which mends one of its findings."""
 
 import json
+import shlex
 import signal
 import subprocess
 import sys
@@ -16,6 +17,8 @@ from lcmtools.doctor.evidence import Evidence, Listener, Oddity
 from lcmtools.doctor.saved import save
 from lcmtools.graph.model import Graph, Node
 from lcmtools.labs.nodes.simple_controller import SimpleController
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -304,3 +307,19 @@ def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
     options = ("--json", "--wait", "0.3s", "--ignore", "other-buses")
     rules = [finding["rule"] for finding in json.loads(lcmtools("wtf", *options).stdout)]
     assert rules == ["unconnected-subscriptions"]
+
+
+def test_the_damaged_bytes_of_a_log_are_left_out(
+    lcmtools: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    one, two, three, cut = (encode_event(n, Packet("A", bytes(40), n)) for n in range(4))
+    Path("a ride.lcm").write_bytes(one + b"x" + two + three + cut[:-5])
+    result = lcmtools("wtf", "--bag", "a ride.lcm", "--rule", "damaged-log", "--json")
+    assert result.returncode == 1
+    (found,) = json.loads(result.stdout)
+    damaged = len(one) + 1 + len(cut) - 5  # the first too: no message begins at its end
+    assert found["text"] == f"{damaged} bytes of a ride.lcm belong to no message"
+    (command,) = found["actions"][0]["commands"]
+    assert lcmtools(*shlex.split(command)[1:]).returncode == 0
+    assert lcmtools("wtf", "--bag", "fixed.lcmlog", "--rule", "damaged-log").returncode == 0

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from shlex import quote
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, found, rule, state
@@ -63,6 +64,20 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
 def messages_can_be_decoded(evidence: Evidence) -> Iterator[Finding]:
     """Messages can be decoded as the type that their fingerprint names."""
     return _odd(evidence, "undecodable", "use-lcm-gen")
+
+
+@rule("damaged-log", "lcmtools bag fix writes the log without them")
+def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
+    """All bytes of a log belong to messages.
+
+    A recorder that is killed, a full disk or a broken transfer cuts a message off or leaves bytes
+    between messages, and those that were there are lost.
+    """
+    if evidence.damaged_bytes:
+        log = evidence.url.removeprefix("file://")
+        title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
+        return found(title, None, state("fix-log", log=quote(log)))
+    return iter(())
 
 
 def _odd(

@@ -89,6 +89,7 @@ EVIDENCE = {
     ),
     "container": host(container="WSL"),
     "covariances": odd("covariance"),
+    "damaged-log": replace(GOOD, url="file:///ride.lcmlog", damaged_bytes=449),
     "doubled": replace(GOOD, streams=(replace(EVEN, doubled=20),)),
     "duplicate-names": graph(TALKER, TALKER._replace(id="u", pid=9), EAR),
     "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),

@@ -61,6 +61,7 @@ EVERYTHING = Evidence(
     clocks=(HostClock("h", "10.0.0.1", -0.5, ("/n",)),),
     remote=frozenset({"id"}),
     relays=(RelayEnd("/r", "h", "tcpq://office", "is lost", 3, ("/cmd_vel",), stands_by=True),),
+    damaged_bytes=1,
 )
 
 
