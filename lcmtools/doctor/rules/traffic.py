@@ -61,11 +61,11 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     seldom it sends, or that has latched its message. One that repeats what another has sent makes a
     circle, if it passes on what it receives. Topics meant for many, as /tf, are excepted,
     and those on which different types are sent, which another rule reports. So is a program that is
-    started again and again: one that begins after another has ended is no rival.
+    started again and again: one that has ended is no rival.
     """
     rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
     for known in _by_input(evidence):
-        several = [one for one in known if len(one.times) > 1]
+        several = [one for one in known if len(one.times) > 1 and not one.has_ended]
         streams = {one.name: one for one in several if _has_rival(one, several)}
         topics = {stream.channel for stream in streams.values()}
         if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):

@@ -172,6 +172,8 @@ def test_two_programs_that_send_at_once_compete() -> None:
     assert finding.rule == "competing-publishers"
     assert finding.text == "2 programs publish on /cmd at the same time:"
     assert finding.items == (" * alice: /cmd", " * bob: /cmd")
+    ended = replace(streams[1], has_ended=True)
+    assert found(replace(HEALTHY, streams=(streams[0], ended))) == {}
 
 
 def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_has() -> None:
