@@ -158,8 +158,6 @@ class GraphBuilder:
             self.forget(node.id)
             self._left.add(node.id)
             self._forget_behind(node.id)
-            if not node.path:
-                self._forget_traffic(node._replace(sender=packet.sender))
         if node.id in self._left:
             return  # an announcement that the goodbye has overtaken revives no node
         lag = packet.time - node.sent if node.sent else None
@@ -178,12 +176,6 @@ class GraphBuilder:
         ]
         for identifier in behind:
             self.forget(identifier)
-
-    def _forget_traffic(self, left: Node) -> None:
-        """Drop the messages of a node that has left, which are no plain program's."""
-        others = (node.senders() for node in self._nodes.values())  # of one process, for example
-        gone = left.senders().difference(*others)
-        self._traffic = {key: one for key, one in self._traffic.items() if key[1] not in gone}
 
     def _traffic_seen(self) -> Iterable[Traffic]:
         for (channel, sender), count in sorted(

@@ -228,17 +228,3 @@ def test_where_the_bus_names_no_sender_an_announced_publisher_explains_the_traff
     graph = builder.snapshot(0)
     assert graph.topic("/t").foreign == ()
     assert len(graph.topic("OTHER").foreign) == 1
-
-
-@pytest.mark.parametrize(("other", "left"), [(None, {_BOB}), (_node("/b"), {_BOB, _ALICE})])
-def test_messages_of_a_node_that_left_are_no_plain_programs(
-    other: Node | None, left: set[Sender]
-) -> None:
-    builder = GraphBuilder()
-    _announce(builder, _node(endpoints=(_publisher("/t", 1),), ports=(40_003,)))
-    if other:
-        _announce(builder, other)
-    for sender in (_ALICE, _BOB, _EVE):
-        builder.add(Packet("/t", bytes(8), 1, sender, 0))
-    _announce(builder, _node(ports=(40_003,)), time=2, leaving=True)
-    assert {seen.sender for seen in builder.snapshot(2).topic("/t").traffic} == left
