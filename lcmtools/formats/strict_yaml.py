@@ -10,13 +10,18 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lcmtools.errors import InvalidFile
-from lcmtools.formats.yaml_problem import BadYaml, explained, forbidden_character, quote_hint
+from lcmtools.formats.yaml_problem import (
+    DEEPEST,
+    TOO_DEEP,
+    BadYaml,
+    explained,
+    forbidden_character,
+    quote_hint,
+)
 
 if TYPE_CHECKING:
     import yaml
 
-DEEPEST = 100
-"""Levels of nesting; far more than any document needs."""
 MOST_REPEATED = 100_000
 """Values that aliases may repeat in a document, so that a line of text cannot fill the memory."""
 
@@ -142,7 +147,7 @@ class _Tree:
         if self._keys[-1] is None:
             raise _bad(event, "a key must be a word", quote_hint("{{"))
         if len(self._open) == DEEPEST:
-            raise _bad(event, f"nested more than {DEEPEST} levels deep")
+            raise _bad(event, TOO_DEEP)
         if event.tag not in _COLLECTION_TAGS:
             raise _unknown_tag(event)
         self._open.append((Node([] if is_list else {}, _line(event)), event.anchor))

@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import yaml
 
+DEEPEST = 100
+"""Levels of nesting; far more than any document needs."""
+TOO_DEEP = f"nested more than {DEEPEST} levels deep"
+
 _WORD_BEFORE_COLON = re.compile(r"\b([A-Za-z_]\w*):([^\s:/,}\]]+)")
 _WHOLE_BRACKETS = {"{": "{...}", "[": "[...]"}
 _SPECIAL = "@`%|>"
@@ -75,6 +79,8 @@ def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
         problem, hint = f"text cannot begin with '{at}'", "put it in quotes"
     elif at and at in "]}" and "document start" in problem:
         problem = f"this '{at}' closes nothing"
+    elif problem == "exceeded maximum nesting depth":  # of 1000, since libyaml 0.2.6
+        problem = TOO_DEEP
     else:
         hint = _flow_hint(problem, line)
     return BadYaml.at(mark, problem, hint)
