@@ -144,14 +144,16 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
     # some are stopped and continued again and again, and miss nothing
     running = {pid for pid, (computed, _) in spent.items() if computed}
-    names = programs.ProgramNames(monitor, listening, after, later)
+    # those that have said goodbye too: their messages are there
+    nodes = {node.id: node for node in (*begin.graph.nodes, *after.nodes)}
+    names = programs.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
     processes: tuple[LcmProcess, ...] = ()
     if not monitor.is_log:
         processes = programs.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
     return replace(
         evidence,
-        graph=after,
+        graph=_without_the_left(after, begin.graph),
         listened=listen,
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
@@ -208,6 +210,13 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
         if are_named and not any(map(_may_answer, graph.nodes)):
             break
     return graph
+
+
+def _without_the_left(graph: Graph, before: Graph) -> Graph:
+    """The graph without what nodes sent before their goodbye, which is no plain program's."""
+    was, now = ({s for node in one.nodes for s in node.senders()} for one in (before, graph))
+    stayed = (seen for seen in graph.traffic if seen.sender not in was - now)
+    return graph._replace(traffic=tuple(stayed))
 
 
 def _may_answer(node: Node) -> bool:

@@ -6,7 +6,7 @@ import re
 import resource
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from ipaddress import IPv4Address
 from pathlib import Path
@@ -204,18 +204,18 @@ class ProgramNames:
     """The names of senders and processes, for people."""
 
     def __init__(
-        self, monitor: BusMonitor, listening: Listening, graph: Graph, table: SocketTable
+        self, monitor: BusMonitor, listening: Listening, nodes: Collection[Node], table: SocketTable
     ) -> None:
         self.table = table
         self.by_pid: dict[int, list[Node]] = {}
-        for node in graph.nodes:
+        for node in nodes:
             if is_here(node):
                 self.by_pid.setdefault(node.pid, []).append(node)
         self.senders = SenderNames(lambda _: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap
         self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
-        self.senders.learn((), graph.nodes)
+        self.senders.learn((), nodes)
 
     def name(self, sender: Sender | None) -> str:
         """A sender's node, else its process; of a port that Java programs share, the candidates."""

@@ -42,7 +42,7 @@ def collect_log(path: str | Path) -> Evidence:
             first = first or packet.time
             listening.take(packet)
         graph = monitor.graph()
-        names = ProgramNames(monitor, listening, graph, SocketTable({}, {}))
+        names = ProgramNames(monitor, listening, graph.nodes, SocketTable({}, {}))
         return Evidence(
             str(url),
             graph=graph,

@@ -138,7 +138,7 @@ class World:
         """A program of the lcm package; a listener once it has joined the bus."""
         program = self.start(self.program(name), *arguments, **environment)
         if name != "lcm-source":
-            self.until(lambda: _listens(program.pid))
+            self.until(lambda: self.listens(program))
         return program
 
     def c(self, name: str, *arguments: str, **environment: str) -> Any:
@@ -192,7 +192,7 @@ class World:
         if command[0] == self.command:
             self.until(lambda: program.pid in self.pids(**renewed))
         elif not command[0].endswith("lcm-source"):
-            self.until(lambda: program.lines or _listens(program.pid))
+            self.until(lambda: program.lines or self.listens(program))
         return program
 
     def obey(self, found: Found, *kinds: str) -> None:
@@ -295,6 +295,16 @@ class World:
         """The processes of the nodes on a bus."""
         return {node.pid for node in self.graph(**environment).nodes}
 
+    def listens(self, program: Any) -> bool:
+        """Return whether a program listens to a multicast group."""
+        rows = Path(f"/proc/{program.pid}/net/udp").read_text().splitlines()[1:]
+        held = set()
+        for file in Path(f"/proc/{program.pid}/fd").iterdir():
+            with suppress(OSError):  # closed meanwhile
+                held.add(str(file.readlink()))
+        mine = [row.split() for row in rows if f"socket:[{row.split()[9]}]" in held]
+        return any(row[1].split(":")[0].endswith("EF") or row[1].endswith(":1DF3") for row in mine)
+
     def until(self, condition: Callable[[], object], timeout: float = 40.0) -> None:
         """Wait for something; fails the test where it does not come."""
         deadline = time.monotonic() + timeout
@@ -358,17 +368,6 @@ def _missing(found: Sequence[Found], texts: Sequence[str]) -> list[str]:
 
 def _told(found: Sequence[Found]) -> str:
     return "\n".join(f"{one.rule} ({one.severity}): {one.everything}" for one in found) or "nothing"
-
-
-def _listens(pid: int) -> bool:
-    """Return whether anything of a process's network listens to a multicast group."""
-    rows = Path(f"/proc/{pid}/net/udp").read_text().splitlines()[1:]
-    held = set()
-    for file in Path(f"/proc/{pid}/fd").iterdir():
-        with suppress(OSError):  # closed meanwhile
-            held.add(str(file.readlink()))
-    mine = [row.split() for row in rows if f"socket:[{row.split()[9]}]" in held]
-    return any(row[1].split(":")[0].endswith("EF") or row[1].endswith(":1DF3") for row in mine)
 
 
 @pytest.fixture

@@ -195,6 +195,21 @@ def test_watch_shows_what_appears_and_clears(world: Any) -> None:
     world.is_silent()
 
 
+def test_a_node_that_ends_during_a_look_is_no_plain_program(world: Any) -> None:
+    world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Pose", "{orientation: {w: 1}}")
+    ends = world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Quaternion", "{}")
+    (name,) = (node.name for node in world.graph().nodes if node.pid == ends.pid)
+    look = world.start(world.command, "wtf", "--json", "--wait", "4s")
+    world.until(lambda: world.listens(look))
+    begin = _sent(world, ends.pid)
+    world.until(lambda: _sent(world, ends.pid) > begin + 20)
+    world.end(ends)
+    look.wait()
+    found = [one for one in json.loads("\n".join(look.lines)) if one["severity"] != "unchecked"]
+    assert [one["rule"] for one in found] == ["quaternions"]
+    assert name in str(found)
+
+
 def test_a_topic_that_nothing_publishes(world: Any) -> None:
     world.node("listener")
     found = world.finds(UNFED, "start what publishes /chatter")
@@ -212,6 +227,11 @@ def test_a_node_without_spin_is_told_before_its_queue_is_full(world: Any) -> Non
     ear = world.script(EARS)
     world.until(lambda: ear.pid in world.pids() and _received(world) > 5)
     world.is_silent()
+
+
+def _sent(world: Any, pid: int) -> int:
+    nodes = [node for node in world.graph().nodes if node.pid == pid]
+    return max(end.messages for node in nodes for end in node.endpoints)
 
 
 def _received(world: Any) -> int:

@@ -9,7 +9,7 @@ from typing import cast
 import pytest
 
 from lcmtools.doctor import brief, collect
-from lcmtools.doctor.collect import _counted_again
+from lcmtools.doctor.collect import _counted_again, _without_the_left
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
@@ -113,3 +113,11 @@ def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
     found = collect._look(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
     assert parts == pytest.approx(taken)
     assert found.listened == pytest.approx(listened)
+
+
+def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs() -> None:
+    stays, leaves, plain = (Sender("127.0.0.1", port) for port in (1, 2, 3))
+    nodes = [Node(f"/{one.port}", str(one.port), "h", 1, sender=one) for one in (stays, leaves)]
+    traffic = tuple(Traffic("/a", one, (), 1, 8, 0, 0) for one in (stays, leaves, plain))
+    found = _without_the_left(Graph((nodes[0],), traffic), before=Graph(tuple(nodes)))
+    assert [seen.sender for seen in found.traffic] == [stays, plain]
