@@ -19,6 +19,8 @@ MAX_CHANNEL_BYTES = 63
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
 _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
+_NEAR = 0.65  # of 1, for identical; "position" and "friction" have 0.625
+
 _WILDCARD = re.compile(r"\*\*|[*?]")
 _MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
 
@@ -222,10 +224,10 @@ def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
     def is_near(candidate: str) -> bool:
         rest = candidate.removeprefix(namespace + slash)
         whole = last if rest != candidate else name.lower()
-        return bool(get_close_matches(whole, [rest], 1, 0.6))
+        return bool(get_close_matches(whole, [rest], 1, _NEAR))
 
     by_lower = {candidate.lower(): candidate for candidate in known}
-    near = get_close_matches(name.lower(), filter(is_near, by_lower), count, 0.6)
+    near = get_close_matches(name.lower(), filter(is_near, by_lower), count, _NEAR)
     return [by_lower[candidate] for candidate in near]
 
 
