@@ -77,7 +77,7 @@ TITLES = {
     "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
     "small-buffer": "{topic} from {sender} has {bytes} bytes, too many for the receive buffers of:",
     "stale-nodes": "The following nodes do not answer any more:",
-    "stopped-programs": "The following programs are stopped, and send nothing:",
+    "stopped-programs": "The following programs are stopped: they send and receive nothing:",
     "stuck-listeners": "The following are subscribed, but do not read:",
     "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
     "ttl-far": "The following let routers forward their messages to other networks:",
@@ -196,6 +196,7 @@ REMEDIES = {
     "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them with"
     " the code that lcm-gen makes of it",
     "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
+    "end-one-or-part": "end one of them{pids:kills}, or start {other} on another bus",
     "end-one-or-remap": "end one of them{pids:kills}, or start {other} with {old}:={new}",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
     "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",

@@ -239,6 +239,9 @@ OBEYED = (
     ("start-simulator", "no-clock", _planted(_runs("talker", "_use_sim_time:=true"))),
     ("start-something", "no-traffic", lambda _: None),
     ("end-one-or-remap", "competing-publishers", _planted(*_PAIR, _runs("talker", "__name:=b"))),
+    ("end-one-or-part", "competing-publishers", _planted(
+        lambda world: world.tool("pub", "-r", "5", "/RosAria/cmd_vel", "geometry_msgs/Twist", "{}"),
+        *(_runs("sim", "--world", "pioneer", f"__name:={name}") for name in "ab"))),
     ("end-one-or-rename", "competing-publishers",
      _planted(_hears("A"), *2 * [_sends("bus.publish('A', Twist().encode())")])),
     ("namespace", "unconnected-subscriptions",

@@ -74,7 +74,8 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         names = sorted({stream.channel for stream in several})
         count = len({one.name for one in several})
         title = state("competing-publishers", count=count, topics=names)
-        repeat = [one for one in several if one.repeated >= _SOME]
+        # two simulators send the same without passing it on
+        repeat = [one for one in several if one.repeated >= _SOME and "/clock" not in names]
         facts = (
             state("repeats", sender=one, topic=one.channel, count=one.repeated)
             if one in repeat
@@ -82,7 +83,7 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             for one in several
         )
         circle = ["open-circle"] if repeat else []
-        yield from found(title, facts, *circle, _parting(evidence, several, names[0]))
+        yield from found(title, facts, *circle, _parting(evidence, several, names))
 
 
 def doubt(evidence: Evidence) -> float:
@@ -134,14 +135,17 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
                     yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
-def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> Statement:
-    """The remedy for several that compete for a topic."""
+def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
+    """The remedy for several that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     known = {"pids": pids if len(pids) > 1 else ()}
     node = next((nodes[one.sender] for one in streams if one.sender in nodes), None)
     if node is None:
         return state("end-one-or-rename", **known)
+    if len(topics) > 1 or "/clock" in topics:  # two simulators, for example
+        return state("end-one-or-part", other=node, **known)
+    (topic,) = topics
     old = remap_argument(node, topic).partition(":=")[0] or topic
     return state("end-one-or-remap", other=node, old=old, new=f"{topic}_2", **known)
 

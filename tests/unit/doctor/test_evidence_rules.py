@@ -195,6 +195,17 @@ def test_a_program_that_repeats_what_it_receives_may_make_a_circle() -> None:
     )
 
 
+def test_two_simulators_make_no_circle_and_no_remap_parts_them() -> None:
+    node = Node("/b", "b", "h", 8, sender=BOB, endpoints=(Endpoint("/clock", Role.PUBLISHER),))
+    again = replace(stream("/clock", 10, sender=BOB, name="/b"), repeated=9)
+    graph = HEALTHY.graph._replace(nodes=(node,))
+    finding = found(replace(HEALTHY, streams=(stream("/clock", 10), again), graph=graph))[
+        "competing-publishers"
+    ]
+    assert finding.items == (" * alice: /clock", " * /b: /clock")
+    assert finding.remedies == ("end one of them, or start /b on another bus",)
+
+
 @pytest.mark.parametrize("messages", [0, 1])
 def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
     ends = (Endpoint("/cmd", Role.PUBLISHER, messages=messages),)
