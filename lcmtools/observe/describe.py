@@ -25,11 +25,22 @@ def size_text(value: float | None) -> str:
 
 
 def type_text(topic: Topic) -> str:
-    """Return a topic's type: as announced, else by the fingerprints seen, else "unknown type".
+    """Return a topic's types in a line; "unknown type" where none is known.
 
     Several differing types are all named: that is a fault, and lcmtools wtf explains it.
     """
-    return ", ".join(topic.types or seen_types(topic.fingerprints)) or UNKNOWN
+    return ", ".join(topic_types(topic)) or UNKNOWN
+
+
+def topic_types(topic: Topic) -> tuple[str, ...]:
+    """Return a topic's types: as announced, else by the fingerprints seen.
+
+    What plain programs send beside the announced types is named, too, as "unknown type" if it is.
+    """
+    declared = {f for _, end in topic.publishers + topic.subscribers for f in end.fingerprints}
+    plain = (f for seen in topic.foreign if declared and not seen.types for f in seen.fingerprints)
+    odd = ((*candidates(value), UNKNOWN)[0] for value in plain if value not in declared)
+    return tuple(dict.fromkeys((*(topic.types or seen_types(topic.fingerprints)), *odd)))
 
 
 def seen_types(fingerprints: Iterable[int]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.model import Graph, Node, Role, Traffic
-from lcmtools.observe.describe import seen_types
+from lcmtools.observe.describe import topic_types
 from lcmtools.observe.senders import Program, is_here
 
 _FLOWS = {
@@ -128,7 +128,7 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
     found = []
     for number, name in enumerate(topics, 1):
         topic = graph.topic(name)
-        known = topic.types or seen_types(topic.fingerprints)
+        known = topic_types(topic)
         messages = max(sent[name], sum(one.messages for one in topic.traffic))
         found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
     types: dict[str, dict[str, None]] = defaultdict(dict)  # of services, as a set in order

@@ -1,0 +1,36 @@
+"""The types of a topic, in lists and graphs."""
+
+import pytest
+
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.registry import fingerprint
+from lcmtools.observe.describe import type_text
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Sender
+
+_PLAIN = Sender("127.0.0.1", 50_000)
+_UNKNOWN = 1
+
+
+@pytest.mark.parametrize(
+    ("announced", "sent", "text"),
+    [
+        pytest.param("", [], "unknown type", id="nothing known"),
+        pytest.param("", [fingerprint(Twist)], "geometry_msgs/Twist", id="as it is sent"),
+        pytest.param("std_msgs/String", [], "std_msgs/String", id="as it is announced"),
+        pytest.param("std_msgs/String", [fingerprint(String)], "std_msgs/String", id="the same"),
+        pytest.param("own/Text", [fingerprint(String)], "own/Text", id="equal fields"),
+        pytest.param(
+            "std_msgs/String",
+            [fingerprint(Twist), _UNKNOWN],
+            "std_msgs/String, geometry_msgs/Twist, unknown type",
+            id="several",
+        ),
+    ],
+)
+def test_all_types_are_named(announced: str, sent: list[int], text: str) -> None:
+    ends = (Endpoint("/a", Role.SUBSCRIBER, (announced,), (fingerprint(String),)),)
+    node = Node("/ear", "e", "h", 1, endpoints=ends if announced else ())
+    traffic = (Traffic("/a", _PLAIN, tuple(sent), len(sent), 8, 0, 0),)
+    assert type_text(Graph((node,), traffic).topic("/a")) == text
