@@ -64,6 +64,7 @@ def test_a_topic_that_is_read_is_the_channel_or_the_topic(
 def test_a_near_miss_is_suggested() -> None:
     assert names.did_you_mean("udmp", ["udpm", "tcpq"]) == "did you mean udpm?"
     assert names.did_you_mean("CHATER", ["/chatter", "/scan"]) == "did you mean /chatter?"
+    assert names.did_you_mean("position", ["friction", "size"]) == ""
     assert names.did_you_mean("zzz", ["udpm", "tcpq"]) == ""
     assert names.did_you_mean("anything", []) == ""
     assert names.did_you_mean("memq", ["memq", "mema"]) == "did you mean mema?"
