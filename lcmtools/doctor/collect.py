@@ -215,8 +215,8 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
 def _without_the_left(graph: Graph, before: Graph) -> Graph:
     """The graph without what nodes sent before their goodbye, which is no plain program's."""
     was, now = ({s for node in one.nodes for s in node.senders()} for one in (before, graph))
-    stayed = (seen for seen in graph.traffic if seen.sender not in was - now)
-    return graph._replace(traffic=tuple(stayed))
+    left = was - now
+    return graph._replace(traffic=tuple(x for x in graph.traffic if x.sender not in left))
 
 
 def _may_answer(node: Node) -> bool:
