@@ -88,7 +88,7 @@ class LcmBus:
         instance, paced = self._connection.instance, self._paced
         if instance is None:
             raise self._missing()
-        if paced and (len(payload) > PACED_ABOVE_BYTES or paced.has_waiting(channel)):
+        if paced and (len(payload) > PACED_ABOVE_BYTES or channel in paced.channels):
             paced.send(channel, payload)
             return
         try:

@@ -11,7 +11,7 @@ takes longer than computing them.
 import contextlib
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Sequence
 
 from lcmtools.bus.kernel import cuts_datagrams, send_cut
@@ -41,6 +41,8 @@ class PacedSender:
         self._cuts = cuts_datagrams(self._socket)
         self._seqno = 0
         self._waiting: deque[tuple[str, bytes]] = deque()
+        self.channels: Counter[str] = Counter()
+        """The channels of messages that wait or are being sent: none may overtake them."""
         self._waiting_bytes = 0
         self._changed = threading.Condition()
         self._closed = False
@@ -69,6 +71,7 @@ class PacedSender:
             if self._closed:
                 raise BusError("the bus is closed")
             self._waiting.append((channel, payload))
+            self.channels[channel] += 1
             self._waiting_bytes += len(payload)
             self._changed.notify_all()
 
@@ -104,13 +107,6 @@ class PacedSender:
             self._seqno += len(messages)
             return True
 
-    def has_waiting(self, channel: str) -> bool:
-        """Return whether a message of this channel waits or is being sent: none may overtake it."""
-        if not self._waiting:
-            return False
-        with self._changed:
-            return any(waiting == channel for waiting, _ in self._waiting)
-
     def close(self) -> None:
         """Send queued messages, for half a second at most, and close the socket."""
         with self._changed:
@@ -129,7 +125,8 @@ class PacedSender:
                 channel, payload = self._waiting[0]
             self._send_now(channel, payload)
             with self._changed:
-                self._waiting.popleft()  # only now: see has_waiting
+                self._waiting.popleft()
+                self.channels -= Counter([channel])  # only now; it keeps none without messages
                 self._waiting_bytes -= len(payload)
                 self._changed.notify_all()
 

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError, UsageError, ValueMismatch, explained
 from lcmtools.graph.model import Endpoint, Graph, Role
-from lcmtools.messages.codec import encode
+from lcmtools.messages.codec import PayloadEncoder
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.checks import misfit
 
@@ -128,6 +128,7 @@ class Publisher(PayloadPublisher, Generic[MessageT]):
         kind = type_name(message_type), fingerprint(message_type)
         super().__init__(bus, kind, topic, depth, graph)
         self.message_type = message_type
+        self._encode = PayloadEncoder(message_type).encode
 
     @explained
     def publish(self, message: MessageT) -> None:
@@ -145,7 +146,7 @@ class Publisher(PayloadPublisher, Generic[MessageT]):
         if self.is_destroyed:
             raise UsageError(f"the publisher of {self.topic} was destroyed and sends nothing")
         try:
-            payload = encode(message)
+            payload = self._encode(message)
         except ValueMismatch as error:
             what = error.what.removeprefix(f"{self._type_name}: ")
             raise ValueMismatch(f"{self.topic}: {self._type_name}: {what}", error.hint) from None

@@ -79,7 +79,7 @@ class UdpmEnd:
         """See ``BusEnd``."""
         channel, payload = message.channel, message.payload
         try:
-            if len(payload) > PACED_ABOVE_BYTES or self._paced.has_waiting(channel):
+            if len(payload) > PACED_ABOVE_BYTES or channel in self._paced.channels:
                 self._paced.send(channel, payload)
             else:
                 with self._sending:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lcmtools.errors import ValueMismatch
-from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.codec import PayloadEncoder, decode, encode
 from lcmtools.types import geometry_msgs, lcmtools_msgs, sensor_msgs, std_msgs
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
@@ -258,9 +258,11 @@ def with_value(path: str, value: object, make: Callable[[], object]) -> object:
 def test_a_wrong_value_is_named_with_its_path(
     make: Callable[[], object], path: str, value: object, line: str
 ) -> None:
-    with pytest.raises(ValueMismatch) as caught:
-        encode(with_value(path, value, make))  # type: ignore[arg-type] # wrong on purpose
-    assert str(caught.value) == line
+    message = with_value(path, value, make)
+    for wrong in (encode, PayloadEncoder(type(make())).encode):  # type: ignore[arg-type] # of any
+        with pytest.raises(ValueMismatch) as caught:
+            wrong(message)  # type: ignore[arg-type] # wrong on purpose
+        assert str(caught.value) == line
 
 
 def test_arrays_that_share_a_length_must_agree(odd: ModuleType) -> None:
@@ -308,8 +310,9 @@ def test_arrays_of_arrays_must_be_rectangular(
 def test_a_message_that_contains_itself_is_refused(odd: ModuleType) -> None:
     message = odd.Tree()
     message.children = [message]
-    with pytest.raises(ValueMismatch, match="odd/Tree: contains itself"):
-        encode(message)
+    for too_deep in (encode, PayloadEncoder(odd.Tree).encode):
+        with pytest.raises(ValueMismatch, match="odd/Tree: contains itself"):
+            too_deep(message)
 
 
 def test_what_is_no_message_is_refused() -> None:

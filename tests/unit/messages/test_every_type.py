@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.codec import PayloadEncoder, decode, encode
 from lcmtools.messages.coder import coder
 from lcmtools.messages.definition import definition
 from lcmtools.messages.fields import Field, fields, visible_fields
@@ -93,7 +93,8 @@ def check_round_trips(message: Message) -> None:
     decoded = decode(cls, payload)
     assert encode(decoded) == payload
     assert comparable(coder(cls).read(Cursor(payload, 8))) == comparable(decoded)
-    assert message.encode() == payload
+    encoder = PayloadEncoder(cls)
+    assert [encoder.encode(message), encoder.encode(message), message.encode()] == 3 * [payload]
     assert comparable(decoded) == comparable(cls.decode(payload))  # type: ignore[attr-defined] # not in the protocol
     for text in (format_message(decoded), to_json(decoded)):
         assert encode(draft_from_values(cls, [text]).message) == payload
