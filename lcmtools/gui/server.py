@@ -9,7 +9,9 @@ import errno
 import logging
 import mimetypes
 import os
-from collections.abc import Callable, Mapping
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from http import HTTPStatus
 from pathlib import Path
 
@@ -34,6 +36,7 @@ _MOST_PAGES = 100
 _WAITING_BYTES = 1 << 16  # that are handed to the system before a stream waits
 _RUBBISH = 1008  # the close code: it violates the policy
 _CLOSE_TIMEOUT = 1.0  # [s] for a page's answer when the server ends
+_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Server:
@@ -64,12 +67,8 @@ class Server:
         with contextlib.closing(asyncio.new_event_loop()) as loop:
             task = loop.create_task(self.run(address, port, on_start))
             try:
-                loop.run_until_complete(task)
-            except KeyboardInterrupt:
-                task.cancel()
-                with contextlib.suppress(asyncio.CancelledError):
+                with _cancelled_by_signals(loop, task), contextlib.suppress(asyncio.CancelledError):
                     loop.run_until_complete(task)
-                raise
             finally:
                 loop.run_until_complete(loop.shutdown_default_executor())
 
@@ -171,6 +170,36 @@ class Server:
         if text not in self._said and len(self._said) < _MOST_PAGES:
             self._said.add(text)
             self._notify(text)
+
+
+@contextlib.contextmanager
+def _cancelled_by_signals(
+    loop: asyncio.AbstractEventLoop, task: "asyncio.Task[None]"
+) -> Iterator[None]:
+    """Let Ctrl-C and other signals that have handlers cancel a task, and come again afterwards.
+
+    Raised anywhere in the loop, KeyboardInterrupt may leave a connection half closed, for whose end
+    the server would wait for ever.
+    """
+    is_main = threading.current_thread() is threading.main_thread()
+    before = {number: signal.getsignal(number) for number in _ENDING if is_main}
+    handled = {number: handler for number, handler in before.items() if callable(handler)}
+    came: list[int] = []
+
+    def cancel(number: int) -> None:
+        came.append(number)
+        task.cancel()
+
+    for number in handled:
+        loop.add_signal_handler(number, cancel, number)
+    try:
+        yield
+    finally:
+        for number, handler in handled.items():
+            loop.remove_signal_handler(number)
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
 
 
 def _files() -> list[Path]:

@@ -7,7 +7,7 @@ import socket
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from http.client import HTTPConnection
 from typing import Any
 
@@ -18,12 +18,16 @@ from fixtures.window import LivePage, LiveWindow
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.url import parse_url
 from lcmtools.gui import streams
-from lcmtools.gui.access import HEADERS
+from lcmtools.gui.access import HEADERS, access_for
 from lcmtools.gui.protocol import LONGEST_REQUEST
+from lcmtools.gui.server import Server
+from lcmtools.gui.source import BusSource
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sensor_msgs import CompressedImage
@@ -408,6 +412,23 @@ def test_ctrl_c_tells_all_pages_and_ends(
         assert caught.value.rcvd is not None
         assert caught.value.rcvd.code == 1001
     assert program.wait() == 128 + signal.SIGINT
+
+
+def test_a_signal_waits_for_the_step_that_the_server_does(bus_url: str) -> None:
+    """Within asyncio, an interrupt can leave a connection half closed, which never ends."""
+    done: list[int] = []
+
+    def start(port: int) -> None:
+        signal.raise_signal(signal.SIGINT)
+        done.append(port)
+
+    before = signal.getsignal(signal.SIGINT)
+    with BusMonitor(parse_url(bus_url), "gui", {}) as monitor, closing(BusSource(monitor)) as bus:
+        server = Server(bus, access_for(None), {}, lambda _: None)
+        with pytest.raises(KeyboardInterrupt):
+            server.run_until_interrupted("127.0.0.1", 0, start)
+    assert len(done) == 1
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_a_port_in_use_is_an_error_with_the_next_step(
