@@ -37,6 +37,7 @@ class DoctorFindings(PageStream):
         self._fault = ""
         self._process: subprocess.Popen[bytes] | None = None
         self._ends_soon = threading.Event()
+        self._starting = threading.Lock()  # what is closed meanwhile must know whom to end
         self.until_closed(self._end)
         threading.Thread(target=self._run, name="findings", daemon=True).start()
 
@@ -50,8 +51,9 @@ class DoctorFindings(PageStream):
 
     def _end(self) -> None:
         self._ends_soon.set()
-        if self._process is not None:
-            self._process.kill()
+        with self._starting:
+            if self._process is not None:
+                self._process.kill()
 
     def _run(self) -> None:
         while not self._ends_soon.is_set():
@@ -64,12 +66,13 @@ class DoctorFindings(PageStream):
     def _look(self) -> list[Json] | None:
         """Return what wtf finds now; None where it is ended, or cannot look."""
         silent = subprocess.DEVNULL
-        self._process = subprocess.Popen(  # noqa: S603 - our own command
-            self._command, stdin=silent, stdout=subprocess.PIPE, stderr=silent
-        )
-        with self._process as process:
+        with self._starting:
             if self._ends_soon.is_set():
-                process.kill()
+                return None
+            self._process = subprocess.Popen(  # noqa: S603 - our own command
+                self._command, stdin=silent, stdout=subprocess.PIPE, stderr=silent
+            )
+        with self._process as process:
             try:
                 output, _ = process.communicate(timeout=_LONGEST)
                 records: list[Mapping[str, Any]] = json.loads(output)
