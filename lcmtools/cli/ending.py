@@ -52,7 +52,7 @@ def interrupting_signals() -> Iterator[list[int]]:
 
     Also where SIGINT was ignored when the process began, as a shell script has it for what it
     starts with "&": kill -INT ends a command there as it ends rostopic. One that Python ignores,
-    because it comes while an object is finalized, comes again.
+    because it comes while an object is finalized, comes again. The interrupts carry the exit code.
     """
     signals: list[int] = []
 
@@ -60,7 +60,7 @@ def interrupting_signals() -> Iterator[list[int]]:
         if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
             return
         signals.append(number)
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(exit_code(signals[0]))
 
     def interrupt_again(ignored: "sys.UnraisableHookArgs") -> None:
         if ignored.exc_type is KeyboardInterrupt:  # came in a clean-up, as each import has one

@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 import sysconfig
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -122,6 +123,42 @@ def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
         "lcmtools pub: no node subscribes to /a yet; publishing all the same",
         "publishing and latching message. Press ctrl-C to terminate",
     }
+
+
+def _run_program(lines: str) -> tuple[int, bytes, bytes]:
+    """Run ``lcmtools config`` after these lines; return its exit code, output and errors."""
+    begin = "import signal, sys\nfrom lcmtools.__main__ import run\nsys.argv[1:] = ['config']\n"
+    program = [sys.executable, "-c", f"{begin}{lines}\nrun()"]
+    ended = subprocess.run(program, capture_output=True, check=False, timeout=40)
+    return ended.returncode, ended.stdout, ended.stderr
+
+
+@pytest.mark.parametrize("number", [*SIGNALS, signal.SIGHUP])
+@pytest.mark.parametrize("place", ["provide_user_types", "set_supply"])
+def test_signal_just_before_or_after_a_command_has_its_code_too(
+    number: signal.Signals, place: str
+) -> None:
+    lines = f"""
+from lcmtools.cli import main
+main.root.invoke = lambda _: 0
+main.{place} = lambda *_: signal.raise_signal({number:d})"""
+    assert _run_program(lines) == (128 + number, b"", b"")
+
+
+def test_ctrl_c_that_python_ignores_while_the_command_line_is_imported_ends_it() -> None:
+    """Python has callbacks in each import, and drops what they raise."""
+    lines = """
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "lcmtools.cli.main":
+            Finalized()
+
+class Finalized:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())"""
+    assert _run_program(lines) == (130, b"", b"")
 
 
 @pytest.mark.parametrize("number", SIGNALS)
