@@ -27,6 +27,7 @@ BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 _READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
 
+_DOUBLED = 0.05  # [s] in which a second signal is the same request: timeout(1) sends two
 _SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
 _AGAIN = 1.0  # [s] from one to the next, while a command goes on though its reader is gone
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
@@ -55,10 +56,18 @@ def interrupting_signals() -> Iterator[list[int]]:
     because it comes while an object is finalized, comes again. The interrupts carry the exit code.
     """
     signals: list[int] = []
+    asking = _ending_signals()
+    doubled_until = 0.0
 
     def interrupt(number: int, _frame: FrameType | None) -> None:
+        nonlocal doubled_until
         if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
             return
+        if number in asking:
+            now = time.monotonic()
+            if now < doubled_until:
+                return
+            doubled_until = now + _DOUBLED
         signals.append(number)
         raise KeyboardInterrupt(exit_code(signals[0]))
 
@@ -68,7 +77,7 @@ def interrupting_signals() -> Iterator[list[int]]:
         else:
             show(ignored)
 
-    numbers = (*_ending_signals(), signal.SIGALRM, _READER_GONE)
+    numbers = (*asking, signal.SIGALRM, _READER_GONE)
     before = {number: signal.signal(number, interrupt) for number in numbers}
     show, sys.unraisablehook = sys.unraisablehook, interrupt_again
     try:

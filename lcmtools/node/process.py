@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import FrameType
@@ -22,6 +23,8 @@ from lcmtools.settings import read_user_file
 
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
+_DOUBLED = 0.05
+"""Seconds in which a second signal is the same request: timeout(1) sends two."""
 
 
 class _Process:
@@ -34,6 +37,7 @@ class _Process:
         self.context: Context | None = None
         self.note = ""
         self.handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
+        self.doubled_until = 0.0  # by the monotonic clock
 
 
 _process = _Process()
@@ -166,7 +170,10 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
     if not context.ok():
         if number == signal.SIGHUP:  # a shell that ends and its terminal both send one
             return
+        if time.monotonic() < _process.doubled_until:
+            return
         raise KeyboardInterrupt
+    _process.doubled_until = time.monotonic() + _DOUBLED
     context.stop()
     thread = threading.Timer(_GRACE, _interrupt_again, [context])
     thread.daemon = True

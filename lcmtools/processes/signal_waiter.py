@@ -7,10 +7,12 @@ import contextlib
 import select
 import signal
 import socket
+import time
 from collections.abc import Sequence
 from types import FrameType
 
 _ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_DOUBLED = 0.05  # [s] in which a second signal is the same request: timeout(1) sends two
 
 
 class SignalWaiter:
@@ -24,6 +26,7 @@ class SignalWaiter:
     def __init__(self) -> None:
         self._receiver, self._sender = socket.socketpair()
         self._asked: list[int] = []
+        self._doubled_until = 0.0
         self._is_late = False  # something has happened that wait has not reported yet
 
     def __enter__(self) -> "SignalWaiter":
@@ -83,4 +86,7 @@ class SignalWaiter:
                 pass
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
-        self._asked.append(number)
+        now = time.monotonic()
+        if now >= self._doubled_until:
+            self._doubled_until = now + _DOUBLED
+            self._asked.append(number)

@@ -216,6 +216,19 @@ def test_what_a_program_does_after_the_spin_is_not_broken_off(
     assert victim.lines[-1] == "robot stopped"
 
 
+def test_two_signals_at_once_do_not_break_off_what_a_program_does_after_the_spin(
+    run: Callable[..., Any],
+) -> None:
+    """As timeout(1) sends them."""
+    victim = run(
+        _HEAD + 'import signal\nnode = Node("victim")\n'
+        "for _ in range(2):\n    signal.raise_signal(signal.SIGTERM)\n"
+        "lcmtools.spin(node)\nprint('robot stopped')\nlcmtools.shutdown()\n"
+    )
+    assert victim.wait() == 0, victim.output
+    assert victim.lines[-1] == "robot stopped"
+
+
 def test_what_a_program_does_after_its_own_loop_is_not_broken_off(
     run: Callable[..., Any],
 ) -> None:

@@ -35,6 +35,14 @@ def test_an_interrupt_that_python_ignores_comes_again(number: int) -> None:
     assert signals[0] == number
 
 
+def test_two_signals_at_once_interrupt_a_command_once_so_that_its_clean_up_is_done() -> None:
+    with interrupting_signals() as signals:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+    assert signals == [signal.SIGTERM]
+
+
 def test_other_exceptions_that_python_ignores_are_shown_and_nothing_is_left_behind(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1,0 +1,12 @@
+"""Signals as events."""
+
+import signal
+
+from lcmtools.processes.signal_waiter import SignalWaiter
+
+
+def test_two_signals_at_once_ask_once() -> None:
+    with SignalWaiter() as signals:
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+        assert signals.take() == [signal.SIGTERM]
