@@ -5,7 +5,7 @@ Belongs here: the text of a type's fields, constants and defaults. Must not know
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.fields import Field, constants, visible_fields
 from lcmtools.messages.plain import Plain, to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import INTEGERS
@@ -65,14 +65,14 @@ def _lines(cls: type[Message], indent: str, outer: tuple[type[Message], ...]) ->
 
 
 def _constants(cls: type[Message]) -> Iterator[str]:
-    values = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
+    values = constants(cls)
     whole = [value for value in values.values() if isinstance(value, int)] or [0]
     least, most = min(whole), max(whole)
     kind = next(name for name, (low, high) in INTEGERS.items() if low <= least and most <= high)
     for name, value in values.items():
         if isinstance(value, str):
             yield f"string {name}={value}"
-        elif isinstance(value, (int, float)):
+        else:
             yield f"{kind if isinstance(value, int) else 'float64'} {name}={value}"
 
 

@@ -70,6 +70,13 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
     return tuple(field for field in fields(cls) if not field.is_length)
 
 
+@cache
+def constants(cls: type[Message]) -> dict[str, int | float | str]:
+    """The constants of a class by name; lcm-gen keeps their values, not their types."""
+    named = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
+    return {name: value for name, value in named.items() if isinstance(value, (int, float, str))}
+
+
 def fields_hint(cls: type[Message]) -> str:
     """The fields of a class for an error: "fields: x, y", or that it has none."""
     names = ", ".join(field.name for field in visible_fields(cls))

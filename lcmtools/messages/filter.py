@@ -1,7 +1,7 @@
 """Filter expressions: ``m.data == 'x'``, ``hypot(linear.x, linear.y) > 0.5 and not isnan(angle)``.
 
-Belongs here: the names in an expression, which are the fields of a message. ``m`` is the message;
-its fields may also be named alone. Must not know where the messages come from.
+Belongs here: the names in an expression, which are the fields and constants of a message. ``m`` is
+the message; its fields may also be named alone. Must not know where the messages come from.
 """
 
 import ast
@@ -11,7 +11,7 @@ from typing import cast
 from lcmtools.errors import ValueMismatch
 from lcmtools.formats.expression import Expression, ExpressionFault, Language, NoValue, operands
 from lcmtools.formats.operations import CONSTANTS, comparable
-from lcmtools.messages.fields import field_name, visible_fields
+from lcmtools.messages.fields import constants, field_name, visible_fields
 from lcmtools.messages.path import Slice, Target, element_target, field_target, root_target
 from lcmtools.messages.registry import Message
 
@@ -63,12 +63,12 @@ class Filter:
             if node.id == "m":
                 return root
             cls = cast("type[Message]", root.message_class)
-            return None if _is_constant(node.id, cls) else field_target(root, node.id, "")
+            return None if _is_constant(node.id, cls) else _named_target(root, node.id, "")
         if isinstance(node, ast.Attribute):
             owner = self._check_names(node.value, root)
             if owner is None:
                 raise ValueMismatch(f"filter: '{place(node)}' is not a field of the message")
-            return field_target(owner, node.attr, place(node.value))
+            return _named_target(owner, node.attr, place(node.value))
         if isinstance(node, ast.Subscript):
             return self._check_subscript(node, root)
         for child in operands(node):
@@ -104,6 +104,14 @@ class _Fields:
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
         return comparable(getattr(owner, field_name(cls, name)))
+
+
+def _named_target(owner: Target, name: str, where: str) -> Target | None:
+    """The target of a field; None for a constant of the owner's type."""
+    is_message = owner.message_class is not None and not owner.dimensions
+    if is_message and name in constants(cast("type[Message]", owner.message_class)):
+        return None
+    return field_target(owner, name, where)
 
 
 def _is_constant(name: str, cls: type[Message]) -> bool:

@@ -66,10 +66,11 @@ def command(
     /chatter, by "topic" beside "message" in --json, by a column in --csv. TYPE is needed only if
     two types have the same fields.
 
-    In --filter, m is the message. Available are comparisons, arithmetic, and, or, not, in, and
-    functions such as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
-    --csv are nanoseconds; %time is the header's stamp, else the time of arrival. Text that is not
-    UTF-8 is !!binary in YAML and has \\udcXX for a byte in --json; pub accepts both without loss.
+    In --filter, m is the message, m.ERROR a constant of its type. Available are comparisons,
+    arithmetic, and, or, not, in, and functions such as len and hypot. A message of an unknown type
+    is shown in hexadecimal. Times in --csv are nanoseconds; %time is the header's stamp, else the
+    time of arrival. Text that is not UTF-8 is !!binary in YAML and has \\udcXX for a byte in
+    --json; pub accepts both without loss.
     """
     if shown["offset"] and chosen_log() is not None:
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")

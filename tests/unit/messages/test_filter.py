@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.filter import LONGEST, Filter
+from lcmtools.types.diagnostic_msgs import DiagnosticArray, DiagnosticStatus
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
@@ -110,6 +111,19 @@ def test_conditions_go_into_arrays_of_messages() -> None:
     assert Filter("m.transforms[0].header.frame_id == 'odom'").matches(message)
     with pytest.raises(ValueMismatch, match="has no field 'nope'"):
         Filter("transforms[0].nope").check(TFMessage)
+
+
+def test_a_types_constants_are_names_like_its_fields() -> None:
+    status = DiagnosticArray()
+    status.status = [DiagnosticStatus(), DiagnosticStatus()]
+    status.status[1].level = DiagnosticStatus.WARN
+    assert Filter("m.level == m.WARN and level != ERROR").matches(status.status[1])
+    assert Filter("status[1].level == status[0].WARN").matches(status)
+    assert not Filter("m.level == m.WARN").matches(status.status[0])
+    with pytest.raises(ValueMismatch, match="has no field 'WARN'"):
+        Filter("m.status.WARN").check(DiagnosticArray)
+    with pytest.raises(ValueMismatch, match=r"'m.WARN.real' is not a field"):
+        Filter("m.WARN.real").check(DiagnosticStatus)
 
 
 @pytest.mark.parametrize(
