@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from lcmtools.messages.fields import Field, fields, visible_fields
-from lcmtools.messages.registry import Message, fingerprint
+from lcmtools.errors import DecodeError
+from lcmtools.messages.fields import Field, fields, holds_itself, visible_fields
+from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.messages.rows import FORMATS, Cursor, Malformed
 
 if TYPE_CHECKING:
@@ -181,8 +182,19 @@ class _Plan:
         return int(length)
 
 
+def require_columns(cls: type[Message]) -> None:
+    """Raise DecodeError for a type that holds itself: its columns would have no end."""
+    if holds_itself(cls):
+        raise DecodeError(f"{type_name(cls)} holds itself, which columns cannot say")
+
+
 def table(cls: type[Message], payloads: Sequence[bytes]) -> Table:
-    """Return messages of a type as columns; payloads of another type are malformed too."""
+    """Return messages of a type as columns; payloads of another type are malformed too.
+
+    Raises:
+        DecodeError: The type holds itself.
+    """
+    require_columns(cls)
     tables: list[tuple[Array, dict[str, Array]]] = []
     malformed: list[int] = []
     start = fingerprint(cls).to_bytes(_FINGERPRINT_BYTES, "big")

@@ -121,7 +121,8 @@ class Log(AbstractContextManager["Log"]):
 
         Raises:
             UsageError: A time is wrong.
-            LcmtoolsError: The log has no message of the topic, or none of a type that is known.
+            LcmtoolsError: The log has no message of the topic, or none of a type that is known
+                and does not hold itself.
         """
         first, last = self._between(start, end) or (0, sys.maxsize)
         decoder = Decoder(known_nodes(self._file).types_of)

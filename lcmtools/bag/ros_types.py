@@ -12,7 +12,7 @@ from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from lcmtools.errors import DecodeError, LcmtoolsError, needing_extra
-from lcmtools.messages.fields import Field, fields, is_time
+from lcmtools.messages.fields import Field, fields, holds_itself, is_time
 from lcmtools.messages.registry import Message, type_name
 
 if TYPE_CHECKING:
@@ -218,7 +218,8 @@ class RosTypes(Conversion):
         """Return the type of ROS for a class.
 
         Raises:
-            LcmtoolsError: ROS cannot say the class, or another one of its name came before.
+            DecodeError: ROS cannot say the class.
+            LcmtoolsError: Another class of its name came before.
         """
         name = self._add(cls)
         return RosType(name, *self.store.generate_msgdef(name, ros_version=self.version))
@@ -253,6 +254,8 @@ class RosTypes(Conversion):
         """Return the name of the type for a class, which the store then has."""
         if cls in self._names:
             return self._names[cls]
+        if holds_itself(cls):
+            raise DecodeError(f"{type_name(cls)} holds itself, which ROS cannot say")
         from rosbags.typesys.base import TypesysError
 
         name = self._names[cls] = ros_name(cls)
@@ -264,8 +267,6 @@ class RosTypes(Conversion):
                 self.store.register({name: ([], [*self._described(cls)])})
         except TypesysError as error:
             raise LcmtoolsError(f"{type_name(cls)} as a type of ROS: {error}") from error
-        if not self.fits(cls, name):
-            raise LcmtoolsError(f"{type_name(cls)} holds itself, which ROS cannot say")
         return name
 
     def _described(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":

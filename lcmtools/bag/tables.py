@@ -7,7 +7,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from lcmtools.bag.columns import TIME, table, with_times
+from lcmtools.bag.columns import TIME, require_columns, table, with_times
 from lcmtools.errors import DecodeError, UsageError, needing_extra
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
@@ -126,8 +126,9 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             self.write(self.tables())
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
-        """Take a message; DecodeError where its type is not known."""
+        """Take a message; DecodeError where its type is not known, or holds itself."""
         key = packet.channel, decoder.message_class(packet)
+        require_columns(key[1])
         if not -(2**63) <= packet.time < 2**63:
             raise DecodeError("the time of their recording is too far from 1970")
         times, payloads = self._packets.setdefault(key, ([], []))

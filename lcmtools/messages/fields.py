@@ -71,6 +71,12 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
 
 
 @cache
+def holds_itself(cls: type[Message]) -> bool:
+    """Return True for a type with an array of itself at some depth, or a field of such a type."""
+    return _recurs(cls, ())
+
+
+@cache
 def constants(cls: type[Message]) -> dict[str, int | float | str]:
     """The constants of a class by name; lcm-gen keeps their values, not their types."""
     named = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
@@ -113,6 +119,11 @@ def utime(message: Message) -> int | None:
     """
     value = getattr(message, "utime", None)
     return value * 1000 if isinstance(value, int) else None
+
+
+def _recurs(cls: type[Message], outer: tuple[type[Message], ...]) -> bool:
+    nested = {part.message_class for part in fields(cls) if part.message_class}
+    return cls in outer or any(_recurs(one, (*outer, cls)) for one in nested)
 
 
 @cache

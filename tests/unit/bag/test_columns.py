@@ -1,11 +1,13 @@
 """Messages as columns, against the messages themselves."""
 
 from collections.abc import Sequence
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 from lcmtools.bag.columns import Table, table
+from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.path import parse_path, select
 from lcmtools.messages.registry import Message
@@ -142,3 +144,8 @@ def test_no_message_has_columns_without_rows() -> None:
 
 def test_a_type_without_fields_has_no_columns() -> None:
     assert _table([Empty(), Empty()]) == Table({}, ())
+
+
+def test_a_type_that_holds_itself_has_no_columns(odd: ModuleType) -> None:
+    with pytest.raises(DecodeError, match="odd/Tree holds itself, which columns cannot say"):
+        table(odd.Tree, [encode(odd.Tree())])

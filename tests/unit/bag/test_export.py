@@ -4,6 +4,7 @@ import csv
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -123,6 +124,13 @@ def test_npz_of_arrays_of_several_lengths_has_the_lengths(tmp_path: Path) -> Non
     arrays = np.load(tmp_path / "a.npz")
     assert arrays["ranges"].tolist() == [1, 2, 2, 3, 3, 3]
     assert arrays["ranges.lengths"].tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("target", ["a.npz", "a.parquet", "a.mcap", "a.bag"])
+def test_a_type_that_holds_itself_is_left_out(target: str, tmp_path: Path, odd: ModuleType) -> None:
+    tree, path = Packet("/tree", encode(odd.Tree()), _SECOND), tmp_path / target
+    with pytest.raises(LcmtoolsError, match=r"odd/Tree holds itself, which .* cannot say"):
+        export([tree, tree], Decoder(lambda _: (), odd.Tree), path, format_of(path, None))
 
 
 def test_parquet_has_lists_for_arrays(tmp_path: Path) -> None:
