@@ -175,10 +175,11 @@ class NumpyFile(ColumnsOfTopics):
                     arrays[start + name] = column
                     continue
                 rows = [np.asarray(row) for row in column]
-                if any(row.dtype == object for row in rows):
+                filled = [row.ravel() for row in rows if row.size]  # empty ones have no type
+                if any(row.dtype == object for row in filled):
                     self._tell(f"{topic} {name}", f"{topic}/{name} is left out: arrays in arrays")
                     continue
-                arrays[f"{start}{name}"] = np.concatenate([row.ravel() for row in rows])
+                arrays[f"{start}{name}"] = np.concatenate(filled or [np.empty(0)])
                 arrays[f"{start}{name}.lengths"] = np.array([row.size for row in rows])
         with self._path.open("xb") as file:
             np.savez_compressed(file, **arrays)

@@ -14,9 +14,10 @@ from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.observe.decoding import Decoder
-from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.geometry_msgs import TransformStamped, Twist
+from lcmtools.types.sensor_msgs import JointState, LaserScan
 from lcmtools.types.std_msgs import String
+from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 10**9
@@ -34,6 +35,20 @@ def _twist(number: int) -> Twist:
     twist = Twist()
     twist.linear.x = number / 4
     return twist
+
+
+def _names(size: int) -> JointState:
+    joints = JointState()
+    joints.name = [str(number) for number in range(size)]
+    return joints
+
+
+def _transforms(size: int) -> TFMessage:
+    message = TFMessage()
+    message.transforms = [TransformStamped() for _ in range(size)]
+    for number, transform in enumerate(message.transforms):
+        transform.transform.translation.x = float(number)
+    return message
 
 
 def _packets(beams: int | None = 3) -> Iterator[Packet]:
@@ -131,6 +146,19 @@ def test_a_type_that_holds_itself_is_left_out(target: str, tmp_path: Path, odd: 
     tree, path = Packet("/tree", encode(odd.Tree()), _SECOND), tmp_path / target
     with pytest.raises(LcmtoolsError, match=r"odd/Tree holds itself, which .* cannot say"):
         export([tree, tree], Decoder(lambda _: (), odd.Tree), path, format_of(path, None))
+
+
+def test_npz_has_arrays_of_messages_and_text_that_are_empty_now_and_then(tmp_path: Path) -> None:
+    for name, sizes in (("some.npz", (0, 2, 1)), ("none.npz", (0, 0))):
+        _export((Packet("/js", encode(_names(size)), 1) for size in sizes), tmp_path / name)
+        arrays = np.load(tmp_path / name)
+        assert arrays["name"].tolist() == [str(n) for size in sizes for n in range(size)]
+        assert arrays["name.lengths"].tolist() == list(sizes)
+    tfs = (_transforms(size) for size in (0, 2, 1))
+    _export((Packet("/tf", encode(tf), 1) for tf in tfs), tmp_path / "tf.npz")
+    arrays = np.load(tmp_path / "tf.npz")
+    assert arrays["transforms.transform.translation.x"].tolist() == [0.0, 1.0, 0.0]
+    assert arrays["transforms.child_frame_id.lengths"].tolist() == [0, 2, 1]
 
 
 def test_parquet_has_lists_for_arrays(tmp_path: Path) -> None:
