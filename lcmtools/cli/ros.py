@@ -115,6 +115,7 @@ _INSTEAD: Mapping[str, Instead] = {
     "rqt_topic": ("spy",),
     "rviz": _LOOK,
     "rviz2": _LOOK,
+    "service node": "lcmtools service info NAME shows the node, its host and its process",
     "service uri": "lcmtools service info NAME shows the node, its host and its process",
     "source": "nothing is to be sourced: lcmtools finds packages from the folder that you are in",
     "teleop_twist_keyboard": ("run", "teleop"),

@@ -135,6 +135,15 @@ def test_call_prints_the_response_for_any_spelling(cli: Cli, words: list[str]) -
 
 
 @shared_server
+@pytest.mark.parametrize(
+    "words",
+    [["slow", "__ns:=/server"], ["--ns", "/server", "slow"], ["other", "other:=/server/slow"]],
+)
+def test_call_resolves_names_as_the_other_commands_do(cli: Cli, words: list[str]) -> None:
+    assert cli("service", "call", *words).out.startswith("success: True")
+
+
+@shared_server
 def test_a_response_without_success_is_printed_and_exits_with_1(cli: Cli) -> None:
     done = cli("service", "call", "/switch", "false", "--json")
     assert json.loads(done.out)["success"] is False

@@ -2,9 +2,15 @@
 
 import math
 
-from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
-from lcmtools.cli.options import bus_options, json_option, rate_option, timeout_option, times_option
+from lcmtools.cli.options import (
+    asking_options,
+    json_option,
+    rate_option,
+    timeout_option,
+    times_option,
+)
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWait
 from lcmtools.messages.plain import to_json
@@ -19,7 +25,7 @@ def _wait(value: str | float) -> float:
     return math.inf if value == WITHOUT_END else duration(value)
 
 
-@subcommand("call", timeout_option(3.0), json_option, bus_options, cls=CommandWithWait)
+@subcommand("call", timeout_option(3.0), json_option, asking_options, cls=CommandWithWait)
 @examples(
     "service call /reset",
     'service call /switch "data: true"',
@@ -62,7 +68,7 @@ def command(
     Exit codes: 0 success, 1 the service failed or its response has success: False, 2 wrong usage,
     4 no response within --timeout. With --json each response is one line.
     """
-    service = full_service_name(service, looking_names().namespace)
+    service = full_service_name(in_names(service), looking_names().namespace)
     with open_monitor("service_call") as monitor:
         monitor.settle(foreign=False)
         if wait is not None:
