@@ -20,6 +20,7 @@ from click.core import ParameterSource
 
 from lcmtools.cli.output import complain, talk
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.signals import ENDING, Doubles
 
 INTERRUPTED = 130
 USAGE = UsageError.exit_code
@@ -27,7 +28,6 @@ BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 _READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
 
-_DOUBLED = 0.05  # [s] in which a second signal is the same request: timeout(1) sends two
 _SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
 _AGAIN = 1.0  # [s] from one to the next, while a command goes on though its reader is gone
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
@@ -56,18 +56,13 @@ def interrupting_signals() -> Iterator[list[int]]:
     because it comes while an object is finalized, comes again. The interrupts carry the exit code.
     """
     signals: list[int] = []
-    asking = _ending_signals()
-    doubled_until = 0.0
+    asking, doubles = _ending_signals(), Doubles()
 
     def interrupt(number: int, _frame: FrameType | None) -> None:
-        nonlocal doubled_until
         if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
             return
-        if number in asking:
-            now = time.monotonic()
-            if now < doubled_until:
-                return
-            doubled_until = now + _DOUBLED
+        if number in asking and doubles.is_double():
+            return
         signals.append(number)
         raise KeyboardInterrupt(exit_code(signals[0]))
 
@@ -92,7 +87,7 @@ def interrupting_signals() -> Iterator[list[int]]:
 def _ending_signals() -> list[int]:
     """The signals that end a command; under nohup a closed terminal does not."""
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
-    return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
+    return [number for number in ENDING if number != signal.SIGHUP or hangs_up]
 
 
 def end_with_reader() -> None:

@@ -29,6 +29,7 @@ from lcmtools.gui.page import BrowserPage
 from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, Rubbish
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.pool import StreamPool
+from lcmtools.signals import ENDING, Doubles
 
 STATIC = Path(__file__).parent / "static"
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
@@ -36,7 +37,6 @@ _MOST_PAGES = 100
 _WAITING_BYTES = 1 << 16  # that are handed to the system before a stream waits
 _RUBBISH = 1008  # the close code: it violates the policy
 _CLOSE_TIMEOUT = 1.0  # [s] for a page's answer when the server ends
-_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Server:
@@ -182,13 +182,15 @@ def _cancelled_by_signals(
     the server would wait for ever.
     """
     is_main = threading.current_thread() is threading.main_thread()
-    before = {number: signal.getsignal(number) for number in _ENDING if is_main}
+    before = {number: signal.getsignal(number) for number in ENDING if is_main}
     handled = {number: handler for number, handler in before.items() if callable(handler)}
     came: list[int] = []
+    doubles = Doubles()
 
     def cancel(number: int) -> None:
-        came.append(number)
-        task.cancel()
+        if not doubles.is_double():
+            came.append(number)
+            task.cancel()
 
     for number in handled:
         loop.add_signal_handler(number, cancel, number)

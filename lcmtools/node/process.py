@@ -6,7 +6,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import FrameType
@@ -20,11 +19,10 @@ from lcmtools.node import checks
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
+from lcmtools.signals import ENDING, Doubles
 
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
-_DOUBLED = 0.05
-"""Seconds in which a second signal is the same request: timeout(1) sends two."""
 
 
 class _Process:
@@ -37,7 +35,7 @@ class _Process:
         self.context: Context | None = None
         self.note = ""
         self.handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
-        self.doubled_until = 0.0  # by the monotonic clock
+        self.doubles = Doubles()
 
 
 _process = _Process()
@@ -85,7 +83,7 @@ def init(
     if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
             number: signal.signal(number, _interrupted)
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+            for number in ENDING
             if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN  # nohup
         }
     atexit.register(shutdown)
@@ -167,13 +165,12 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
     context = _process.context
     if context is None or context.is_closed():
         return
+    is_double = _process.doubles.is_double()
     if not context.ok():
-        if number == signal.SIGHUP:  # a shell that ends and its terminal both send one
-            return
-        if time.monotonic() < _process.doubled_until:
+        # a shell that ends and its terminal both send SIGHUP
+        if is_double or number == signal.SIGHUP:
             return
         raise KeyboardInterrupt
-    _process.doubled_until = time.monotonic() + _DOUBLED
     context.stop()
     thread = threading.Timer(_GRACE, _interrupt_again, [context])
     thread.daemon = True

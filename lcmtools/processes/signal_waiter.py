@@ -7,12 +7,10 @@ import contextlib
 import select
 import signal
 import socket
-import time
 from collections.abc import Sequence
 from types import FrameType
 
-_ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-_DOUBLED = 0.05  # [s] in which a second signal is the same request: timeout(1) sends two
+from lcmtools.signals import ENDING, Doubles
 
 
 class SignalWaiter:
@@ -26,14 +24,14 @@ class SignalWaiter:
     def __init__(self) -> None:
         self._receiver, self._sender = socket.socketpair()
         self._asked: list[int] = []
-        self._doubled_until = 0.0
+        self._doubles = Doubles()
         self._is_late = False  # something has happened that wait has not reported yet
 
     def __enter__(self) -> "SignalWaiter":
         """Install the handlers."""
         for end in (self._receiver, self._sender):
             end.setblocking(False)  # noqa: FBT003 - socket's own
-        self._before = {number: signal.signal(number, self._note) for number in _ASKING}
+        self._before = {number: signal.signal(number, self._note) for number in ENDING}
         # only a signal with a handler of Python wakes up
         self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, lambda *_: None)
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
@@ -86,7 +84,5 @@ class SignalWaiter:
                 pass
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
-        now = time.monotonic()
-        if now >= self._doubled_until:
-            self._doubled_until = now + _DOUBLED
+        if not self._doubles.is_double():
             self._asked.append(number)

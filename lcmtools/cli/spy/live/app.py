@@ -3,7 +3,6 @@
 import asyncio
 import gc
 import os
-import signal
 from contextlib import suppress
 from io import TextIOWrapper
 from typing import Any, ClassVar, TextIO, cast
@@ -20,6 +19,7 @@ from lcmtools.observe.channel_columns import TableView
 from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.monitor import BusMonitor
+from lcmtools.signals import ENDING
 
 _PERIOD = 1.0  # [s] between two drawings of the table where nothing but numbers changes
 
@@ -93,7 +93,7 @@ class SpyApp(App[int]):
     def on_mount(self) -> None:
         self.push_screen(self.overview)
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in ENDING:
             with suppress(ValueError, RuntimeError, NotImplementedError):  # not the main thread
                 loop.add_signal_handler(number, self.exit, BY_SIGNAL + number)
 
