@@ -123,21 +123,24 @@ def plain_json(plain: Plain) -> str:
     return _ESCAPED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
-def cells(plain: Plain, name: str = "field") -> dict[str, Cell]:
+def cells(plain: Plain, name: str = "field", joint: str = "") -> dict[str, Cell]:
     """Return the single values in a plain one, by column: ``field.header.stamp``, ``field.x0``.
 
-    The columns are those of ``rostopic echo -p``. A time or a duration is one cell, in nanoseconds;
-    a boolean is 1 or 0.
+    The columns are those of ``rostopic echo -p``; ``joint`` is between a name and an index. That of
+    several dimensions, which ROS has not, is ``_``: [1][10] and [11][0] are 1_10 and 11_0. A time
+    or a duration is one cell, in nanoseconds; a boolean is 1 or 0.
     """
     if isinstance(plain, dict) and tuple(plain) in TIME_FIELDS:
         return {name: join_stamp(*cast("dict[str, int]", plain).values())}
     if isinstance(plain, dict):
         parts = [(f"{name}.{key}", value) for key, value in plain.items()]
     elif isinstance(plain, list):
-        parts = [(f"{name}{index}", value) for index, value in enumerate(plain)]
+        parts = [(f"{name}{joint}{index}", value) for index, value in enumerate(plain)]
     else:
         return {name: int(plain) if isinstance(plain, bool) else plain}
-    return {column: cell for part, value in parts for column, cell in cells(value, part).items()}
+    inner = "_" if isinstance(plain, list) else ""
+    rows = (cells(value, part, inner) for part, value in parts)
+    return {column: cell for row in rows for column, cell in row.items()}
 
 
 def _plain(value: object, what: Field | Target, depth: int, view: View) -> Plain:

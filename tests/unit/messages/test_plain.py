@@ -131,7 +131,7 @@ def test_what_is_not_finite_is_taken_as_c_json_and_yaml_write_it(text: str, numb
         ),
         (5, {"field": 5}),
         ([0.5, 1.5], {"field0": 0.5, "field1": 1.5}),
-        ([[1, 2], [3]], {"field00": 1, "field01": 2, "field10": 3}),
+        ([[1, 2], [3]], {"field0_0": 1, "field0_1": 2, "field1_0": 3}),
         ({"ok": True, "bad": [False]}, {"field.ok": 1, "field.bad0": 0}),
         ({"stamp": {"sec": 3, "nsec": 5}}, {"field.stamp": 3_000_000_005}),
         ({"stamp": {"sec": -1, "nanosec": 500_000_000}}, {"field.stamp": -500_000_000}),
@@ -141,3 +141,9 @@ def test_what_is_not_finite_is_taken_as_c_json_and_yaml_write_it(text: str, numb
 )
 def test_columns_have_rostopics_names(plain: Plain, columns: dict[str, Cell]) -> None:
     assert cells(plain) == columns
+
+
+def test_no_column_of_a_large_grid_hides_another_one() -> None:
+    grid: Plain = {"m": [[row * 12 + column for column in range(12)] for row in range(12)]}
+    assert [*cells(grid).values()] == [*range(144)]
+    assert (cells(grid)["field.m1_11"], cells(grid)["field.m11_1"]) == (23, 133)
