@@ -6,8 +6,10 @@ simulator obeys what it subscribes to. Programs that are no nodes do not show wh
 """
 
 from collections.abc import Iterable
+from shlex import quote
 from typing import NamedTuple
 
+from lcmtools.arguments import is_assignment
 from lcmtools.bag.playlist import Track
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node
@@ -60,9 +62,16 @@ def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conf
         is_shared = track.topic == _SHARED
         reasons = [f"{track.topic} is published by {who}" for who in publishers if not is_shared]
         reasons += [f"{track.topic} commands {node_text(node)}" for node in obeying(graph, track)]
-        remedy = f"-x {track.channel} leaves it out, {track.channel}:=/other moves it"
+        remedy = _remedy(track.channel)
         found += [Conflict(track.topic, reason, remedy) for reason in dict.fromkeys(reasons)]
     return found
+
+
+def _remedy(channel: str) -> str:
+    """The options for a channel; a plain one may have a name that no remap can begin with."""
+    remap = f"{channel}:=/other"
+    moves = f", {remap} moves it" if is_assignment(remap) else ""
+    return f"-x {quote(channel)} leaves it out{moves}"
 
 
 class StandingCommand(NamedTuple):

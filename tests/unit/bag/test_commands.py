@@ -79,6 +79,11 @@ def test_reasons_not_to_play(node: Node, reason: str | None) -> None:
     assert {one.remedy for one in found} <= {"-x /a leaves it out, /a:=/other moves it"}
 
 
+def test_the_remedy_for_a_channel_that_is_no_name_can_be_typed() -> None:
+    (found,) = conflicts(Graph((publisher("a b"),)), [track("a b")])
+    assert found.remedy == "-x 'a b' leaves it out"
+
+
 def test_a_simulator_obeys_whatever_it_subscribes_to() -> None:
     assert len(conflicts(Graph((SIMULATOR,)), [track("/a", JointState)])) == 1
     assert conflicts(Graph((subscriber("/a"),)), [track("/a", JointState)]) == []
