@@ -164,6 +164,48 @@ node.create_subscription(Odometry, "/ground_truth", drive, 1)
 lcmtools.spin(node)
 """
 
+WRONG_ANGLE = """
+import math, sys
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry, Path
+
+FAULT = sys.argv[1]
+
+
+class Follower(Node):
+    def __init__(self):
+        super().__init__("path_follower")
+        self.points = []
+        self.publisher = self.create_publisher(Twist, "/RosAria/cmd_vel")
+        self.create_subscription(Path, "/path", self.take, 1)
+        self.create_subscription(Odometry, "/ground_truth", self.drive, 1)
+
+    def take(self, path):
+        places = [one.pose.position for one in path.poses]
+        self.points = self.points or [(one.x, one.y) for one in places]
+
+    def drive(self, truth):
+        pose, twist = truth.pose.pose, Twist()
+        x, y, turn = pose.position.x, pose.position.y, pose.orientation
+        while self.points[1:] and math.dist(self.points[0], (x, y)) < 0.4:
+            self.points.pop(0)
+        if self.points:
+            dx, dy = self.points[0][0] - x, self.points[0][1] - y
+            heading = turn.z if FAULT == "yaw" else 2 * math.atan2(turn.z, turn.w)
+            heading = math.degrees(heading) if FAULT == "degrees" else heading
+            way = math.atan2(dx, dy) if FAULT == "exchanged" else math.atan2(dy, dx)
+            way = math.atan(dy / dx) if FAULT == "atan" else way
+            twist.linear.x = 0.4
+            twist.angular.z = 2.0 * math.remainder(way - heading, math.tau)
+            self.publisher.publish(twist)
+
+
+lcmtools.init()
+lcmtools.spin(Follower())
+"""
+
 UNSTOPPED = """
 import lcmtools
 from lcmtools.labs.nodes.path_follower import PathFollower
@@ -274,6 +316,22 @@ def test_the_cause_of_a_path_that_is_not_followed_is_named(
 ) -> None:
     first, *others = check("pioneer", "path", FOLLOWER, fault)
     assert first["what"] == "drives the path"
+    assert words in first["hint"]
+    assert all(other["follows"] == first["what"] for other in others), others
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("atan", "its turns fit atan(dy/dx)"),
+        ("exchanged", "its turns fit atan2(dx, dy)"),
+        ("degrees", "its turns fit a heading in degrees"),
+        ("yaw", "its turns fit orientation.z in place of the heading"),
+    ],
+)
+def test_a_mistake_in_the_angle_to_the_path_is_named(fault: str, words: str, check: Check) -> None:
+    first, *others = check("pioneer", "path", WRONG_ANGLE, fault)
+    assert first["cause"] == "angle", first
     assert words in first["hint"]
     assert all(other["follows"] == first["what"] for other in others), others
 

@@ -3,6 +3,7 @@
 Plain values. The test bench fills them; diagnoses, reports and plots read nothing else.
 """
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,21 +31,25 @@ class CommandMessage:
 
 @dataclass(frozen=True, slots=True)
 class TrueState:
-    """The robot's true state: simulated time [s], place [m], velocity [m/s] and [rad/s]."""
+    """The robot's true state: simulated time [s], place [m], velocity [m/s], [rad/s], and heading.
+
+    The heading is in radians from x, positive to the left.
+    """
 
     time: float
     x: float
     y: float
     forward: float
     turn_rate: float
+    heading: float = 0.0
 
     @classmethod
     def by(cls, odometry: Odometry) -> "TrueState":
         """Return the state that odometry gives."""
-        place, twist = odometry.pose.pose.position, odometry.twist.twist
-        return cls(
-            seconds(odometry.header.stamp), place.x, place.y, twist.linear.x, twist.angular.z
-        )
+        place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
+        time, twist = seconds(odometry.header.stamp), odometry.twist.twist
+        heading = 2 * math.atan2(turn.z, turn.w)
+        return cls(time, place.x, place.y, twist.linear.x, twist.angular.z, heading)
 
 
 @dataclass(frozen=True, slots=True)

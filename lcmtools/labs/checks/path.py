@@ -8,6 +8,7 @@ from itertools import accumulate, pairwise
 from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.checks.steering_formula import steering_cause
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
@@ -178,9 +179,15 @@ def drive_cause(
 ) -> Cause:
     """Return why a robot does not follow the path, by where it went."""
     last, offset = drive.offsets[-1]
+    wrong_angle = steering_cause(drive.points, [state for state, _ in drive.offsets], commands)
     if touches:
         touch = touches[0]
-        return Cause("touch", f"the robot touches {touch.body} at ({touch.x:.1f}, {touch.y:.1f})")
+        text = f"the robot touches {touch.body} at ({touch.x:.1f}, {touch.y:.1f})"
+        if not wrong_angle:
+            return Cause("touch", text)
+        return replace(wrong_angle, text=f"{text}: {wrong_angle.text}")
+    if wrong_angle:
+        return wrong_angle
     if wrong_velocity := _velocity_cause(drive, commands):
         return wrong_velocity
     if abs(offset) <= _LOST and drive.along < _MOST * drive.length:

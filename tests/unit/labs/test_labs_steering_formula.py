@@ -1,0 +1,167 @@
+"""The mistake in a path follower's angle, on drives of a point that obeys at once. SI units."""
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import pytest
+
+from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.path import DrivenPath, drive_cause
+from lcmtools.labs.checks.steering_formula import steering_cause
+from lcmtools.types.geometry_msgs import Twist
+
+Point = tuple[float, float]
+Angle = Callable[[float, float, float], float]
+"""The angle that a program turns by, of (dx, dy) to its goal and its heading."""
+Law = Callable[[float], tuple[float, float]]
+"""The forward speed and turn rate for an angle."""
+
+CORNERS = [(-1, 0), (0.3, 0), (1, 0.9), (0.7, 2), (-0.4, 2.7), (-1.5, 2.2), (-1.9, 1), (-2.8, 0.5),
+           (-3.5, -0.6), (-3.1, -1.2), (-1.9, -1), (-1, 0)]  # fmt: skip
+PATH = [
+    (x0 + part / 10 * (x1 - x0), y0 + part / 10 * (y1 - y0))
+    for (x0, y0), (x1, y1) in pairwise(CORNERS)
+    for part in range(10)
+]
+"""A path such as the lab's."""
+
+
+def right(dx: float, dy: float, heading: float) -> float:
+    return math.remainder(math.atan2(dy, dx) - heading, math.tau)
+
+
+def proportional(angle: float) -> tuple[float, float]:
+    return 0.4, 2.0 * angle
+
+
+def turn_then_drive(angle: float) -> tuple[float, float]:
+    return (0.0, math.copysign(0.8, angle)) if abs(angle) > 0.2 else (0.4, angle)
+
+
+def slow_in_bends(angle: float) -> tuple[float, float]:
+    return 0.4 * max(0.0, math.cos(angle)), max(-1.5, min(1.5, 2.5 * angle))
+
+
+def on_a_circle(angle: float) -> tuple[float, float]:
+    return 0.4, 2.0 * math.sin(angle)
+
+
+def run(
+    angle: Angle, law: Law = proportional, points: Sequence[Point] = PATH, reach: float = 0.4
+) -> tuple[list[TrueState], list[CommandMessage]]:
+    """Drive to one point after the other, as long as a check would look on."""
+    x, y, heading, goal = -1.0, 0.0, 0.0, 0
+    drive, commands = DrivenPath(PATH), list[CommandMessage]()
+    for time in (n / 50 for n in range(3000)):
+        while goal < len(points) - 1 and math.dist(points[goal], (x, y)) < reach:
+            goal += 1
+        speed, turn = law(angle(points[goal][0] - x, points[goal][1] - y, heading))
+        drive.add(TrueState(time, x, y, speed, turn, heading))
+        twist = Twist()
+        twist.linear.x, twist.angular.z = speed, turn
+        commands.append(CommandMessage(time, "/RosAria/cmd_vel", twist))
+        # as 2*atan2(z, w) has it
+        heading = math.remainder(heading + max(-4.0, min(4.0, turn)) / 50, 2 * math.tau)
+        x, y = x + speed / 50 * math.cos(heading), y + speed / 50 * math.sin(heading)
+        if drive.is_over(time):
+            break
+    return [state for state, _ in drive.offsets], commands
+
+
+MISTAKES: list[tuple[Angle, str]] = [
+    (lambda dx, dy, heading: math.remainder(math.atan(dy / dx) - heading, math.tau), "atan(dy/dx)"),
+    (lambda dx, dy, heading: right(dy, dx, heading), "atan2(dx, dy)"),
+    (lambda dx, dy, heading: right(dx, dy, math.sin(heading / 2)), "orientation.z in place"),
+    (lambda dx, dy, heading: right(dx, dy, heading / 2), "half of the heading"),
+    (lambda dx, dy, _: math.atan2(dy, dx), "the direction to the point alone"),
+    (lambda dx, dy, heading: right(dx, dy, math.degrees(heading)), "a heading in degrees"),
+    (
+        lambda dx, dy, h: math.remainder(math.degrees(math.atan2(dy, dx)) - h, math.tau),
+        "a direction to the point in degrees",
+    ),
+]
+
+
+@pytest.mark.parametrize(("angle", "words"), MISTAKES, ids=[words for _, words in MISTAKES])
+@pytest.mark.parametrize("law", [proportional, on_a_circle])
+def test_a_mistake_in_the_angle_is_named(angle: Angle, words: str, law: Law) -> None:
+    cause = steering_cause(PATH, *run(angle, law))
+
+    assert cause is not None
+    assert cause.key == "angle"
+    assert cause.text.startswith(f"its turns fit {words}")
+
+
+@pytest.mark.parametrize("law", [proportional, on_a_circle])
+def test_exchanged_points_are_named(law: Law) -> None:
+    cause = steering_cause(PATH, *run(right, law, [(y, x) for x, y in PATH]))
+
+    assert cause is not None
+    assert "points whose x and y are exchanged" in cause.text
+
+
+@pytest.mark.parametrize(
+    "points", [PATH, PATH[::-1], PATH[::8]], ids=["whole", "backwards", "sparse"]
+)
+@pytest.mark.parametrize("reach", [0.15, 0.5, 2.0])
+@pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends, on_a_circle])
+def test_a_right_angle_is_no_mistake(law: Law, reach: float, points: Sequence[Point]) -> None:
+    assert steering_cause(PATH, *run(right, law, points, reach)) is None
+
+
+@pytest.mark.parametrize(
+    ("angle", "law"),
+    [
+        (lambda dx, dy, heading: -right(dx, dy, heading), proportional),  # the wrong sign
+        (lambda dx, dy, heading: math.degrees(right(dx, dy, heading)), proportional),
+        (lambda *_: 0.0, proportional),  # straight on
+        (right, lambda angle: (0.4, 12.0 * angle)),
+        (right, lambda angle: (0.5, 0.2 * angle)),
+        (right, lambda angle: (0.4, abs(angle))),
+        (right, lambda _: (0.4, 0.5)),  # a circle
+        (right, lambda _: (0.0, 0.0)),
+        (right, lambda _: (0.4, math.nan)),
+    ],
+    ids=["sign", "degrees", "straight", "hot", "weak", "left", "circle", "rest", "nan"],
+)
+def test_another_fault_is_no_mistake_in_the_angle(angle: Angle, law: Law) -> None:
+    assert steering_cause(PATH, *run(angle, law)) is None
+
+
+@pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends])
+@pytest.mark.parametrize("number", [30, 52, 80, 109])
+def test_a_wrong_goal_is_no_mistake_in_the_angle(law: Law, number: int) -> None:
+    assert steering_cause(PATH, *run(right, law, [PATH[number]])) is None
+
+
+def test_a_second_of_commands_is_too_little_to_tell() -> None:
+    states, commands = run(MISTAKES[1][0])
+
+    assert steering_cause(PATH, states, commands[:49]) is None
+    assert steering_cause(PATH, states[:0], commands) is None
+
+
+def test_commands_after_the_drive_tell_nothing() -> None:
+    states, commands = run(MISTAKES[0][0])
+    late = [CommandMessage(states[-1].time + 1 + n / 50, "", Twist()) for n in range(3000)]
+    for one in late:
+        assert isinstance(one.message, Twist)
+        one.message.angular.z = 0.9
+
+    cause = steering_cause(PATH, states, [*commands, *late])
+
+    assert cause == steering_cause(PATH, states, commands)
+    assert cause is not None
+
+
+def test_the_cause_names_what_is_touched_and_the_mistake() -> None:
+    states, commands = run(MISTAKES[0][0])
+    drive = DrivenPath(PATH)
+    for state in states:
+        drive.add(state)
+
+    cause = drive_cause(drive, [Touch(3.0, "table1", 1.7, 0.5)], commands)
+
+    assert cause.text.startswith("the robot touches table1 at (1.7, 0.5): its turns fit atan(dy/dx")
+    assert cause.key == drive_cause(drive, [], commands).key == "angle"
