@@ -1,7 +1,7 @@
 """Follow a path with the Pioneer (skeleton).
 
 Run it with   python path_follower.py   while the simulator runs: lcmtools run sim --world pioneer
-Look at the path with   lcmtools sim snapshot world.png   and   lcmtools echo -n 1 /path/poses[0]
+Look at the path with   lcmtools sim snapshot world.png   and   lcmtools echo -n 1 '/path/poses[0]'
 """
 
 import math
