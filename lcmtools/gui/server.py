@@ -182,8 +182,7 @@ def _cancelled_by_signals(
     the server would wait for ever.
     """
     is_main = threading.current_thread() is threading.main_thread()
-    before = {number: signal.getsignal(number) for number in ENDING if is_main}
-    handled = {number: handler for number, handler in before.items() if callable(handler)}
+    handled = {n: now for n in ENDING if is_main and callable(now := signal.getsignal(n))}
     came: list[int] = []
     doubles = Doubles()
 
