@@ -371,14 +371,14 @@ def test_a_server_and_a_group_are_joined_without_an_echo(
     heard, own, back = _hears(there, "/a"), _hears(here, "/a"), _hears(here, "/b")
     wait_until(lambda: here.publish("/a", b"first") or heard)
     here.publish("/a", b"begin")
-    wait_until(lambda: heard[-1] == own[-1] == b"begin")
+    wait_until(lambda: heard[-1:] == own[-1:] == [b"begin"])
     heard.clear()
     own.clear()
     for payload in _numbers(100):
         here.publish("/a", payload)
         there.publish("/b", payload)
     here.publish("/a", b"end")
-    wait_until(lambda: heard[-1:] == [b"end"] and len(back) == 100)
+    wait_until(lambda: heard[-1:] == own[-1:] == [b"end"] and len(back) == 100)
     there.publish("/b", b"end")
     wait_until(lambda: back[-1:] == [b"end"])
     assert heard == own == [*_numbers(100), b"end"]
