@@ -53,6 +53,9 @@ robot.create_timer(0.05, tick)
 print("ready", flush=True)
 lcmtools.spin(robot, controller)
 """
+# a command that is asked to end may be just opening a socket, which then closes with its process
+pytestmark = pytest.mark.filterwarnings("ignore:.*unclosed <socket:ResourceWarning")
+
 _PATIENCE = 1.5  # [s] for a command that says nothing, before it is asked to end
 _IS_SHELL = re.compile(r"[|<>]|\$\(")
 _STARTS_PROCESSES = {"run", "launch", "lab"}
@@ -280,8 +283,6 @@ def test_json_is_one_document_or_one_object_a_line(
         assert [json.loads(row) for row in outcome.out.splitlines()]
 
 
-# asked to end after a time, it may be just opening a socket, which then closes with its process
-@pytest.mark.filterwarnings("ignore:.*unclosed <socket:ResourceWarning")
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
 def test_full_disk_costs_one_line(path: tuple[str, ...], typed: Callable[..., Outcome]) -> None:
     with Path("/dev/full").open("wb", buffering=0) as full:
