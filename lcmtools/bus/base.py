@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
 from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.errors import BusError
 
 Handler = Callable[[bytes, int], None]
 """Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
@@ -58,3 +59,14 @@ class Bus(Protocol):
 
     def close(self) -> None:
         """Send waiting messages and leave the bus."""
+
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process, which has no thread that receives; free nothing."""
+
+
+def refusal(*, is_of_parent: bool) -> BusError:
+    """Return the error of a bus that has been closed, or left to the parent of a forked process."""
+    if is_of_parent:
+        remedy = "call lcmtools.init() in the forked process and make its nodes there"
+        return BusError("the bus belongs to the parent process", remedy)
+    return BusError("the bus is closed")

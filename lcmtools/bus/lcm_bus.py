@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Sequence
 
-from lcmtools.bus.base import Handler
+from lcmtools.bus.base import Handler, refusal
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance, Subscription
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.receiving import Receiving
@@ -61,7 +61,7 @@ class LcmBus:
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._requesting = threading.Lock()
         self._receiving = Receiving(is_lendable=url.provider in _LENDABLE)
-        self._closed = False
+        self._closed = self._is_of_parent = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
 
@@ -134,10 +134,17 @@ class LcmBus:
         self._subscriptions.clear()
         self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process; see ``Bus``."""
+        self._closed = self._is_of_parent = True
+        self._paced = None
+        self._connection.leave_to_parent()
+
     def _missing(self) -> BusError:
         """Return the error for a bus without an instance."""
-        lost = f"the connection to {self.url} is lost"
-        return BusError("the bus is closed" if self._closed else lost)
+        if self._closed:
+            return refusal(is_of_parent=self._is_of_parent)
+        return BusError(f"the connection to {self.url} is lost")
 
     def _instance(self) -> Instance:
         instance = self._connection.instance
@@ -161,7 +168,7 @@ class LcmBus:
 
         with self._requesting:
             if self._closed:
-                raise BusError("the bus is closed")
+                raise self._missing()
             self._requests.put(run)
             self._receiving.wake()
         try:

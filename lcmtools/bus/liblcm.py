@@ -17,6 +17,7 @@ The binding's pitfalls, and the way around each:
 """
 
 import contextlib
+import ctypes
 import math
 import os
 import socket
@@ -87,6 +88,11 @@ class Connection:
         """Let go of the instance."""
         self.instance, self._due = None, math.inf
         self.filter.close()
+
+    def leave_to_parent(self) -> None:
+        """Let go of the instance in a forked process; freed, it would wait for its thread."""
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.instance))
+        self.instance = None
 
     def lose(self) -> None:
         """Let go of an instance that broke, or of a log that has ended."""

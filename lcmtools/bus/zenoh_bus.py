@@ -9,12 +9,11 @@ import select
 import threading
 from collections.abc import Callable, Collection, Sequence
 
-from lcmtools.bus.base import Handler
+from lcmtools.bus.base import Handler, refusal
 from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh_session import ZenohSession
-from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
 _FEW, _BATCH = 10, 100  # messages handled before callbacks run; where these are too slow
@@ -38,7 +37,7 @@ class ZenohBus:
         self._handlers: dict[str, list[Handler]] = {}
         self._changing = threading.Lock()
         self._burst = 0
-        self._closed = False
+        self._closed = self._is_of_parent = False
         self._session = ZenohSession(url, lambda text, _trouble: self.on_outage(text))
         self._receiving = Receiving(is_lendable=True)
         self._thread = threading.Thread(target=self._run, name="zenoh receiver", daemon=True)
@@ -55,7 +54,7 @@ class ZenohBus:
         """
         check_channel(channel)
         if self._closed:
-            raise BusError("the bus is closed")
+            raise refusal(is_of_parent=self._is_of_parent)
         self._session.publish(channel, payload, type_name, latched=latched)
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
@@ -72,7 +71,7 @@ class ZenohBus:
         check_channel(channel)
         with self._changing:
             if self._closed:
-                raise BusError("the bus is closed")
+                raise refusal(is_of_parent=self._is_of_parent)
             handlers = self._handlers.setdefault(channel, [])
             handlers.append(handler)
             if len(handlers) == 1:
@@ -113,6 +112,10 @@ class ZenohBus:
         self._thread.join(timeout=2.0)
         self._receiving.close()
         self._session.close()
+
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process; see ``Bus``. The session takes care of itself."""
+        self._closed = self._is_of_parent = True
 
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""

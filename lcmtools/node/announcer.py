@@ -80,6 +80,10 @@ class Announcer:
         with self._sending:
             self._send_all(nonce, target)
 
+    def leave_to_parent(self) -> None:
+        """Announce nothing in a forked process, where the thread may have held these locks."""
+        self._changed, self._sending = threading.Condition(), threading.Lock()
+
     def close(self) -> None:
         """Announce nothing any more."""
         with self._changed:

@@ -77,7 +77,7 @@ class Context:
         self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[Participant] = []
         self._stopping = False
-        self._closed = False
+        self._closed = self.is_of_parent = False
         self._is_shutdown_requested = False
         self.is_ending = False
         """True once the program has seen that it is to end, and may take its time."""
@@ -175,6 +175,12 @@ class Context:
         self.bus.close()
         for wakeup in self._wakeups.values():
             wakeup.close()
+
+    def leave_to_parent(self) -> None:
+        """End in a forked process: threads, nodes, their goodbye and the bus are the parent's."""
+        self._closed = self._stopping = self.is_of_parent = True
+        self.announcer.leave_to_parent()
+        self.bus.leave_to_parent()
 
     def _warn(self, text: str) -> None:
         """Log once a trouble of all nodes of the process; commands report it themselves."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from lcmtools import names
-from lcmtools.bus.base import Handler
+from lcmtools.bus.base import Handler, refusal
 from lcmtools.errors import BusError, UsageError, explained
 from lcmtools.graph.model import Endpoint
 from lcmtools.messages.registry import Message
@@ -291,6 +291,8 @@ class Factory:
         self.__context.announcer.announce_soon()
 
     def __check_alive(self, call: str) -> None:
+        if self.__context.is_of_parent:
+            raise refusal(is_of_parent=True)
         if self.__is_destroyed:
             raise UsageError(f"{call}: the node {self.__resolver.node} was destroyed")
 

@@ -143,9 +143,9 @@ def current_context() -> Context:
 
 
 def _leave_to_parent() -> None:
-    """Give up the context in a forked process: threads, nodes and the goodbye are the parent's."""
-    if _process.context is not None:
-        _process.context = None
+    context, _process.context = _process.context, None
+    if context is not None:
+        context.leave_to_parent()
         _give_back_signals()
 
 

@@ -4,6 +4,7 @@ import contextlib
 import threading
 from collections.abc import Sequence
 
+from lcmtools.bus.base import refusal
 from lcmtools.errors import UsageError, explained
 from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
@@ -50,6 +51,8 @@ def _run(context: Context, callbacks: Sequence[Callbacks]) -> None:
 def _check_node(call: str, node: object) -> None:
     """Make sure that this is a node."""
     if isinstance(node, Node):
+        if node.context.is_of_parent:
+            raise refusal(is_of_parent=True)
         return
     hint = f"write lcmtools.{call}(node)"
     if isinstance(node, type) and issubclass(node, Node):

@@ -52,3 +52,51 @@ def test_a_forked_process_leaves_the_nodes_to_its_parent(
     program.send_signal(signal.SIGTERM)
     assert program.wait() == 0
     assert not _records()
+
+
+_USES = """
+import os
+import lcmtools
+from lcmtools.types.std_msgs import String
+
+lcmtools.init([])
+node = lcmtools.Node("parent")
+publisher = node.create_publisher(String, "chatter", 10)
+heard = []
+node.create_subscription(String, "chatter", lambda message: heard.append(message.data), 10)
+child = os.fork()
+message = String()
+if not child:
+    message.data = "child"
+    publisher.publish(message)
+    for use in (
+        lambda: lcmtools.spin_once(node, 1.0),
+        lambda: lcmtools.spin(node),
+        lambda: node.create_subscription(String, "chatter", print, 10),
+    ):
+        try:
+            use()
+        except lcmtools.LcmtoolsError as error:
+            print(error, flush=True)
+    os._exit(0)
+os.waitpid(child, 0)
+message.data = "parent"
+while "parent" not in heard:
+    publisher.publish(message)
+    lcmtools.spin_once(node, 0.1)
+print("heard", sorted(set(heard)))
+"""
+
+
+@pytest.mark.parametrize(
+    "url", ["udpm://239.255.76.67:{}?ttl=0", "memq://", "zenoh://224.0.0.224:{}"]
+)
+def test_a_forked_process_is_told_that_the_nodes_are_its_parents(
+    start_python: Callable[..., Any], free_port: Callable[[], int], url: str
+) -> None:
+    program = start_python(_USES, LCM_DEFAULT_URL=url.format(free_port()))
+    program.wait_for("heard ['parent']")
+    assert program.wait() == 0
+    told = [line for line in program.lines if "the bus belongs to the parent process" in line]
+    assert len(told) == 4
+    assert "[/parent]" in told[0]
