@@ -74,6 +74,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     Raises:
         UnknownType: There is no such type.
         ValueMismatch: A value does not fit its field.
+        UsageError: The rate or the count is not positive.
         InvalidName: The topic's name breaks the naming rules.
         NothingReceived: Too few nodes subscribe, or /clock is silent, until ``timeout``.
         BusError: The bus cannot be reached, or does not take a message.

@@ -45,7 +45,15 @@ def schedule_for(
     latch: bool = False,
     keep_alive: float | None = None,
 ) -> Schedule:
-    """Return the schedule for messages from a source; see ``publish`` for the options."""
+    """Return the schedule for messages from a source; see ``publish`` for the options.
+
+    Raises:
+        UsageError: The rate or the count is not positive.
+    """
+    if rate is not None and not 0 < rate < math.inf:
+        raise UsageError(f"publish: the rate is a positive number of Hz, got {rate}")
+    if count is not None and count < 1:
+        raise UsageError(f"publish: the count is a number of messages from 1 on, got {count}")
     is_alone = incoming.is_one and not incoming.is_file and rate is None and count is None
     repeats = rate is not None or (incoming.is_file and not latch)
     usual = _TIMES_RATE if count and incoming.is_one else None

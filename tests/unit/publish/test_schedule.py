@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from lcmtools.errors import UsageError
 from lcmtools.publish import schedule as module
 from lcmtools.publish.incoming import Incoming
 from lcmtools.publish.schedule import Schedule, due_times, schedule_for
@@ -49,6 +50,14 @@ def test_options_and_source_decide_when_to_send(
     options: dict[str, Any], incoming: Incoming, schedule: Schedule
 ) -> None:
     assert schedule_for(incoming, **options) == schedule
+
+
+@pytest.mark.parametrize(
+    "options", [{"rate": 0.0}, {"rate": -5.0}, {"rate": math.nan}, {"count": 0}, {"count": -1}]
+)
+def test_rates_and_counts_are_positive(options: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match=f"got {next(iter(options.values()))}"):
+        schedule_for(VALUES, **options)
 
 
 class Time:
