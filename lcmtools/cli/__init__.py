@@ -1,4 +1,4 @@
-"""The command line: the only room that knows click, prints, and ends the process.
+"""The command line: the only package that knows click, prints, and ends the process.
 
 One file a verb: parse, ask the library, print.
 """

@@ -39,7 +39,7 @@ _LONGEST_SHOWN = 40  # characters of a value that an error line repeats
 
 
 class Misfit(ValueError):  # noqa: N818 - named for what happened, as in errors.py
-    """A value that does not fit its field; it never leaves this room, users see ValueMismatch."""
+    """A value that does not fit its field; it stays in this package; users see ValueMismatch."""
 
     def __init__(self, what: str, hint: str = "") -> None:
         super().__init__(what)
