@@ -278,7 +278,7 @@ REMEDIES = {
     "use-sim-time": "where a simulator runs, start the node with _use_sim_time:=true",
     "use-ttl-0": "keep what only this computer needs on a bus with ttl=0",
     "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
-    "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill {pid}`)",
+    "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill -KILL {pid}`)",
 }
 REASONS = {
     "no-subscriber": "{channel} of the same type has no subscriber",

@@ -74,9 +74,18 @@ def test_a_stopped_listener(world: Any) -> None:
     world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener.send_signal(signal.SIGSTOP)
     found = world.finds("stuck-listeners", f"(pid {listener.pid}): it is stopped")
-    assert found.commands == [f"kill -CONT {listener.pid}", f"kill {listener.pid}"]
+    assert found.commands == [f"kill -CONT {listener.pid}", f"kill -KILL {listener.pid}"]
     world.type(found.commands[0])
     world.is_silent()
+
+
+def test_a_stopped_listener_is_ended(world: Any) -> None:
+    world.node("talker")
+    listener = world.node("listener")
+    listener.send_signal(signal.SIGSTOP)
+    found = world.finds("stale-nodes", f"/listener (pid {listener.pid})")
+    world.type(found.commands[1])
+    assert listener.wait(timeout=10) == -signal.SIGKILL
 
 
 def test_a_listener_that_hangs(world: Any) -> None:

@@ -93,7 +93,7 @@ def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
     finding = only(replace(HEALTHY, listeners=(stopped,)))
     assert finding.rule == "stuck-listeners"
     assert finding.items == (" * sink (pid 7): it is stopped",)
-    assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill 7)",)
+    assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill -KILL 7)",)
 
 
 def test_a_listener_that_does_not_read_is_named() -> None:
