@@ -97,8 +97,8 @@ def _are_near_words(one: str, other: str) -> bool:
 
 
 def is_legal(channel: str) -> bool:
-    """Return whether a node can have this channel: names begin with a slash."""
-    return re.fullmatch(r"/[A-Za-z0-9_/]*", channel) is not None
+    """Return whether a node can have this channel: a slash before each part, and nowhere else."""
+    return re.fullmatch(r"(/[A-Za-z0-9_]+)+", channel) is not None
 
 
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
