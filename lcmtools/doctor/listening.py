@@ -55,8 +55,9 @@ class _Stream:
     largest: int = 0
     bytes: int = 0
     format: str = ""
-    doubled: set[int] = field(default_factory=set)  # hashes of payloads
-    repeated: set[int] = field(default_factory=set)
+    numbered: dict[int, int] = field(default_factory=dict)  # hashes of payloads, by their numbers
+    doubled: set[int] = field(default_factory=set)  # numbers
+    repeated: set[int] = field(default_factory=set)  # hashes of payloads
 
 
 class Listening:
@@ -70,7 +71,7 @@ class Listening:
         self._share = share
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
-        self._compared: dict[str, dict[int, tuple[Sender | None, int | None]]] = {}
+        self._compared: dict[str, dict[int, Sender | None]] = {}  # who sent a payload first
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
         self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
@@ -162,16 +163,18 @@ class Listening:
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Tell whether the same message has come before: again, or from another sender."""
         known = self._compared.setdefault(packet.channel, {})
-        if len(known) >= _MOST_COMPARED:
-            known.clear()
+        for memory in (known, stream.numbered):
+            if len(memory) >= _MOST_COMPARED:
+                memory.clear()
         ends = packet.payload[:_COMPARED_BYTES], packet.payload[-_COMPARED_BYTES:]
-        message, source = hash((*ends, packet.size)), (packet.sender, packet.seqno)
-        first = known.setdefault(message, source)
-        is_again = first is not source and first == source and packet.seqno is not None
-        if first[0] != packet.sender and len(stream.repeated) < _MOST_TIMES:
-            stream.repeated.add(message)
-        elif is_again and len(stream.doubled) < _MOST_TIMES:
-            stream.doubled.add(message)
+        message = hash((*ends, packet.size))
+        if known.setdefault(message, packet.sender) != packet.sender:
+            if len(stream.repeated) < _MOST_TIMES:
+                stream.repeated.add(message)
+        elif packet.seqno is not None and len(stream.doubled) < _MOST_TIMES:
+            if stream.numbered.get(packet.seqno) == message:
+                stream.doubled.add(packet.seqno)
+            stream.numbered[packet.seqno] = message
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
