@@ -100,7 +100,7 @@ def _look(
         _take(monitor, begin.listening, longer - listen)
         found = memory.recall(_gathered(monitor, evidence, begin, longer))
     memory.learn(found)
-    return found
+    return replace(found, processes=programs.with_topics(found.processes, found.graph))
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,9 +174,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         oddities=listening.oddities(names.name),
         logs=listening.logs(),
         clock=clock_of(listening, after, names, busy),
-        processes=programs.with_topics(
-            (replace(one, state="") if one.pid in running else one for one in processes), after
-        ),
+        processes=tuple(replace(one, state="") if one.pid in running else one for one in processes),
         processor_wait=max((waited for _, waited in spent.values()), default=0) / 1e9,
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),

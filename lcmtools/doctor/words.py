@@ -401,7 +401,9 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "times": lambda count: f"{count} times" if count > 1 else "once",
     "use": lambda several: "uses" if len(several) == 1 else "use",
     "time": lambda seconds: duration_text(seconds * 1e9),
-    "with": lambda topics: f", with {' and '.join(_first(topics))}" if topics else "",
+    "with": lambda topics: (
+        f", with {' and '.join(_first(topics))}, which nodes here wait for" if topics else ""
+    ),
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }
 """The ways to show a part that ``format`` does not have."""

@@ -94,6 +94,16 @@ def test_a_program_on_another_bus(world: Any, kind: str) -> None:
     world.is_silent(**{name: value.strip("'")})
 
 
+def test_a_program_on_another_bus_that_publishes_seldom(world: Any) -> None:
+    world.node("listener")
+    string = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
+    away = world.sends(string, 1.0, LCM_DEFAULT_URL="udpm://239.255.76.67:7700?ttl=0")
+    found = world.finds("other-buses", "with /chatter", f"pid {away.pid} on 239.255.76.67:7700")
+    assert found.severity == "warning"
+    world.again(away, **found.variables)
+    world.is_silent()
+
+
 def test_a_program_of_the_other_provider(world: Any) -> None:
     world.hears("A")
     world.sends("bus.publish('A', Twist().encode())")
