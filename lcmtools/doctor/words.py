@@ -93,6 +93,7 @@ TITLES = {
 }
 _MOST = 8  # names in a row
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_HANGS = "a call of its callback has not ended for {seconds:time}"
 _LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
 FACTS = {
@@ -104,6 +105,7 @@ FACTS = {
     "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
     "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
     "dropped-by-queue": _LOST,
+    "dropped-hanging": f"{_LOST}: {_HANGS}",
     "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}} meanwhile",
     "dropped-in-bursts": f"{_LOST}: they come in bursts",
     "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
@@ -112,6 +114,7 @@ FACTS = {
     "expects": "{node} expects {type}",
     "firewall-enabled": "the firewall {firewall} is enabled",
     "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
+    "hanging-callback": f"{{node}}, {{topic}}: {_HANGS}",
     "in-container": "this is a {container}, which may not forward multicast",
     "interface-down": "the interface {interface} is down",
     "joined-on": "on {interface}",
