@@ -121,8 +121,8 @@ EDITED = (
          _stamped(f"{_NOW}; m.angular_velocity_covariance[1] = 1.0"),
          _stamped(f"{_NOW}; m.angular_velocity_covariance[1] = 1.0; "
                   "m.angular_velocity_covariance[0] = -1.0"), (_hears("IMU"),)),
-    Edit("set-clocks", "stamps", _stamped(f"{_NOW}; m.header.stamp.sec += 60"), _stamped(_NOW),
-         (_hears("IMU"),)),
+    Edit("stamp-if-no-log", "stamps", _stamped(f"{_NOW}; m.header.stamp.sec -= 60"),
+         _stamped(_NOW), (_hears("IMU"),)),
     Edit("split-time", "stamps", _stamped("m.header.stamp.sec = int(time.time()); "
                                           "m.header.stamp.nsec = 2 * 10**9"),
          _stamped(_NOW), (_hears("IMU"),)),
@@ -406,6 +406,7 @@ NEED_MORE = {  # than a network on a Linux computer
     "if-no-log": "a computer with a clock of its own",
     "macos-large-datagrams": "macOS",
     "mirrored-network": "Windows",
+    "set-clocks": "a computer with a clock of its own",
     "subscribe-to-pattern": "nothing: the warning stays for other programs",
     "use-server": "a container",
     "use-sim-time": "a clock of the past",

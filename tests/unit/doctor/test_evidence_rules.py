@@ -161,6 +161,26 @@ def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str)
     assert finding.remedies
 
 
+@pytest.mark.parametrize(
+    ("kind", "there", "here"),
+    [
+        ("future", "let both computers keep the time", "stamp with the time since 1970"),
+        ("old", "let both computers keep the time", "stamp with the time since 1970"),
+        ("replayed", "if it is no log, its computer's clock", "if it is no log, stamp with"),
+    ],
+)
+def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
+    kind: str, there: str, here: str
+) -> None:
+    odd = (Oddity(kind, "/odom", "/morse", "it is odd", 7),)
+    for is_local, remedy in ((False, there), (True, here)):
+        senders = (SenderFacts(ALICE, "/morse", is_local=is_local),)
+        finding = found(replace(HEALTHY, oddities=odd, senders=senders))["stamps"]
+        assert finding.remedies[0].startswith(remedy)
+    log = replace(HEALTHY, url="file:///ride.lcmlog", oddities=odd, senders=senders)
+    assert found(log)["stamps"].remedies[0].startswith(there)
+
+
 def test_one_old_message_may_be_a_latched_one() -> None:
     odd = Oddity("old", "/map", "/server", "header.stamp is 60.0 s old")
     assert found(replace(HEALTHY, oddities=(odd,))) == {}
