@@ -330,10 +330,10 @@ def clock_of(
 ) -> SimulatedClock | None:
     """The pace of simulated time, with the share of time that its local publisher computed."""
     ratio, sender = listening.clock_ratio(), listening.clock_sender
-    if ratio is None:
+    if ratio is None and not listening.clock_jumps():
         return None
     publishers = [node for node, _ in graph.topic("/clock").publishers]
     node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
     target = target_rate(node.command) if node else 1.0
     share = busy.get(node.pid) if node and is_here(node) else None
-    return SimulatedClock(names.name(sender), ratio, target, share)
+    return SimulatedClock(names.name(sender), ratio, target, share, listening.clock_jumps())

@@ -154,11 +154,18 @@ class Listening:
         """
         ticks = self.clock_ticks
         seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
-        if seconds < _CLOCK_SPAN or any(later[1] < one[1] for one, later in pairwise(ticks)):
+        if seconds < _CLOCK_SPAN or self._jumps():
             return None
         step = max(1, (len(ticks) - 1) // 4)
         parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
         return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
+
+    def clock_jumps(self) -> int:
+        """The ticks of the only simulated clock that are earlier than the one before."""
+        return self._jumps() if len(self._clocks) == 1 else 0
+
+    def _jumps(self) -> int:
+        return sum(later[1] < one[1] for one, later in pairwise(self.clock_ticks))
 
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Tell whether the same message has come before: again, or from another sender."""

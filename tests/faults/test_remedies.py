@@ -34,6 +34,10 @@ lcmtools.spin(node)
 """
 _STRINGS = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
 _COUNTS = "m = String(); m.data = str(number %% 30); bus.publish('%s', m.encode())"
+_CLOCK = (
+    "m = Clock(); m.clock.sec, m.clock.nsec = divmod(20_000_000 * (%s), 10**9);"
+    " bus.publish('/clock', m.encode())"
+)
 _TWISTS = "bus.publish('/cmd_vel', Twist().encode())"
 
 
@@ -128,6 +132,8 @@ EDITED = (
          _stamped(_NOW), (_hears("IMU"),)),
     Edit("stamp-utc", "stamps", _stamped("m.header.stamp.sec = int(time.monotonic())"),
          _stamped(_NOW), (_hears("IMU"),)),
+    Edit("time-rises", "slow-simulator", _CLOCK % "number % 10", _CLOCK % "number",
+         (_hears("/clock"),)),
     Edit("use-lcm-gen", "undecodable", "bus.publish('A', Twist().encode()[:-3])",
          "bus.publish('A', Twist().encode())", (_hears("A"),)),
     Edit("sends-as", "type-mismatch", "bus.publish('/chatter', Twist().encode())", _STRINGS,

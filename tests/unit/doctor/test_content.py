@@ -157,6 +157,16 @@ def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
     )
 
 
+def test_a_clock_jumps_back_unless_two_send_it() -> None:
+    for senders, jumps in (((ALICE, ALICE, ALICE), 1), ((ALICE, BOB, ALICE), 0)):
+        listening = Listening(lambda _: ())
+        for sender, second in zip(senders, (1, 2, 1), strict=True):
+            clock = Clock()
+            clock.clock.sec = second
+            listening.take(Packet("/clock", encode(clock), NOW + second, sender))
+        assert listening.clock_jumps() == jumps
+
+
 def test_what_cannot_be_decoded_is_odd_once() -> None:
     listening = Listening(lambda _: ())
     for _ in range(3):

@@ -327,10 +327,14 @@ def test_a_full_queue_names_node_topic_and_depth() -> None:
         (SimulatedClock("/morse", 0.5, target=0.5), None),
         (SimulatedClock("/morse", 3.0, target=4.0, busy=1.0), Severity.WARNING),
         (SimulatedClock("/morse", 40.0, target=None, busy=1.0), None),
-        (SimulatedClock("/morse", 0.0, busy=0.1), None),
+        (SimulatedClock("/morse", 0.0, busy=0.1), Severity.NOTE),
+        (SimulatedClock("/morse", None, jumps=1), Severity.NOTE),
+        (SimulatedClock("/morse", None, jumps=9), Severity.WARNING),
     ],
 )
-def test_a_simulator_that_is_too_slow(clock: SimulatedClock, severity: Severity | None) -> None:
+def test_a_simulator_that_is_too_slow_stands_still_or_jumps_back(
+    clock: SimulatedClock, severity: Severity | None
+) -> None:
     finding = found(replace(HEALTHY, clock=clock)).get("slow-simulator")
     assert (finding.severity if finding else None) is severity
 
