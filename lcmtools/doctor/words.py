@@ -71,6 +71,8 @@ TITLES = {
     "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another interface"
     " than the one that leads to their senders",
     "sending": "Messages cannot leave this computer: {problem}",
+    "services": "The following services are offered by more than one node, and each executes a"
+    " request:",
     "silent": "The following have stopped publishing:",
     "similar-names": "The following channels look like the same, and are not:",
     "slow-callbacks": "The following callbacks take too long:",
@@ -86,6 +88,7 @@ TITLES = {
     "type-names-differ": "The types on {topic} have the same fields, but different names:",
     "unconnected-publications": "The following node publications have no announced subscriber:",
     "unconnected-subscriptions": "The following node subscriptions are unconnected:",
+    "unconnected-clients": "The following call services that no node offers:",
     "undecodable": "Messages cannot be decoded:",
     "types-without-file": "The types of the following are not known here:",
     "unit": "Times that are published are in the wrong unit:",
@@ -101,6 +104,7 @@ FACTS = {
     "buffer": "{listener}: {buffer_bytes:holds}",
     "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
     "bytes-wait": "{listener}: {queued_bytes} bytes wait",
+    "calls": "{node} calls {service}",
     "channel": "{topic} from {sender}",
     "doubled": "{sender}: {count} messages",
     "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
@@ -135,6 +139,7 @@ FACTS = {
     "node-topics": "{node}:",
     "odd-channel": "{topic:repr} from {sender}: {reason}",
     "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
+    "offered": "{service}: {nodes:and}",
     "oddity": "{topic} from {sender}: {text}{messages:count}",
     "older-type": "the older version is probably that of {senders:and}",
     "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
@@ -271,6 +276,7 @@ REMEDIES = {
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
     "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",
+    "start-server": "start what offers {service}; what is there: `lcmtools service list`",
     "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
     "start-something": "start something, for example: `lcmtools run talker`",
     "start-with-variable": "start them with {variable}='{value}'",
@@ -291,6 +297,7 @@ REMEDIES = {
 }
 REASONS = {
     "no-subscriber": "{channel} of the same type has no subscriber",
+    "offered": "{channel} is offered",
     "published": "{channel} is published",
     "publishes": "{publisher} publishes {channel}",
     "same-type": "{channel} is of the same type",

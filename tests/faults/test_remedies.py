@@ -389,6 +389,7 @@ ELSEWHERE = {  # the tests that do them
     "send-less": "test_a_sender_whose_messages_get_lost",
     "set-rate": "test_a_simulator_that_was_made_slow",
     "simulate-less": "test_a_simulator_that_has_too_much_to_do",
+    "start-server": "test_a_service_that_no_node_offers",
     "smaller-messages": "test_datagrams_whose_pieces_do_not_all_come",
     "start-it-with-variable": "test_a_message_that_no_usual_buffer_takes",
     "start-publisher": "test_a_topic_that_nothing_publishes",

@@ -16,13 +16,14 @@ from lcmtools.doctor.rules import (
     pace,
     relays,
     reports,
+    services,
     traffic,
     types,
 )
 
 _FAMILIES = (
-    *(bus, network, relays, nodes, reports, callbacks, types, connections, pace, traffic),
-    *(listeners, content),
+    *(bus, network, relays, nodes, reports, callbacks, types, connections, services, pace),
+    *(traffic, listeners, content),
 )
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
