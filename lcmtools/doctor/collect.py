@@ -60,10 +60,12 @@ def collect(
             evidence = _look(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
+    processes = programs.with_topics(evidence.processes, evidence.graph)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
     return replace(
         evidence,
+        processes=processes,
         stale_published=records.topics(stale, Role.PUBLISHER),
         stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
         host=replace(
@@ -100,7 +102,7 @@ def _look(
         _take(monitor, begin.listening, longer - listen)
         found = memory.recall(_gathered(monitor, evidence, begin, longer))
     memory.learn(found)
-    return replace(found, processes=programs.with_topics(found.processes, found.graph))
+    return found
 
 
 @dataclass(frozen=True, slots=True)

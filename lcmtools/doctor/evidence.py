@@ -167,6 +167,7 @@ class LcmProcess:
     state: str = ""  # as ps shows it ("T" is stopped)
     topics: tuple[str, ...] = ()  # published on its bus, if that was looked at
     is_guess: bool = False  # the bus is the one that its code names
+    awaited: tuple[str, ...] = ()  # topics of this bus that its node waits for on the other one
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,7 +48,7 @@ Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str,
 """A subject, or a measured value."""
 
 _KINDS = {
-    **dict.fromkeys(("topic", "topics", "other_topic", "channel"), "topic"),
+    **dict.fromkeys(("topic", "topics", "awaited", "other_topic", "channel"), "topic"),
     **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
     **dict.fromkeys(("host", "hosts"), "host"),
     "service": "service",

@@ -6,6 +6,7 @@ import re
 import resource
 import sys
 import time
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from ipaddress import IPv4Address
@@ -172,25 +173,38 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
-    """The processes, those on other buses with the topics there.
+    """The processes, those on other buses with the topics there, and those they wait for.
 
-    Other buses are looked at only if a subscription or all nodes are missing on this one.
+    Other buses are looked at only if all nodes, or the other ends of topics, are missing on this
+    one.
     """
     every = tuple(processes)
     missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
-    if not missed and any(not node.tool for node in graph.nodes):
+    taken = {e.topic for node in graph.nodes for e in node.having(Role.SUBSCRIBER)}
+    offered = _published(graph) - taken
+    if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
-    topics = _topics([process for process in every if process.bus], missed)
-    return tuple(replace(p, topics=tuple(sorted(topics.get(p.bus, ())))) for p in every)
+    topics, awaited = _topics([process for process in every if process.bus], missed)
+    return tuple(
+        replace(
+            one,
+            topics=tuple(sorted(topics[one.bus])),
+            awaited=tuple(sorted(awaited[one.pid] & offered - topics[one.bus])),
+        )
+        for one in every
+    )
 
 
-def _topics(processes: Sequence[LcmProcess], missed: set[str]) -> dict[str, set[str]]:
-    """The topics of other buses.
+def _topics(
+    processes: Sequence[LcmProcess], missed: set[str]
+) -> tuple[Mapping[str, set[str]], Mapping[int, set[str]]]:
+    """The topics that are published on other buses, and those that each process waits for.
 
     Programs that are no nodes may publish what is missed seldom: they are given more time.
     """
     pids = {process.pid for process in processes}
-    topics: dict[str, set[str]] = {}
+    topics: dict[str, set[str]] = defaultdict(set)
+    awaited: dict[int, set[str]] = defaultdict(set)
     with contextlib.ExitStack() as stack:
         probes = {}
         for bus in sorted({process.bus for process in processes})[:_MOST_BUSES]:
@@ -202,10 +216,12 @@ def _topics(processes: Sequence[LcmProcess], missed: set[str]) -> dict[str, set[
             for bus, probe in probes.items():
                 graph = probe.graph()
                 pids -= {node.pid for node in graph.nodes}
-                topics[bus] = topics.get(bus, set()) | _published(graph)
+                topics[bus] |= _published(graph)
+                for node, end in loose_ends(graph, Role.SUBSCRIBER):
+                    awaited[node.pid].add(end.topic)
             if not pids or missed.issubset(chain.from_iterable(topics.values())):
                 break
-    return topics
+    return topics, awaited
 
 
 def _published(graph: Graph) -> set[str]:

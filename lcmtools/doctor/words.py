@@ -53,7 +53,7 @@ TITLES = {
     "nsec": "Times that are published are invalid:",
     "old": "Messages are stamped with a time long ago:",
     "open-files": "The following programs have nearly as many files open as LCM can handle:",
-    "other-buses": "The following programs of yours are on other buses{topics:with}:",
+    "other-buses": "The following programs of yours are on other buses{topics:with}{awaited:wait}:",
     "other-users": "Other users of this computer share this bus:",
     "paused-simulator": "Simulated time stands still:",
     "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
@@ -419,6 +419,9 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "time": lambda seconds: duration_text(seconds * 1e9),
     "with": lambda topics: (
         f", with {' and '.join(_first(topics))}, which nodes here wait for" if topics else ""
+    ),
+    "wait": lambda topics: (
+        f", and wait there for {' and '.join(_first(topics))}, which is here" if topics else ""
     ),
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }

@@ -106,6 +106,19 @@ def test_publishers_on_several_buses_are_told_the_one_where_they_are_missed() ->
     assert finding.remedies == (there, here)
 
 
+def test_a_listener_on_another_bus_is_told_the_one_where_its_topic_is() -> None:
+    ends = (Endpoint("/scan", Role.PUBLISHER),)
+    graph = Graph((Node("/laser", "laser", "here", 1, endpoints=ends),))
+    away = LcmProcess(9, "ear", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3", awaited=("/scan",))
+    findings = found(replace(HEALTHY, graph=graph, listeners=(), processes=(away,)))
+    assert findings.keys() == {"other-buses"}
+    finding = findings["other-buses"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text.endswith(" on other buses, and wait there for /scan, which is here:")
+    here = f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'"
+    assert finding.remedies == (here,)
+
+
 def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
     other = LcmProcess(9, "talker", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3")
     evidence = replace(HEALTHY, graph=Graph(), processes=(other, LcmProcess(8, "here")))
