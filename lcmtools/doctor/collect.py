@@ -60,10 +60,12 @@ def collect(
             evidence = _look(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
+    processes = programs.with_topics(evidence.processes, evidence.graph)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
     return replace(
         evidence,
+        processes=processes,
         stale_published=records.topics(stale, Role.PUBLISHER),
         stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
         host=replace(
@@ -174,9 +176,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         oddities=listening.oddities(names.name),
         logs=listening.logs(),
         clock=clock_of(listening, after, names, busy),
-        processes=programs.with_topics(
-            (replace(one, state="") if one.pid in running else one for one in processes), after
-        ),
+        processes=tuple(replace(one, state="") if one.pid in running else one for one in processes),
         processor_wait=max((waited for _, waited in spent.values()), default=0) / 1e9,
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),
@@ -332,10 +332,10 @@ def clock_of(
 ) -> SimulatedClock | None:
     """The pace of simulated time, with the share of time that its local publisher computed."""
     ratio, sender = listening.clock_ratio(), listening.clock_sender
-    if ratio is None:
+    if ratio is None and not listening.clock_jumps():
         return None
     publishers = [node for node, _ in graph.topic("/clock").publishers]
     node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
     target = target_rate(node.command) if node else 1.0
     share = busy.get(node.pid) if node and is_here(node) else None
-    return SimulatedClock(names.name(sender), ratio, target, share)
+    return SimulatedClock(names.name(sender), ratio, target, share, listening.clock_jumps())

@@ -267,7 +267,8 @@ class Connecting:
     def _beside(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """Publications of the same type and namespace without subscribers: a remap is missing.
 
-        The names of a simulator's topics are fixed; others are remapped to them.
+        The names of a simulator's topics are fixed; others are remapped to them. Of two others,
+        the name that a remap has given is the wrong one.
         """
         for publisher, publication in self._by_namespace[namespace_of(end.topic)]:
             topic = publication.topic
@@ -278,7 +279,10 @@ class Connecting:
                     remedy = start_with(node, end.topic, _as_seen_by(node, topic))
                     yield _way(node, remedy, topic, publisher, "same-type")
             elif self._is_loose(publisher, publication) and not publisher.tool:
-                remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
+                if remap_argument(node, end.topic) and not remap_argument(publisher, topic):
+                    remedy = start_with(node, end.topic, _as_seen_by(node, topic))
+                else:
+                    remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
                 yield _way(node, remedy, topic, publisher, "no-subscriber")
 
     def _of_another_type(self, node: Node, end: Endpoint) -> Iterator[Way]:

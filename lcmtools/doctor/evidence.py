@@ -148,9 +148,10 @@ class SimulatedClock:
     """The pace of simulated time, by ``/clock``."""
 
     name: str  # of its publisher
-    ratio: float  # simulated seconds in a second
+    ratio: float | None  # simulated seconds in a second; None where they do not only rise
     target: float | None = 1.0  # by its command line; None: as fast as it can
     busy: float | None = None  # share of time its process computed or waited for a processor
+    jumps: int = 0  # ticks that are earlier than the one before
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +167,7 @@ class LcmProcess:
     state: str = ""  # as ps shows it ("T" is stopped)
     topics: tuple[str, ...] = ()  # published on its bus, if that was looked at
     is_guess: bool = False  # the bus is the one that its code names
+    awaited: tuple[str, ...] = ()  # topics of this bus that its node waits for on the other one
 
 
 @dataclass(frozen=True, slots=True)

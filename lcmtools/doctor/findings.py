@@ -32,7 +32,7 @@ class Severity(IntEnum):
 class Subject:
     """Something that a finding is about."""
 
-    kind: str  # node, process, topic, sender, listener, host, interface, user or bus
+    kind: str  # node, process, topic, service, sender, listener, host, interface, user or bus
     name: str  # for people
     pid: int | None = None  # its process on this computer, if there is one and it is known
     address: str = ""  # in the network, if it has one and it is known
@@ -48,9 +48,10 @@ Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str,
 """A subject, or a measured value."""
 
 _KINDS = {
-    **dict.fromkeys(("topic", "topics", "other_topic", "channel"), "topic"),
+    **dict.fromkeys(("topic", "topics", "awaited", "other_topic", "channel"), "topic"),
     **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
     **dict.fromkeys(("host", "hosts"), "host"),
+    "service": "service",
     **dict.fromkeys(("user", "users"), "user"),
     **dict.fromkeys(("interface", "interfaces", "bridge"), "interface"),
 }

@@ -55,8 +55,9 @@ class _Stream:
     largest: int = 0
     bytes: int = 0
     format: str = ""
-    doubled: set[int] = field(default_factory=set)  # hashes of payloads
-    repeated: set[int] = field(default_factory=set)
+    numbered: dict[int, int] = field(default_factory=dict)  # hashes of payloads, by their numbers
+    doubled: set[int] = field(default_factory=set)  # numbers
+    repeated: set[int] = field(default_factory=set)  # hashes of payloads
 
 
 class Listening:
@@ -70,7 +71,7 @@ class Listening:
         self._share = share
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
-        self._compared: dict[str, dict[int, tuple[Sender | None, int | None]]] = {}
+        self._compared: dict[str, dict[int, Sender | None]] = {}  # who sent a payload first
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
         self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
@@ -153,25 +154,34 @@ class Listening:
         """
         ticks = self.clock_ticks
         seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
-        if seconds < _CLOCK_SPAN or any(later[1] < one[1] for one, later in pairwise(ticks)):
+        if seconds < _CLOCK_SPAN or self._jumps():
             return None
         step = max(1, (len(ticks) - 1) // 4)
         parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
         return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
 
+    def clock_jumps(self) -> int:
+        """The ticks of the only simulated clock that are earlier than the one before."""
+        return self._jumps() if len(self._clocks) == 1 else 0
+
+    def _jumps(self) -> int:
+        return sum(later[1] < one[1] for one, later in pairwise(self.clock_ticks))
+
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Tell whether the same message has come before: again, or from another sender."""
         known = self._compared.setdefault(packet.channel, {})
-        if len(known) >= _MOST_COMPARED:
-            known.clear()
+        for memory in (known, stream.numbered):
+            if len(memory) >= _MOST_COMPARED:
+                memory.clear()
         ends = packet.payload[:_COMPARED_BYTES], packet.payload[-_COMPARED_BYTES:]
-        message, source = hash((*ends, packet.size)), (packet.sender, packet.seqno)
-        first = known.setdefault(message, source)
-        is_again = first is not source and first == source and packet.seqno is not None
-        if first[0] != packet.sender and len(stream.repeated) < _MOST_TIMES:
-            stream.repeated.add(message)
-        elif is_again and len(stream.doubled) < _MOST_TIMES:
-            stream.doubled.add(message)
+        message = hash((*ends, packet.size))
+        if known.setdefault(message, packet.sender) != packet.sender:
+            if len(stream.repeated) < _MOST_TIMES:
+                stream.repeated.add(message)
+        elif packet.seqno is not None and len(stream.doubled) < _MOST_TIMES:
+            if stream.numbered.get(packet.seqno) == message:
+                stream.doubled.add(packet.seqno)
+            stream.numbered[packet.seqno] = message
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:

@@ -6,9 +6,11 @@ import re
 import resource
 import sys
 import time
-from collections.abc import Collection, Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from ipaddress import IPv4Address
+from itertools import chain
 from pathlib import Path
 
 from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
@@ -32,7 +34,7 @@ _NAME_CHARACTERS = 60
 _URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
 _MOST_CODE = 4 << 20  # bytes of a file in which a URL is searched
 _MOST_BUSES = 3  # that are looked at
-_LISTEN = 0.2  # [s]
+_LISTEN, _MOST_LISTENS = 0.2, 6  # [s] to another bus; 1.2 s in all show what is sent at 1 Hz
 
 
 def state_of(pid: int) -> str:
@@ -171,33 +173,61 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
-    """The processes, those on other buses with the topics there.
+    """The processes, those on other buses with the topics there, and those they wait for.
 
-    Other buses are looked at only if a subscription or all nodes are missing on this one.
+    Other buses are looked at only if all nodes, or the other ends of topics, are missing on this
+    one.
     """
     every = tuple(processes)
-    buses = sorted({process.bus for process in every if process.bus})
-    is_missed = any(loose_ends(graph, Role.SUBSCRIBER)) or not any(
-        not node.tool for node in graph.nodes
-    )
-    if not is_missed:
+    missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
+    taken = {e.topic for node in graph.nodes for e in node.having(Role.SUBSCRIBER)}
+    offered = _published(graph) - taken
+    if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
-    topics = {bus: _topics(bus) for bus in buses[:_MOST_BUSES]}
-    return tuple(replace(p, topics=topics.get(p.bus, ())) for p in every)
+    topics, awaited = _topics([process for process in every if process.bus], missed)
+    return tuple(
+        replace(
+            one,
+            topics=tuple(sorted(topics[one.bus])),
+            awaited=tuple(sorted(awaited[one.pid] & offered - topics[one.bus])),
+        )
+        for one in every
+    )
 
 
-def _topics(bus: str) -> tuple[str, ...]:
-    """The topics of another bus."""
-    with (
-        contextlib.suppress(LcmtoolsError),
-        QuickProbe(parse_url(f"udpm://{bus}?ttl=0")) as quick_probe,
-    ):
-        time.sleep(_LISTEN)
-        graph = quick_probe.graph()
-        announced = {e.topic for node in graph.nodes for e in node.having(Role.PUBLISHER)}
-        seen = {traffic.channel for traffic in graph.traffic}
-        return tuple(sorted(name for name in announced | seen if not is_hidden(name)))
-    return ()
+def _topics(
+    processes: Sequence[LcmProcess], missed: set[str]
+) -> tuple[Mapping[str, set[str]], Mapping[int, set[str]]]:
+    """The topics that are published on other buses, and those that each process waits for.
+
+    Programs that are no nodes may publish what is missed seldom: they are given more time.
+    """
+    pids = {process.pid for process in processes}
+    topics: dict[str, set[str]] = defaultdict(set)
+    awaited: dict[int, set[str]] = defaultdict(set)
+    with contextlib.ExitStack() as stack:
+        probes = {}
+        for bus in sorted({process.bus for process in processes})[:_MOST_BUSES]:
+            with contextlib.suppress(LcmtoolsError):
+                probe = QuickProbe(parse_url(f"udpm://{bus}?ttl=0"))
+                probes[bus] = stack.enter_context(probe)
+        for _ in range(_MOST_LISTENS if probes else 0):
+            time.sleep(_LISTEN)
+            for bus, probe in probes.items():
+                graph = probe.graph()
+                pids -= {node.pid for node in graph.nodes}
+                topics[bus] |= _published(graph)
+                for node, end in loose_ends(graph, Role.SUBSCRIBER):
+                    awaited[node.pid].add(end.topic)
+            if not pids or missed.issubset(chain.from_iterable(topics.values())):
+                break
+    return topics, awaited
+
+
+def _published(graph: Graph) -> set[str]:
+    announced = {e.topic for node in graph.nodes for e in node.having(Role.PUBLISHER)}
+    seen = {traffic.channel for traffic in graph.traffic}
+    return {name for name in announced | seen if not is_hidden(name)}
 
 
 class ProgramNames:

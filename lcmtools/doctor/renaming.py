@@ -4,7 +4,7 @@ Pure: nodes as they are in, remedies out.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from itertools import zip_longest
@@ -43,33 +43,37 @@ class NearNames:
 
     def __init__(self, names: Iterable[str]) -> None:
         self._alike: dict[str, list[str]] = {}
+        self._near: dict[str, tuple[str, ...]] = {}  # to each name that was asked for
         for name in names:
             self._alike.setdefault(_without_numbers(name), []).append(name)
 
-    def of(self, name: str) -> Iterator[str]:
+    def of(self, name: str) -> tuple[str, ...]:
         """The names that are near to one."""
-        pattern = _without_numbers(name)
-        for other, names in self._alike.items():
-            if _are_near_patterns(pattern, other):
-                yield from (one for one in names if are_near(one, name))
+        if name not in self._near:
+            pattern = _without_numbers(name)
+            near = (o for other, o in self._alike.items() if _are_near_patterns(pattern, other))
+            self._near[name] = tuple(one for names in near for one in names if are_near(one, name))
+        return self._near[name]
 
 
 @lru_cache(100_000)
 def _are_near_patterns(one: str, other: str) -> bool:
-    return are_near(re.sub("0", "", one), re.sub("0", "", other))
+    return are_near(one.replace("0", ""), other.replace("0", ""))
 
 
+@lru_cache(100_000)
 def _without_numbers(name: str) -> str:
     return re.sub(r"[0-9]+", "0", name)
 
 
+@lru_cache(100_000)
 def _folded(name: str) -> str:
     return re.sub(r"[\s/_]", "", name).casefold()
 
 
 def _are_within(one: str, other: str, edits: int) -> bool:
     """Return whether so many characters more, less or changed, or pairs swapped, are enough."""
-    if abs(len(one) - len(other)) > edits:
+    if abs(len(one) - len(other)) > edits or len(set(one) ^ set(other)) > 2 * edits:
         return False
     differing = (n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
     start = next(differing, min(len(one), len(other)))
@@ -97,8 +101,8 @@ def _are_near_words(one: str, other: str) -> bool:
 
 
 def is_legal(channel: str) -> bool:
-    """Return whether a node can have this channel: names begin with a slash."""
-    return re.fullmatch(r"/[A-Za-z0-9_/]*", channel) is not None
+    """Return whether a node can have this channel: a slash before each part, and nowhere else."""
+    return re.fullmatch(r"(/[A-Za-z0-9_]+)+", channel) is not None
 
 
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:

@@ -33,6 +33,7 @@ TITLES = {
     "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
     "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
     "irregular": "The following come unevenly:",
+    "jumping-simulator": "Simulated time jumps back:",
     "kernel-drops": "The following read too slowly, so that the kernel dropped datagrams:",
     "large-messages": "A message of {bytes} bytes does not come back: {problem}",
     "long-names": "The following names are nearly as long as LCM can carry (63 bytes):",
@@ -52,7 +53,7 @@ TITLES = {
     "nsec": "Times that are published are invalid:",
     "old": "Messages are stamped with a time long ago:",
     "open-files": "The following programs have nearly as many files open as LCM can handle:",
-    "other-buses": "The following programs of yours are on other buses{topics:with}:",
+    "other-buses": "The following programs of yours are on other buses{topics:with}{awaited:wait}:",
     "other-users": "Other users of this computer share this bus:",
     "paused-simulator": "Simulated time stands still:",
     "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
@@ -70,6 +71,8 @@ TITLES = {
     "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another interface"
     " than the one that leads to their senders",
     "sending": "Messages cannot leave this computer: {problem}",
+    "services": "The following services are offered by more than one node, and each executes a"
+    " request:",
     "silent": "The following have stopped publishing:",
     "similar-names": "The following channels look like the same, and are not:",
     "slow-callbacks": "The following callbacks take too long:",
@@ -85,6 +88,7 @@ TITLES = {
     "type-names-differ": "The types on {topic} have the same fields, but different names:",
     "unconnected-publications": "The following node publications have no announced subscriber:",
     "unconnected-subscriptions": "The following node subscriptions are unconnected:",
+    "unconnected-clients": "The following call services that no node offers:",
     "undecodable": "Messages cannot be decoded:",
     "types-without-file": "The types of the following are not known here:",
     "unit": "Times that are published are in the wrong unit:",
@@ -93,17 +97,20 @@ TITLES = {
 }
 _MOST = 8  # names in a row
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_HANGS = "a call of its callback has not ended for {seconds:time}"
 _LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
 FACTS = {
     "buffer": "{listener}: {buffer_bytes:holds}",
     "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
     "bytes-wait": "{listener}: {queued_bytes} bytes wait",
+    "calls": "{node} calls {service}",
     "channel": "{topic} from {sender}",
     "doubled": "{sender}: {count} messages",
     "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
     "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
     "dropped-by-queue": _LOST,
+    "dropped-hanging": f"{_LOST}: {_HANGS}",
     "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}} meanwhile",
     "dropped-in-bursts": f"{_LOST}: they come in bursts",
     "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
@@ -112,8 +119,10 @@ FACTS = {
     "expects": "{node} expects {type}",
     "firewall-enabled": "the firewall {firewall} is enabled",
     "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
+    "hanging-callback": f"{{node}}, {{topic}}: {_HANGS}",
     "in-container": "this is a {container}, which may not forward multicast",
     "interface-down": "the interface {interface} is down",
+    "jumps-back": "{program}: {count:times}",
     "joined-on": "on {interface}",
     "listens": "{listener} listens",
     "listens-on": "{listener}: on {interfaces:and}",
@@ -130,6 +139,7 @@ FACTS = {
     "node-topics": "{node}:",
     "odd-channel": "{topic:repr} from {sender}: {reason}",
     "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
+    "offered": "{service}: {nodes:and}",
     "oddity": "{topic} from {sender}: {text}{messages:count}",
     "older-type": "the older version is probably that of {senders:and}",
     "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
@@ -261,15 +271,20 @@ REMEDIES = {
     "smaller-messages": "send smaller messages",
     "spin": "let {node} spin: lcmtools.spin(node), or often spin_once",
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
+    "stamp-if-no-log": "if it is no log, stamp with the time of sending: time.time(),"
+    " node.get_clock().now()",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
     "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",
+    "start-server": "start what offers {service}; what is there: `lcmtools service list`",
     "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
     "start-something": "start something, for example: `lcmtools run talker`",
     "start-with-variable": "start them with {variable}='{value}'",
     "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
     "symmetric": "set [row, column] and [column, row] to the same, and no [row, row] below 0",
     "sysctl": "`sudo sysctl -w {name}={value}`",
+    "time-rises": "if it was no reset, and no log that is played again: publish on /clock a time"
+    " that only rises",
     "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
     "unknown-covariance": "where nothing is known, set the first number to -1",
     "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
@@ -278,10 +293,11 @@ REMEDIES = {
     "use-sim-time": "where a simulator runs, start the node with _use_sim_time:=true",
     "use-ttl-0": "keep what only this computer needs on a bus with ttl=0",
     "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
-    "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill {pid}`)",
+    "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill -KILL {pid}`)",
 }
 REASONS = {
     "no-subscriber": "{channel} of the same type has no subscriber",
+    "offered": "{channel} is offered",
     "published": "{channel} is published",
     "publishes": "{publisher} publishes {channel}",
     "same-type": "{channel} is of the same type",
@@ -401,7 +417,12 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "times": lambda count: f"{count} times" if count > 1 else "once",
     "use": lambda several: "uses" if len(several) == 1 else "use",
     "time": lambda seconds: duration_text(seconds * 1e9),
-    "with": lambda topics: f", with {' and '.join(_first(topics))}" if topics else "",
+    "with": lambda topics: (
+        f", with {' and '.join(_first(topics))}, which nodes here wait for" if topics else ""
+    ),
+    "wait": lambda topics: (
+        f", and wait there for {' and '.join(_first(topics))}, which is here" if topics else ""
+    ),
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }
 """The ways to show a part that ``format`` does not have."""

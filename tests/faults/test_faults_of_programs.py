@@ -74,9 +74,18 @@ def test_a_stopped_listener(world: Any) -> None:
     world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener.send_signal(signal.SIGSTOP)
     found = world.finds("stuck-listeners", f"(pid {listener.pid}): it is stopped")
-    assert found.commands == [f"kill -CONT {listener.pid}", f"kill {listener.pid}"]
+    assert found.commands == [f"kill -CONT {listener.pid}", f"kill -KILL {listener.pid}"]
     world.type(found.commands[0])
     world.is_silent()
+
+
+def test_a_stopped_listener_is_ended(world: Any) -> None:
+    world.node("talker")
+    listener = world.node("listener")
+    listener.send_signal(signal.SIGSTOP)
+    found = world.finds("stale-nodes", f"/listener (pid {listener.pid})")
+    world.type(found.commands[1])
+    assert listener.wait(timeout=10) == -signal.SIGKILL
 
 
 def test_a_listener_that_hangs(world: Any) -> None:
@@ -262,4 +271,40 @@ def test_a_stopped_java_program_is_called_by_its_class(world: Any) -> None:
     listener.send_signal(signal.SIGSTOP)
     found = world.finds("stuck-listeners", f"java Listens /cmd_vel (pid {listener.pid})")
     world.obey(found)
+    world.is_silent()
+
+
+_OF_SERVICES = """
+import sys, lcmtools
+from lcmtools.types.std_srvs import Trigger
+lcmtools.init()
+node = lcmtools.Node(sys.argv[1])
+if sys.argv[2] == "offers":
+    node.create_service(Trigger, "go", lambda request, response: response)
+else:
+    node.create_client(Trigger, "go")
+lcmtools.spin(node)
+"""
+
+
+def _of_services(world: Any, *arguments: str) -> Any:
+    program = world.script(_OF_SERVICES, *arguments)
+    world.until(lambda: program.pid in world.pids())
+    return program
+
+
+def test_a_service_that_two_nodes_offer(world: Any) -> None:
+    _of_services(world, "arm", "offers")
+    _of_services(world, "pilot", "calls")
+    second = _of_services(world, "leg", "offers")
+    world.obey(world.finds("services", "/go: ", "/arm", "/leg", f"(kill {second.pid})"))
+    world.is_silent()
+
+
+def test_a_service_that_no_node_offers(world: Any) -> None:
+    _of_services(world, "pilot", "calls")
+    found = world.finds("services", "/pilot calls /go")
+    assert [action["kind"] for action in found.actions] == ["start-server"]
+    _of_services(world, "arm", "offers", "__ns:=/left")
+    world.obey(world.finds("services", "/pilot calls /go", "/left/go is offered"))
     world.is_silent()

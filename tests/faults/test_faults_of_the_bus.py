@@ -94,6 +94,32 @@ def test_a_program_on_another_bus(world: Any, kind: str) -> None:
     world.is_silent(**{name: value.strip("'")})
 
 
+def test_a_program_on_another_bus_that_publishes_seldom(world: Any) -> None:
+    world.node("listener")
+    string = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
+    away = world.sends(string, 1.0, LCM_DEFAULT_URL="udpm://239.255.76.67:7700?ttl=0")
+    found = world.finds("other-buses", "with /chatter", f"pid {away.pid} on 239.255.76.67:7700")
+    assert found.severity == "warning"
+    world.again(away, **found.variables)
+    world.is_silent()
+
+
+def test_a_listener_on_another_bus(world: Any) -> None:
+    world.node("talker")
+    away = world.node("listener", LCMTOOLS_DOMAIN="3")
+    found = world.finds("other-buses", "wait there for /chatter", f"pid {away.pid} on")
+    assert found.severity == "warning"
+    world.again(away, LCMTOOLS_DOMAIN="", **found.variables)
+    world.is_silent()
+
+
+def test_two_systems_of_one_kind_on_two_buses(world: Any) -> None:
+    for variables in ({}, {"LCMTOOLS_DOMAIN": "3"}):
+        world.node("talker", **variables)
+        world.node("listener", **variables)
+    assert [found.severity for found in world.look()] == ["note"]
+
+
 def test_a_program_of_the_other_provider(world: Any) -> None:
     world.hears("A")
     world.sends("bus.publish('A', Twist().encode())")

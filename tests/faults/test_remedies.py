@@ -34,6 +34,10 @@ lcmtools.spin(node)
 """
 _STRINGS = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
 _COUNTS = "m = String(); m.data = str(number %% 30); bus.publish('%s', m.encode())"
+_CLOCK = (
+    "m = Clock(); m.clock.sec, m.clock.nsec = divmod(20_000_000 * (%s), 10**9);"
+    " bus.publish('/clock', m.encode())"
+)
 _TWISTS = "bus.publish('/cmd_vel', Twist().encode())"
 
 
@@ -121,13 +125,15 @@ EDITED = (
          _stamped(f"{_NOW}; m.angular_velocity_covariance[1] = 1.0"),
          _stamped(f"{_NOW}; m.angular_velocity_covariance[1] = 1.0; "
                   "m.angular_velocity_covariance[0] = -1.0"), (_hears("IMU"),)),
-    Edit("set-clocks", "stamps", _stamped(f"{_NOW}; m.header.stamp.sec += 60"), _stamped(_NOW),
-         (_hears("IMU"),)),
+    Edit("stamp-if-no-log", "stamps", _stamped(f"{_NOW}; m.header.stamp.sec -= 60"),
+         _stamped(_NOW), (_hears("IMU"),)),
     Edit("split-time", "stamps", _stamped("m.header.stamp.sec = int(time.time()); "
                                           "m.header.stamp.nsec = 2 * 10**9"),
          _stamped(_NOW), (_hears("IMU"),)),
     Edit("stamp-utc", "stamps", _stamped("m.header.stamp.sec = int(time.monotonic())"),
          _stamped(_NOW), (_hears("IMU"),)),
+    Edit("time-rises", "slow-simulator", _CLOCK % "number % 10", _CLOCK % "number",
+         (_hears("/clock"),)),
     Edit("use-lcm-gen", "undecodable", "bus.publish('A', Twist().encode()[:-3])",
          "bus.publish('A', Twist().encode())", (_hears("A"),)),
     Edit("sends-as", "type-mismatch", "bus.publish('/chatter', Twist().encode())", _STRINGS,
@@ -383,6 +389,7 @@ ELSEWHERE = {  # the tests that do them
     "send-less": "test_a_sender_whose_messages_get_lost",
     "set-rate": "test_a_simulator_that_was_made_slow",
     "simulate-less": "test_a_simulator_that_has_too_much_to_do",
+    "start-server": "test_a_service_that_no_node_offers",
     "smaller-messages": "test_datagrams_whose_pieces_do_not_all_come",
     "start-it-with-variable": "test_a_message_that_no_usual_buffer_takes",
     "start-publisher": "test_a_topic_that_nothing_publishes",
@@ -406,6 +413,7 @@ NEED_MORE = {  # than a network on a Linux computer
     "if-no-log": "a computer with a clock of its own",
     "macos-large-datagrams": "macOS",
     "mirrored-network": "Windows",
+    "set-clocks": "a computer with a clock of its own",
     "subscribe-to-pattern": "nothing: the warning stays for other programs",
     "use-server": "a container",
     "use-sim-time": "a clock of the past",

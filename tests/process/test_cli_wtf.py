@@ -86,7 +86,7 @@ def test_stopped_node_is_stale_until_it_goes_on(
     assert code == 2
     assert (
         f" * /talker (pid {talker.pid}): runs but does not answer\n"
-        f"   -> wake it (kill -CONT {talker.pid}) or end it (kill {talker.pid})\n"
+        f"   -> wake it (kill -CONT {talker.pid}) or end it (kill -KILL {talker.pid})\n"
     ) in text
     assert lcmtools("node", "list").stdout == "/talker (stale: runs but does not answer)\n"
     assert lcmtools("node", "cleanup").stdout == ""
@@ -173,7 +173,7 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
             "severity": "warning",
             "text": "The following are subscribed, but do not read:",
             "items": ["sink (pid 7): it is stopped"],
-            "remedies": ["wake it (kill -CONT 7) or end it (kill 7)"],
+            "remedies": ["wake it (kill -CONT 7) or end it (kill -KILL 7)"],
             "subjects": [{"kind": "listener", "name": "sink (pid 7)", "pid": 7, "address": None}],
             "values": {"kind": "stuck-listeners"},
             "facts": [{"kind": "stopped", "listener": "sink (pid 7)", "queued_bytes": 0}],
@@ -181,8 +181,8 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
                 {
                     "kind": "wake-or-end",
                     "pid": 7,
-                    "text": "wake it (kill -CONT 7) or end it (kill 7)",
-                    "commands": ["kill -CONT 7", "kill 7"],
+                    "text": "wake it (kill -CONT 7) or end it (kill -KILL 7)",
+                    "commands": ["kill -CONT 7", "kill -KILL 7"],
                 }
             ],
         }

@@ -16,13 +16,14 @@ from lcmtools.doctor.rules import (
     pace,
     relays,
     reports,
+    services,
     traffic,
     types,
 )
 
 _FAMILIES = (
-    *(bus, network, relays, nodes, reports, callbacks, types, connections, pace, traffic),
-    *(listeners, content),
+    *(bus, network, relays, nodes, reports, callbacks, types, connections, services, pace),
+    *(traffic, listeners, content),
 )
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
@@ -45,7 +46,7 @@ def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
 def _without_other_rules(evidence: Evidence, chosen: tuple[Rule, ...]) -> Evidence:
     """The evidence without what rules leave to others that are not chosen."""
     if bus.programs_are_on_this_bus not in chosen:
-        alone = [replace(process, topics=()) for process in evidence.processes]
+        alone = [replace(process, topics=(), awaited=()) for process in evidence.processes]
         evidence = replace(evidence, processes=alone)
     if nodes.nodes_answer not in chosen:
         none: frozenset[str] = frozenset()

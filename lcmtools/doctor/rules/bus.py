@@ -87,13 +87,13 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that is looked at.
 
     Those on other buses are a note; a warning if this bus is empty, or a topic that a subscription
-    misses is published there.
+    misses is published there, or the other way round.
     """
     if evidence.bus_problem:
         return
-    missed = missed_topics(evidence)
+    missed, is_empty = missed_topics(evidence), _is_empty(evidence)
     elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p, evidence)]
-    others = [p for p in elsewhere if _is_empty(evidence) or missed & set(p.topics)]
+    others = [p for p in elsewhere if is_empty or missed & set(p.topics) or p.awaited]
     severity = Severity.WARNING if others else Severity.NOTE
     others = others or elsewhere
     if not others:
@@ -108,13 +108,16 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
         facts.append(state("more", count=len(others) - _MOST))
     urls = dict.fromkeys(map(_url, others))
     topics = sorted(missed & {topic for p in others for topic in p.topics})
-    remedies = [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
-    if severity is Severity.NOTE:
-        remedies = [state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url)]
+    awaited = sorted({topic for p in others for topic in p.awaited})
+    remedies = []
+    if len(urls) <= (_MOST_REMEDIES if is_empty else bool(topics)):
+        remedies += [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
+    if not is_empty:
+        remedies.append(state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url))
         if not all(p.variable for p in others):
             remedies.append(state("name-here"))
-    shown = remedies if len(urls) <= _MOST_REMEDIES else ()
-    yield from found(state("other-buses", topics=topics), facts, *shown, severity=severity)
+    title = state("other-buses", topics=topics, awaited=awaited)
+    yield from found(title, facts, *remedies, severity=severity)
 
 
 def _url(process: LcmProcess) -> str:

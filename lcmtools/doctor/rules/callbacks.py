@@ -59,6 +59,7 @@ class _Subscription:
     lost: int  # messages that its full queue pushed out meanwhile
     took: float  # [ns] a call of its callback; 0 where none ran
     interval: float  # [ns] between two messages; 0 where none came
+    hangs: int  # [ns] that a call of its callback runs and does not end; 0 for none
 
     @property
     def node(self) -> Node:
@@ -78,6 +79,10 @@ class _Subscription:
     def pace(self) -> dict[str, Part]:
         """The time that its callback takes, and the time between two messages [s]."""
         return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
+
+    def hanging(self) -> dict[str, Part]:
+        """The time that a call has taken which does not end [s]."""
+        return {"seconds": self.hangs / 1e9}
 
 
 @rule("queue-drops", "make the callback faster, or the queue's depth greater")
@@ -106,8 +111,13 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     computer may be to blame for.
     """
     lossy, slow, busy = _judged(evidence)
-    facts = [state("slow-callback", node=x.node, topic=x.topic, **x.pace()) for x in slow]
-    remedies = [state("callback-less", topic=one.topic) for one in slow]
+    facts = [
+        state("hanging-callback", node=x.node, topic=x.topic, **x.hanging())
+        if x.hangs
+        else state("slow-callback", node=x.node, topic=x.topic, **x.pace())
+        for x in slow
+    ]
+    remedies = [_never_wait(x) if x.hangs else state("callback-less", topic=x.topic) for x in slow]
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
@@ -173,7 +183,8 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         return lost("by-queue"), state("callback-less-or-depth", topic=topic)
     if one.is_too_slow():
         remedy = state("callback-less-or-rate", topic=topic, seconds=one.took / 1e9)
-        return lost("slow-callback", **one.pace()), remedy
+        slow = lost("slow-callback", **one.pace()), remedy
+        return (lost("hanging", **one.hanging()), _never_wait(one)) if one.hangs else slow
     if not share:
         return lost("without-spin"), state("spin", node=node)
     if share >= _NEARLY_ALL and busiest:
@@ -190,6 +201,10 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     else:
         cause, remedy = lost("in-bursts"), state("depth", topic=topic)
     return cause, remedy
+
+
+def _never_wait(one: _Subscription) -> Statement:
+    return state("busiest-less", node=one.node, busiest=one.topic)
 
 
 def doubt(evidence: Evidence) -> float:
@@ -229,7 +244,9 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
         if now.role is Role.SUBSCRIBER and now.depth > 1:
             rate = now.rate_since(was)
             interval, took = 1e9 / rate if rate else 0.0, callback_time(was, now) or 0.0
-            yield _Subscription(work, now, now.drops - was.drops, took, interval)
+            is_hanging = now.calls == was.calls and now.longest > max(was.longest, _HANGS)
+            hangs = now.longest if is_hanging else 0
+            yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
 
 
 def _is_at_work(endpoint: Endpoint) -> bool:

@@ -48,17 +48,20 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
 
     One without is seldom a fault. Programs that are no nodes do not announce their subscriptions:
     where one listens, nothing is reported. Neither are sensors of a simulator, publications that
-    would connect an unconnected subscription, and topics of a node that was killed or hangs.
+    would connect an unconnected subscription, topics of a node that was killed or hangs, and those
+    that a node on another bus waits for.
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
     proposed = proposed_ways(evidence)
     known = {(way.publisher, way.channel) for way in proposed}
     moving = {way.listener for way in proposed}
+    awaited = {topic for process in evidence.processes for topic in process.awaited}
     loose = [
         (node, end)
         for node, end in loose_ends(evidence.graph, Role.PUBLISHER)
-        if (node.id, end.topic) not in known and end.topic not in evidence.stale_subscribed
+        if (node.id, end.topic) not in known
+        if end.topic not in awaited | evidence.stale_subscribed
         if node.id not in moving and not is_simulator(node)
     ]
     ways_out = _connecting(evidence).ways_out

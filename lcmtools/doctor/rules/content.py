@@ -8,6 +8,8 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, found, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
 
+_LOG = "file://"
+
 
 @rule("not-finite", "find where it divides by zero, and do not publish it")
 def numbers_are_finite(evidence: Evidence) -> Iterator[Finding]:
@@ -50,14 +52,15 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     # a single old message may be a latched one
     mine = [odd for odd in mine if odd.kind != "old" or odd.count > 1]
     evidence = replace(evidence, oddities=mine)
-    yield from _odd(evidence, "future", "set-clocks", "use-sim-time")
+    yield from _odd(evidence, "future", *_clocks(evidence, "future"), "use-sim-time")
     # a simulator that was killed or hangs is reported by another rule
     if not evidence.graph.topic("/clock").publishers and "/clock" not in evidence.stale_published:
         yield from _odd(evidence, "boot", "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "unit", "microseconds")
-    yield from _odd(evidence, "old", "set-clocks", "use-sim-time")
-    yield from _odd(evidence, "replayed", "if-no-log", severity=Severity.NOTE)
+    yield from _odd(evidence, "old", *_clocks(evidence, "old"), "use-sim-time")
+    remedies = _clocks(evidence, "replayed", "if-no-log", "stamp-if-no-log")
+    yield from _odd(evidence, "replayed", *remedies, severity=Severity.NOTE)
 
 
 @rule("undecodable", "generate the sender's types again from the same .lcm files")
@@ -74,10 +77,20 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     between messages, and those that were there are lost.
     """
     if evidence.damaged_bytes:
-        log = evidence.url.removeprefix("file://")
+        log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
         return found(title, None, state("fix-log", log=quote(log)))
     return iter(())
+
+
+def _clocks(
+    evidence: Evidence, kind: str, there: str = "set-clocks", here: str = "stamp-utc"
+) -> list[str]:
+    """The remedies for stamps: only other computers have another clock than this one."""
+    names = {odd.name for odd in evidence.oddities if odd.kind == kind}
+    is_log = evidence.url.startswith(_LOG)
+    own = {sender.name for sender in evidence.senders if sender.is_local and not is_log}
+    return [there] * bool(names - own) + [here] * bool(names & own)
 
 
 def _odd(

@@ -35,7 +35,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     return found("kernel-drops", facts, *_larger_buffer(evidence))
 
 
-@rule("stuck-listeners", "wake it: kill -CONT PID; or end it: kill PID")
+@rule("stuck-listeners", "wake it: kill -CONT PID; or end it: kill -KILL PID")
 def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """Programs that have subscribed read what arrives.
 

@@ -155,7 +155,8 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
     One that computes all the time, and is slower nevertheless, has too much to do. One that rests
-    was slowed, or paused, on purpose.
+    was slowed, or paused, on purpose. Its time only rises, but for a reset, or where a log is
+    played again.
     """
     paused = [
         node
@@ -165,11 +166,17 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         # by its own counter, for wtf may have missed what came
         if silence(evidence, node, end) > _PAUSED
     ]
+    clock = evidence.clock
     facts = [state("program", program=node) for node in paused]
+    if clock and clock.ratio == 0 and not paused:
+        facts.append(state("program", program=clock.name))
     remedies = [state("resume")] if any(map(_is_ours, paused)) else []
     yield from found("paused-simulator", facts, *remedies, severity=Severity.NOTE)
-    clock = evidence.clock
-    if not (clock and clock.target and 0 < clock.ratio <= _SLOWER * clock.target):
+    if clock and clock.jumps:
+        jumps = state("jumps-back", program=clock.name, count=clock.jumps)
+        severity = Severity.WARNING if clock.jumps > 1 else Severity.NOTE
+        yield from found("jumping-simulator", [jumps], "time-rises", severity=severity)
+    if not (clock and clock.target and clock.ratio and clock.ratio <= _SLOWER * clock.target):
         return
     known = {"ratio": clock.ratio, "target": clock.target}
     facts = [state("program", program=clock.name)]

@@ -91,6 +91,34 @@ def test_mpudpm_beside_udpm_is_a_warning() -> None:
     assert found(evidence)["other-buses"].remedies == (f"export LCM_DEFAULT_URL='{url}'",)
 
 
+def test_publishers_on_several_buses_are_told_the_one_where_they_are_missed() -> None:
+    ends = tuple(Endpoint(topic, Role.SUBSCRIBER) for topic in ("/odom", "/scan"))
+    graph = Graph((Node("/ear", "ear", "here", 1, endpoints=ends),))
+    odom = LcmProcess(9, "wheels", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3", topics=("/odom",))
+    scan = LcmProcess(8, "laser", "239.255.76.68:7667", "LCM_DEFAULT_URL=x", topics=("/scan",))
+    here = f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'"
+    finding = found(replace(HEALTHY, graph=graph, processes=(odom, scan)))["other-buses"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text.endswith(", with /odom and /scan, which nodes here wait for:")
+    assert finding.remedies == (here,)
+    finding = found(replace(HEALTHY, graph=graph, processes=(odom,)))["other-buses"]
+    there = "export LCM_DEFAULT_URL='udpm://239.255.76.67:7670?ttl=0'"
+    assert finding.remedies == (there, here)
+
+
+def test_a_listener_on_another_bus_is_told_the_one_where_its_topic_is() -> None:
+    ends = (Endpoint("/scan", Role.PUBLISHER),)
+    graph = Graph((Node("/laser", "laser", "here", 1, endpoints=ends),))
+    away = LcmProcess(9, "ear", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3", awaited=("/scan",))
+    findings = found(replace(HEALTHY, graph=graph, listeners=(), processes=(away,)))
+    assert findings.keys() == {"other-buses"}
+    finding = findings["other-buses"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text.endswith(" on other buses, and wait there for /scan, which is here:")
+    here = f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'"
+    assert finding.remedies == (here,)
+
+
 def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
     other = LcmProcess(9, "talker", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3")
     evidence = replace(HEALTHY, graph=Graph(), processes=(other, LcmProcess(8, "here")))

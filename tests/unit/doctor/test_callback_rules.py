@@ -74,6 +74,20 @@ def test_a_callback_that_takes_all_the_time_between_two_messages_is_named() -> N
 
 def test_a_callback_that_never_ends_is_named() -> None:
     scan = ear(longest=30 * SECOND)
+    now = later(scan, rate=10, calls=0, busy=SECOND)
+    finding = slow(look((scan, now._replace(longest=31 * SECOND))))
+    assert finding.items == (" * /n, /scan: a call of its callback has not ended for 31 s",)
+    assert finding.remedies == ("let the callback of /scan of /n do less, and never wait",)
+    lossy = later(scan, rate=10, calls=0, busy=SECOND, drops=10)._replace(longest=31 * SECOND)
+    finding = dropped(look((scan, lossy)))
+    assert finding.items == (
+        " * /n lost 10 messages of /scan (depth 10): a call of its callback has not ended for 31 s",
+    )
+    assert finding.remedies == ("let the callback of /scan of /n do less, and never wait",)
+
+
+def test_a_long_call_that_was_earlier_does_not_hang_now() -> None:
+    scan = ear(longest=30 * SECOND)
     finding = slow(look((scan, later(scan, rate=10, calls=0, busy=SECOND))))
     assert finding.items == (" * /n, /scan: its callback takes 1 s, messages come every 100 ms",)
 

@@ -17,7 +17,7 @@ from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan, NavSatFix
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet, Sender
 
-ALICE, BOB, CAROL = (Sender("127.0.0.1", port) for port in (4000, 4001, 4002))
+ALICE, BOB, CAROL, ERIN = (Sender("127.0.0.1", port) for port in range(4000, 4004))
 NOW = 1_700_000_000_000_000_000
 
 
@@ -157,6 +157,16 @@ def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
     )
 
 
+def test_a_clock_jumps_back_unless_two_send_it() -> None:
+    for senders, jumps in (((ALICE, ALICE, ALICE), 1), ((ALICE, BOB, ALICE), 0)):
+        listening = Listening(lambda _: ())
+        for sender, second in zip(senders, (1, 2, 1), strict=True):
+            clock = Clock()
+            clock.clock.sec = second
+            listening.take(Packet("/clock", encode(clock), NOW + second, sender))
+        assert listening.clock_jumps() == jumps
+
+
 def test_what_cannot_be_decoded_is_odd_once() -> None:
     listening = Listening(lambda _: ())
     for _ in range(3):
@@ -194,13 +204,17 @@ def test_a_utime_is_microseconds_of_now(
 
 
 def test_what_comes_again_is_told_from_what_is_the_same() -> None:
-    """Of a, each datagram twice; b repeats what a sent; c always sends the same; d numbers none."""
+    """Of a, each datagram twice, and of e, which always sends the same, as c does.
+
+    b repeats what a sent; d numbers nothing.
+    """
     listening = Listening(lambda _: ())
     for number in range(5):
         for sender, said, seqno in (
             *((ALICE, f"a{number}", number),) * 2,
             (BOB, f"a{number}", number),
             (CAROL, "hello", number),
+            *((ERIN, "stop", number),) * 2,
             (None, f"d{number}", None),
             (None, f"d{number}", None),
         ):
@@ -208,7 +222,7 @@ def test_what_comes_again_is_told_from_what_is_the_same() -> None:
             message.data = said
             listening.take(Packet("/a", encode(message), NOW, sender, seqno))
     found = {one.sender: (one.doubled, one.repeated) for one in listening.streams()}
-    assert found == {ALICE: (5, 0), BOB: (0, 5), CAROL: (0, 0), None: (0, 0)}
+    assert found == {ALICE: (5, 0), BOB: (0, 5), CAROL: (0, 0), ERIN: (5, 0), None: (0, 0)}
 
 
 def test_warnings_and_errors_on_rosout_are_counted() -> None:

@@ -64,6 +64,11 @@ def having(node: Node, **values: int) -> Node:
     return node._replace(endpoints=(node.endpoints[0]._replace(**values),), sent=1 + SECOND)
 
 
+def server(node: Node) -> Node:
+    offer = Endpoint("/go", Role.SERVICE, ("std_srvs/Trigger",), (4,))
+    return node._replace(endpoints=(*node.endpoints, offer))
+
+
 def sent(channel: str, number: int) -> tuple[Traffic, ...]:
     return (Traffic(channel, ALICE, (number,), 5, 50, 1, 2),)
 
@@ -131,6 +136,7 @@ EVIDENCE = {
     "reassembly": host(reassembly_failures=3),
     "rp-filter": host(rp_filter=1, others=("wlan0",)),
     "sending": host(send_problem="sending is forbidden", send_remedy="type: sudo ufw allow out"),
+    "services": graph(*(server(one) for one in (TALKER, EAR))),
     "silent": replace(GOOD, processes=(LcmProcess(9, "talker", state="T"),)),
     "slow-callbacks": graph(TALKER, BUSY._replace(busy=SECOND)),
     "slow-rate": SLOWED,

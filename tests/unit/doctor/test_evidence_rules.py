@@ -93,7 +93,7 @@ def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
     finding = only(replace(HEALTHY, listeners=(stopped,)))
     assert finding.rule == "stuck-listeners"
     assert finding.items == (" * sink (pid 7): it is stopped",)
-    assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill 7)",)
+    assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill -KILL 7)",)
 
 
 def test_a_listener_that_does_not_read_is_named() -> None:
@@ -159,6 +159,26 @@ def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str)
     assert (finding.rule, finding.severity) == (rule, Severity.WARNING)
     assert finding.items == (" * /odom from /morse: it is odd (7 messages)",)
     assert finding.remedies
+
+
+@pytest.mark.parametrize(
+    ("kind", "there", "here"),
+    [
+        ("future", "let both computers keep the time", "stamp with the time since 1970"),
+        ("old", "let both computers keep the time", "stamp with the time since 1970"),
+        ("replayed", "if it is no log, its computer's clock", "if it is no log, stamp with"),
+    ],
+)
+def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
+    kind: str, there: str, here: str
+) -> None:
+    odd = (Oddity(kind, "/odom", "/morse", "it is odd", 7),)
+    for is_local, remedy in ((False, there), (True, here)):
+        senders = (SenderFacts(ALICE, "/morse", is_local=is_local),)
+        finding = found(replace(HEALTHY, oddities=odd, senders=senders))["stamps"]
+        assert finding.remedies[0].startswith(remedy)
+    log = replace(HEALTHY, url="file:///ride.lcmlog", oddities=odd, senders=senders)
+    assert found(log)["stamps"].remedies[0].startswith(there)
 
 
 def test_one_old_message_may_be_a_latched_one() -> None:
@@ -307,10 +327,14 @@ def test_a_full_queue_names_node_topic_and_depth() -> None:
         (SimulatedClock("/morse", 0.5, target=0.5), None),
         (SimulatedClock("/morse", 3.0, target=4.0, busy=1.0), Severity.WARNING),
         (SimulatedClock("/morse", 40.0, target=None, busy=1.0), None),
-        (SimulatedClock("/morse", 0.0, busy=0.1), None),
+        (SimulatedClock("/morse", 0.0, busy=0.1), Severity.NOTE),
+        (SimulatedClock("/morse", None, jumps=1), Severity.NOTE),
+        (SimulatedClock("/morse", None, jumps=9), Severity.WARNING),
     ],
 )
-def test_a_simulator_that_is_too_slow(clock: SimulatedClock, severity: Severity | None) -> None:
+def test_a_simulator_that_is_too_slow_stands_still_or_jumps_back(
+    clock: SimulatedClock, severity: Severity | None
+) -> None:
     finding = found(replace(HEALTHY, clock=clock)).get("slow-simulator")
     assert (finding.severity if finding else None) is severity
 

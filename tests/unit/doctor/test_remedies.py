@@ -146,6 +146,31 @@ def test_names_that_are_near(one: str, other: str, near: bool) -> None:  # noqa:
     assert are_near(other, one) is near
 
 
+@pytest.mark.parametrize("channel", ["//cmd_vel", "/cmd_vel/", "cmd_vel"])
+def test_a_plain_program_is_told_a_slash_that_no_remap_gives(channel: str) -> None:
+    sent = Traffic(channel, Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
+    stream = Stream(channel, sent.sender, "pilot (pid 9)", (0, 1))
+    graph = Graph((node("/driver", Role.SUBSCRIBER, "/cmd_vel"),), traffic=(sent,))
+    found = {f.rule: f for f in judge(Evidence("udpm://", graph=graph, streams=(stream,)))}
+    (remedy,) = found["unconnected-subscriptions"].remedies
+    assert remedy.endswith("published, by pilot (pid 9): let it publish on '/cmd_vel'")
+
+
+def test_remaps_that_were_swapped_are_swapped_back() -> None:
+    laser = Endpoint("/robot/scan", Role.PUBLISHER, ("sensor_msgs/LaserScan",), (7,))
+    robot = node("/robot", Role.SUBSCRIBER, "/robot/cmd_vel")
+    robot = robot._replace(endpoints=(*robot.endpoints, laser))
+    pilot = node(
+        "/pilot", Role.PUBLISHER, "/robot/scan", "pilot in:=/robot/cmd_vel out:=/robot/scan"
+    )
+    scan = laser._replace(topic="/robot/cmd_vel", role=Role.SUBSCRIBER)
+    reason = "/robot/scan of the same type has no subscriber"
+    assert remedies(robot, pilot._replace(endpoints=(*pilot.endpoints, scan))) == (
+        f"{reason}: start /pilot with out:=/robot/cmd_vel in place of out:=/robot/scan",
+        f"{reason}: start /pilot with in:=/robot/scan in place of in:=/robot/cmd_vel",
+    )
+
+
 def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
     graph = Graph(
         (

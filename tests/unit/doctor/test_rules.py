@@ -168,7 +168,7 @@ def test_a_restarted_node_is_no_duplicate_of_its_stale_self() -> None:
 @pytest.mark.parametrize(
     ("stale", "remedy"),
     [
-        (Staleness.HANGS, "wake it (kill -CONT 7) or end it (kill 7)"),
+        (Staleness.HANGS, "wake it (kill -CONT 7) or end it (kill -KILL 7)"),
         (
             Staleness.ENDED,
             "start /talker again, or forget it: lcmtools node cleanup",

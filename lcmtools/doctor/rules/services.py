@@ -1,0 +1,56 @@
+"""Rules about services."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Statement, found, rule, state, subject
+from lcmtools.doctor.renaming import NearNames, give_reason, remap_argument, start_with
+from lcmtools.graph.model import Node, Role
+from lcmtools.names import base_name_of, is_hidden
+
+
+@rule("services", "start one of them with OLD:=NEW, or the node that offers what is called")
+def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
+    """Services that nodes call are offered, and by one node each.
+
+    Where two offer one, each executes a request, and the first response is used. Two nodes of one
+    name, and nodes that were killed or hang, are reported by other rules.
+    """
+    offered: dict[str, dict[str, Node]] = defaultdict(dict)  # by service and node
+    for node in evidence.graph.nodes:
+        for end in node.having(Role.SERVICE):
+            if not is_hidden(end.topic):
+                offered[end.topic][node.name] = node
+    several = {
+        name: live
+        for name, nodes in sorted(offered.items())
+        if len(live := [node for node in nodes.values() if not node.stale]) > 1
+    }
+    facts = [
+        state("offered", service=name, nodes=map(subject, nodes)) for name, nodes in several.items()
+    ]
+    yield from found("services", facts, *(_parting(evidence, *each) for each in several.items()))
+    nodes = evidence.graph.nodes
+    calls = [(n, end.topic) for n in nodes if not n.tool for end in n.having(Role.CLIENT)]
+    if any(node.stale and not node.is_hidden for node in nodes):  # it may be what is called
+        calls = []
+    calling = [(n, name) for n, name in calls if not (is_hidden(name) or name in offered)]
+    facts = [state("calls", node=node, service=name) for node, name in calling]
+    remedies = (_connecting(node, name, list(offered)) for node, name in calling)
+    yield from found("unconnected-clients", facts, *remedies)
+
+
+def _parting(evidence: Evidence, service: str, nodes: list[Node]) -> Statement:
+    pids = tuple(str(node.pid) for node in nodes if node.id not in evidence.remote)
+    old = remap_argument(nodes[-1], service).partition(":=")[0] or service
+    known = {"pids": pids if len(pids) > 1 else (), "old": old, "new": f"{service}_2"}
+    return state("end-one-or-remap", other=nodes[-1], **known)
+
+
+def _connecting(node: Node, service: str, offered: list[str]) -> Statement:
+    """The remap to a service of nearly the same name, or of the same one elsewhere."""
+    meant = [one for one in offered if base_name_of(one) == base_name_of(service)]
+    for other in (*meant, *NearNames(offered).of(service)):
+        return give_reason(start_with(node, service, other), "offered", channel=other)
+    return state("start-server", service=service)
