@@ -353,6 +353,11 @@ def rising(time: float) -> float:
             "slow",
             "still changing after 8 s",
         ),
+        (
+            varied_run(REST, lambda t: (0.3 - 0.01 * t, 0.0), rising),
+            "slow",
+            "still changing after 8 s",
+        ),
         (varied_run(REST, lambda _: (1.0, 0.0), rising), "stop", "a desired velocity of 0"),
     ],
 )
