@@ -33,6 +33,12 @@ class StatusLine(AbstractContextManager["StatusLine"]):
             self._shown = text
             say(f"\r{text}\x1b[K")
 
+    def clear(self) -> None:
+        """Take the line away."""
+        if self._shown:
+            self._shown = ""
+            say("\r\x1b[K")
+
     def rates(self, *totals: int) -> list[float]:
         """Return the growth of totals [1/s] since the last line; none if it is not time for one."""
         now = time.monotonic()

@@ -47,6 +47,8 @@ def check_endpoint(call: str, kinds: Sequence[object], topic: object, depth: obj
     if not kinds:
         raise UsageError(f"{call}: there is no type")
     check_text(call, "topic", topic)
+    if not topic:  # it would be the namespace itself
+        raise UsageError(f"{call}: the topic is empty")
     if not hasattr(depth, "__index__"):
         got = described(depth)
         raise UsageError(f"{call}: the depth is a number of messages, such as 10; got {got}")

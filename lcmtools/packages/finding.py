@@ -118,7 +118,13 @@ def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> Usag
         homes = [node.package for node in known if node.name == rest[0]]
         near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
         return UsageError(f"there is no package '{first}'", near)
+    if script := next((one for one in (first, f"{first}.py") if _is_script(one)), ""):
+        hint = f"a file is run by Python: python {script}"
     return UsageError(f"there is no node '{first}'", hint)
+
+
+def _is_script(file: str) -> bool:
+    return file.endswith(".py") and Path(file).is_file()
 
 
 def package_places(here: Path) -> dict[str, tuple[Path, bool]]:

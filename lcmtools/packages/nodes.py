@@ -113,8 +113,10 @@ class Runnable:
         return "".join(format_exception(type(error), error, frames, chain=False))
 
     def _check_installed(self, error: ModuleNotFoundError) -> None:
-        """Raise MissingExtra for a package that the node needs; not for a module of its own."""
+        """Raise the error of a package that the node needs; not for a module of its own."""
         package, point, _ = (error.name or "").partition(".")
+        if own := in_place_of_ros(error.name or ""):
+            raise LcmtoolsError(f"{self.name} imports '{error.name}', as in ROS", own) from error
         if not point or package not in (OWN, self.import_name):
             raise MissingExtra(
                 f"{self.name} needs the Python package '{error.name}', which is not installed",
@@ -124,6 +126,16 @@ class Runnable:
     def _lost(self, what: str, hint: str = "see") -> LcmtoolsError:
         hint = f"{hint} {TABLE} of its pyproject.toml"
         return LcmtoolsError(f"the node '{self.name}' of {self.package}: {what}", hint)
+
+
+def in_place_of_ros(module: str) -> str:
+    """Return the words for what takes the place of a module of ROS; "" for other modules."""
+    name = module.removeprefix("lcmtools.types.").partition(".")[0]
+    if name in ("rospy", "rclpy"):
+        return "here it is lcmtools: import lcmtools"
+    if module != f"lcmtools.types.{name}" and find_spec(f"lcmtools.types.{name}"):
+        return f"here it is lcmtools.types.{name}"
+    return ""
 
 
 def _provide_messages(package: Package) -> None:

@@ -137,6 +137,12 @@ class ChildProcess:
         with contextlib.suppress(OSError):  # it has ended, which the caller sees
             os.write(self._keyboard, key.encode())
 
+    def takes_interrupts_as_keys(self) -> bool:
+        """Return True if it has set its terminal raw: then Ctrl-C is no signal."""
+        return (
+            self._keyboard is not None and not termios.tcgetattr(self._keyboard)[3] & termios.ISIG
+        )
+
     def wait(self, timeout: float) -> bool:
         """Wait for its end; return True if it came within so many seconds."""
         with contextlib.suppress(subprocess.TimeoutExpired):

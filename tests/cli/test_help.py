@@ -70,6 +70,20 @@ def test_help_of_a_group_has_a_line_for_each_command(capsys: Captured) -> None:
         assert listed == below - aliases, group
 
 
+def test_usage_has_an_argument_with_a_default_in_brackets() -> None:
+    for path in COMMANDS:
+        command: click.Command = root
+        for word in path:
+            assert isinstance(command, click.Group)
+            found = command.get_command(click.Context(command), word)
+            assert found is not None
+            command = found
+        context = click.Context(command)
+        for argument in (one for one in command.params if isinstance(one, click.Argument)):
+            if isinstance(argument.default, str):
+                assert "[" in argument.make_metavar(context), path
+
+
 @pytest.mark.parametrize(
     "verb", ["list", "info", "echo", "pub", "hz", "type", "find", "bw", "delay"]
 )

@@ -6,9 +6,11 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from fixtures.typist import Typist
 
 from lcmtools.labs.checks import dolly, programs, test_bench
 from lcmtools.processes.child import StopTimeouts
@@ -191,6 +193,28 @@ def test_a_program_that_crashes_gets_a_row_with_its_last_words(
     row = rows["prints ranges"]
     assert not_ok(rows) == ["prints ranges"]
     assert "oops" in str(row["measured"]) + str(row["hint"])
+
+
+@pytest.mark.parametrize(
+    ("option", "shown"),
+    [
+        ("--reader=python3 reading_laser.py", "your program: python3 reading_laser.py"),
+        ("--programs=.", "the submissions in ."),
+    ],
+)
+def test_a_terminal_shows_what_is_checked_before_the_first_row(
+    option: str,
+    shown: str,
+    lcmtools_path: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("reading_laser.py").write_text("raise ValueError('oops')")
+    with closing(Typist(lcmtools_path, "lab", "check", "dolly", option)) as person:
+        person.wait_for("NOT OK")
+        assert person.end() == 1
+    assert person.written.decode().startswith(f"\rchecking {shown} ...\x1b[K\r\x1b[K\r\n")
 
 
 def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(

@@ -47,6 +47,14 @@ along = around = 0
 publish()
 lcmtools.shutdown()
 """
+RAW = (  # as ROS's teleop_twist_keyboard: what is typed while it publishes is thrown away
+    SELECTING.replace("tty.setcbreak(sys.stdin.fileno(), termios.TCSANOW)", "tty.setraw(0)")
+    .replace("termios.TCSANOW, before)", "termios.TCSADRAIN, before)")
+    .replace(
+        "    if key in FACTORS:", "    if key == '\\x03':\n        break\n    if key in FACTORS:"
+    )
+    .replace("        publish()\nalong", "    publish()\nalong")
+)
 IN_CURSES = """
 import curses
 import lcmtools
@@ -147,7 +155,13 @@ lcmtools.spin(Follower())
 
 @pytest.mark.parametrize(
     ("option", "source"),
-    [("teleop", SELECTING), ("teleop", IN_CURSES), ("viewer", SAVES_ONE), ("path", ARRIVES)],
+    [
+        ("teleop", SELECTING),
+        ("teleop", RAW),
+        ("teleop", IN_CURSES),
+        ("viewer", SAVES_ONE),
+        ("path", ARRIVES),
+    ],
 )
 def test_a_program_of_another_style_is_right(
     option: str,

@@ -90,7 +90,7 @@ FAULT = sys.argv[1]
 lcmtools.init()
 node = Node("teleop")
 publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
-tty.setcbreak(0)
+tty.setraw(0) if FAULT == "raw" else tty.setcbreak(0)
 ways = {"i": (1, 0), ",": (-1, 0), "j": (0, 1), "l": (0, -1), "u": (1, 1), "o": (1, -1),
         "m": (-1, -1), ".": (-1, 1)}
 if FAULT == "key-jl":
@@ -281,6 +281,7 @@ def test_the_cause_of_a_wrong_controller_is_named_once(
         ("turn-sign", "wrong sign of turn: left is angular.z above 0"),
         ("died", "the program died: it ended with code 1: KeyError: 'k'"),
         ("endless", "let the loop end when lcmtools.ok() is false"),
+        ("raw", "after tty.setraw, Ctrl-C is the key"),
     ],
 )
 def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Check) -> None:

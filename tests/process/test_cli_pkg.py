@@ -195,6 +195,9 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
         ("from lcmtools.types.geometry_msg import Twist\n", "No module named 'lcmtools.types.geo"),
         ("x = 3\n", "has no function 'main'; write def main(args=None): in it"),
         ("import no_such_module\n", "needs the Python package 'no_such_module', which is not"),
+        ("import rospy\n", "imports 'rospy', as in ROS; here it is lcmtools: import lcmtools"),
+        ("import nav_msgs.msg\n", "', as in ROS; here it is lcmtools.types.nav_msgs\n"),
+        ("import lcmtools.types.nav_msgs.msg\n", "; here it is lcmtools.types.nav_msgs\n"),
     ],
 )
 def test_a_fault_in_ones_own_node_is_shown_where_it_is(

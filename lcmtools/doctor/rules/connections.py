@@ -102,9 +102,9 @@ def _connecting(evidence: Evidence) -> Connecting:
 
 
 def _facts(loose: Iterable[End]) -> Iterator[Statement]:
-    for _, ends in groupby(loose, key=lambda end: end[0].id):
-        (node, first), *more = ends
-        yield state("node-topics", node=node, topics=[first.topic, *(e.topic for _, e in more)])
+    for _, group in groupby(loose, key=lambda end: end[0].id):
+        ends = list(group)
+        yield state("node-topics", node=ends[0][0], topics=dict.fromkeys(e.topic for _, e in ends))
 
 
 @rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")

@@ -115,8 +115,10 @@ def disagree(topic: Topic) -> bool:
 
 
 def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
+    """The users of a topic; of a node, each type once."""
     for kind, ends in (("publishes", topic.publishers), ("expects", topic.subscribers)):
-        for node, end in ends:
+        distinct = {(node.id, end.types, end.fingerprints): (node, end) for node, end in ends}
+        for node, end in distinct.values():
             if kind == "publishes" or end.fingerprints:
                 numbers = frozenset(end.fingerprints)
                 yield _User(kind, subject(node), numbers, _announced(end), _weight(node))

@@ -18,8 +18,9 @@ from lcmtools.labs.checks.observations import (
     last_words,
 )
 from lcmtools.labs.checks.results import Cause, CheckResult
-from lcmtools.messages.registry import Message, type_names
+from lcmtools.messages.registry import Message
 from lcmtools.names import base_name_of, namespace_of
+from lcmtools.packages.nodes import in_place_of_ros
 from lcmtools.types.geometry_msgs import Twist
 
 DIED = "died"  # the key of a row's cause: the program has ended
@@ -72,12 +73,8 @@ def died(observed: Observations) -> Cause:
 
 def _missing_module(words: str) -> str:
     """Return what takes the place of a module of ROS that is missing."""
-    name = match[1].partition(".")[0] if (match := _MISSING.search(words)) else ""
-    if name in ("rospy", "rclpy"):
-        return "; here it is lcmtools: import lcmtools"
-    if any(text.startswith(f"{name}/") for text in type_names()):
-        return f"; here it is lcmtools.types.{name}"
-    return ""
+    own = in_place_of_ros(match[1]) if (match := _MISSING.search(words)) else ""
+    return f"; {own}" if own else ""
 
 
 def misled(observed: Observations, result: CheckResult) -> Cause | None:

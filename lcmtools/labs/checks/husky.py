@@ -199,13 +199,13 @@ def _error_result(what: str, measured: float, desired: Step, samples: int = 0) -
     wanted = math.hypot(desired.forward, desired.turn_rate)
     is_ok = math.isclose(measured, wanted, rel_tol=0.02, abs_tol=0.005)
     cause = error_cause(measured, desired, samples)
-    hint = error_hint(cause)
+    hint = error_hint(cause, "the root of the mean of the squares of all errors" if samples else "")
     return CheckResult(what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, hint, cause or what)
 
 
-def error_hint(cause: str) -> str:
-    """Return the formula of the error, behind the one that a program has in its place, if known."""
-    formula = "the root of (v - desired v)^2 + (w - desired w)^2"
+def error_hint(cause: str, formula: str = "") -> str:
+    """Return the formula, of the error if not given, behind that in its place if it is known."""
+    formula = formula or "the root of (v - desired v)^2 + (w - desired w)^2"
     return f"it is {cause}, and should be {formula}" if cause else formula
 
 
@@ -215,7 +215,12 @@ def error_cause(measured: float, desired: Step, samples: int = 0) -> str:
     ``samples`` is the number that an average is of.
     """
     v, w = desired.forward, desired.turn_rate
-    sums = {"the sum, not divided by the samples": samples * math.hypot(v, w)} if samples else {}
+    error = math.hypot(v, w)
+    averages = {
+        "the sum, not divided by the samples": samples * error,
+        "the root of the sum of the squares, not of their mean": math.sqrt(samples) * error,
+        "the last error, divided by the samples": error / max(samples, 1),
+    }
     return explain_number(
         measured,
         {
@@ -224,10 +229,10 @@ def error_cause(measured: float, desired: Step, samples: int = 0) -> str:
             "the error of linear.x only": v,
             "the error of angular.z only": w,
             "the sum |v - desired v| + |w - desired w|": v + w,
-            "the negative error": -math.hypot(v, w),
+            "the negative error": -error,
             "the negative error of linear.x only": -v,
             "the mean of both errors": (v + w) / 2,
             "the root of the mean of both squares": math.sqrt((v * v + w * w) / 2),
-            **sums,
+            **(averages if samples else {}),
         },
     )

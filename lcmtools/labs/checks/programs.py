@@ -13,7 +13,7 @@ from shutil import which
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.checks.diagnosis import DIED, SILENT
-from lcmtools.labs.checks.results import CheckResult
+from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
@@ -42,6 +42,7 @@ class CheckedProgram(ChildProcess):
         has_keys: bool = False,
     ) -> None:
         self.was_interrupted = False
+        self._has_keys = has_keys
         words = [which(command[0], path=environment.get("PATH")) or command[0], *command[1:]]
         if command[0] == "lcmtools":
             words[:1] = own_command()
@@ -62,7 +63,11 @@ class CheckedProgram(ChildProcess):
 
     def ends_on_interrupt(self) -> bool:
         """Press Ctrl-C; return True if it ends in time."""
-        if not self.was_interrupted:
+        if self._has_keys and not self.was_interrupted:
+            self.press("\x03")
+            if not self.wait(_TIMEOUTS.interrupt / 2) and self.takes_interrupts_as_keys():
+                self.press("\x03")  # it may have thrown the first one away
+        elif not self.was_interrupted:
             self.ask_to_end(0.0)
         self.was_interrupted = True
         return self.wait(_TIMEOUTS.interrupt)
@@ -75,8 +80,20 @@ class CheckedProgram(ChildProcess):
         if self.code is not None and not self.was_interrupted:
             return self.early_end(what)
         ends = self.code is not None or self.ends_on_interrupt()
-        hint = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
-        return CheckResult(what, wanted, "it ends" if ends else "it goes on", ends, hint)
+        if ends:
+            return CheckResult(what, wanted, "it ends", is_ok=True)
+        cause = self.why_it_goes_on()
+        return CheckResult(
+            what, wanted, "it goes on", is_ok=False, hint=cause.text, cause=cause.key
+        )
+
+    def why_it_goes_on(self) -> Cause:
+        """Return why it does not end on Ctrl-C."""
+        if self.takes_interrupts_as_keys():
+            text = r"after tty.setraw, Ctrl-C is the key '\x03': end at it, or take tty.setcbreak"
+        else:
+            text = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
+        return Cause("goes-on", text)
 
     def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
         """Return the failure of a program that has ended while it was needed."""

@@ -144,7 +144,9 @@ def _judge_stop(run: StepRun) -> CheckResult:
     is_ok = is_at_rest(run.motion)
     measured = f"at rest after {run.duration:.1f} s" if is_ok else "still moves"
     cause = command_cause(run)
-    if cause is None and abs(run.motion[-1].forward) < abs(run.motion[0].forward) / 2:
+    start, now = abs(run.motion[0].forward), abs(run.motion[-1].forward)
+    before = next(abs(one.forward) for one in run.motion if one.time > run.motion[-1].time - _LAST)
+    if cause is None and (now < start / 2 or before - now > BAND / 5 * start):
         cause = Cause(
             "slow", f"too slow, and still changing after {LONGEST:.0f} s: use a greater gain"
         )

@@ -22,7 +22,9 @@ from lcmtools.types.geometry_msgs import Twist
 
 _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
 _STALE = 0.5  # [s] in which commands of the key before may still come
-_TYPING = 0.1  # [s] from a command to the next key: getch() throws away what comes between calls
+_TYPING = 0.13  # [s] from a command to the next key: getch() throws away what comes between calls,
+# and so does teleop_twist_keyboard, which polls for 0.1 s
+_PRESSES = 2  # of a key: one may be thrown away
 _AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
 
 
@@ -64,8 +66,9 @@ class _Keyboard:
         return self._bench.wait(lambda: is_alike(velocity_of(self.last()), wanted), _STALE)
 
     def settled(self, key: str) -> Velocity:
-        """Press a key; return its command, once no older command is under way."""
-        self.press(key)
+        """Press a key of a direction; return its command, once no older command is under way."""
+        for _ in range(_PRESSES):
+            self.press(key)
         self._bench.wait(self.last, _NEXT)
         self._bench.wait(lambda: False, _STALE)
         return velocity_of(self.last()) or (0.0, 0.0)
@@ -102,11 +105,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         yield program.early_end("answers to all keys")
         return
     for key, meaning in SPEED_CHANGES.items():
-        motion = motion.after(key)
-        keyboard.press(key)
-        bench.wait(keyboard.last, _STALE)  # select() does not see keys that input has buffered
-        motion = motion.after("u")
-        press = _pressed(keyboard, "u", motion)
+        press, motion = _changed(bench, keyboard, key, motion)
         yield change_result(press, f"u  after {key}, {meaning}", drives)
         speed, turn = map(abs, velocity_of(press.twist) or (0.0, 0.0))
         if speed and turn:  # one wrong change does not make the next ones wrong
@@ -114,10 +113,26 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     yield _stop_at_end(bench, keyboard)
 
 
+def _changed(
+    bench: TestBench, keyboard: _Keyboard, key: str, motion: Motion
+) -> tuple[KeyPress, Motion]:
+    """Press the key of a speed, and u; return that and the motion wanted."""
+    before, wanted = motion.after("u"), motion.after(key).after("u")
+    for _ in range(_PRESSES):
+        keyboard.press(key)
+        bench.wait(keyboard.last, _STALE)  # select() does not see keys that input has buffered
+        press = _pressed(keyboard, "u", wanted)
+        if not is_alike(velocity_of(press.twist), (before.forward, before.turn_rate)):
+            break
+    return press, wanted
+
+
 def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
     wanted = motion.forward, motion.turn_rate
-    keyboard.press(key)
-    keyboard.receives(wanted)
+    for _ in range(_PRESSES):
+        keyboard.press(key)
+        if keyboard.receives(wanted):
+            break
     return KeyPress(key, wanted, keyboard.last())
 
 

@@ -25,7 +25,7 @@ from lcmtools.labs.checks.keys import text_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
 from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.recorder import BUMPER, Recorder
-from lcmtools.labs.checks.results import CheckResult
+from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sim_msgs import SetPose, SetRate
@@ -197,12 +197,13 @@ class TestBench:
         """End the program, if it runs, by Ctrl-C; return the row of its last command, a Twist."""
         program, commands = self.program, self.recorder.commands
         assert program is not None
-        if program.code is None:
-            program.ends_on_interrupt()
+        ends = program.code is not None or program.ends_on_interrupt()
         stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
         measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
-        hint = "publish a last Twist of 0 in a finally: the robot keeps its last command"
-        return CheckResult(STOPS, "a Twist of 0 at last", measured, stops, hint, "no-stop")
+        text = "publish a last Twist of 0 in a finally: the robot keeps its last command"
+        cause = Cause("no-stop", text) if ends else program.why_it_goes_on()
+        wanted = "a Twist of 0 at last"
+        return CheckResult(STOPS, wanted, measured, stops, cause.text, cause.key)
 
     def reset_pose(self) -> None:
         """Put the robot at the origin, at rest; LcmtoolsError if the simulator does not do it."""

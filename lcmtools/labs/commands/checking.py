@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from lcmtools.bag.log import Log
 from lcmtools.cli.output import talk
+from lcmtools.cli.status_line import StatusLine
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
@@ -38,16 +39,21 @@ def check_one(
     """Check the programs of one person, and show each row as it comes."""
     reports: list[Report] = []
     world: Mapping[str, object] = {}
-    for run in choose(lab, programs):
-        # shown only of a program that can be started
-        head = heading(run.program.option, run.command, is_answer=run.is_answer)
+    with StatusLine("lcmtools lab check") as waiting:
+        for run in choose(lab, programs):
+            # shown only of a program that can be started
+            head = heading(run.program.option, run.command, is_answer=run.is_answer)
+            waiting.write(f"{head[1]} ...")
 
-        def show_row(result: CheckResult, head: list[str] = head) -> None:
-            show([*head, *result_lines(result)])
-            head.clear()
+            def show_row(result: CheckResult, head: list[str] = head) -> None:
+                waiting.clear()
+                show([*head, *result_lines(result)])
+                head.clear()
+                waiting.write("  ...")
 
-        report, world = check(lab, run, rate, time_limit or float("inf"), show_row)
-        reports.append(report)
+            report, world = check(lab, run, rate, time_limit or float("inf"), show_row)
+            waiting.clear()
+            reports.append(report)
     if plot:
         from lcmtools.labs.checks.plot import plot as plotted
 
@@ -76,13 +82,18 @@ def class_arguments(rate: float | None, time_limit: float | None) -> list[str]:
 
 def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
     """Check each submission in a folder, and show the rows of each program once it is done."""
+    with StatusLine("lcmtools lab check") as waiting:
 
-    def show_report(name: str, report: Report) -> None:
-        rows = [row for result in report.results for row in result_lines(result)]
-        head = heading(report.program, report.command)[1:] if report.command else []
-        show(["", f"== {name}", *head, *rows])
+        def show_report(name: str, report: Report) -> None:
+            waiting.clear()
+            rows = [row for result in report.results for row in result_lines(result)]
+            head = heading(report.program, report.command)[1:] if report.command else []
+            show(["", f"== {name}", *head, *rows])
+            waiting.write("  ...")
 
-    found = checker.run(folder, show_report)
+        waiting.write(f"checking the submissions in {folder} ...")
+        found = checker.run(folder, show_report)
+        waiting.clear()
     records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
     return Outcome(found, records, ["", *table(found)])
 

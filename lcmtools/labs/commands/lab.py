@@ -67,7 +67,7 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
 @flag("-l", "--list", "show_list", help="List the skeletons.")
 @flag("--force", help="Overwrite an existing file.")
 @argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
-@argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
+@argument("folder", metavar="[DIR]", default=".", type=click.Path(path_type=Path))
 def skeleton(
     name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool
 ) -> None:

@@ -43,6 +43,12 @@ def test_unconnected_subscriptions_are_listed_as_roswtf_lists_them() -> None:
     )
 
 
+def test_a_topic_that_a_node_subscribes_to_twice_is_listed_once() -> None:
+    listener = node("/listener", *[sub("/chatter", STRING)] * 2)
+    finding = findings(listener)["unconnected-subscriptions"]
+    assert finding.items == (" * /listener:", "   * /chatter")
+
+
 def test_a_topic_published_in_another_namespace_suggests_that_namespace() -> None:
     finding = findings(morse(), controller(""))["unconnected-subscriptions"]
     assert (

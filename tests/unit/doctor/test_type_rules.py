@@ -158,6 +158,15 @@ def test_a_mismatch_says_which_side_is_odd(
     assert finding.remedies[0] == remedy
 
 
+def test_a_node_with_several_subscriptions_to_a_topic_is_named_once() -> None:
+    listener = node("/listener", *[sub("/t", TWIST)] * 3)
+    finding = findings(node("/a", pub("/t", STRING)), listener)["type-mismatch"]
+    assert finding.items == (
+        " * /a publishes std_msgs/String",
+        " * /listener expects geometry_msgs/Twist",
+    )
+
+
 def test_of_a_command_and_a_node_the_command_is_odd() -> None:
     command = node("/_lcmtools_pub_1", pub("/t", STRING), tool=True)
     finding = findings(command, node("/driver", sub("/t", TWIST)))["type-mismatch"]

@@ -115,6 +115,11 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         ),
         ({"code": 1, "printed": missing("rclpy.node")}, DIED, "; here it is lcmtools: import lcm"),
         ({"code": 1, "printed": missing("nav_msgs")}, DIED, "; here it is lcmtools.types.nav_msgs"),
+        (
+            {"code": 1, "printed": missing("lcmtools.types.nav_msgs.msg")},
+            DIED,
+            "; here it is lcmtools.types.nav_msgs",
+        ),
         ({"code": 127, "printed": WINDOWS}, DIED, "; its lines end as on Windows: sed -i"),
         ({"look": BusLook()}, "no-node", "nothing of it is on the check's bus"),
         (
@@ -345,6 +350,11 @@ def rising(time: float) -> float:
         ),
         (
             varied_run(REST, lambda t: (math.exp(-t / 4), 0.0), rising),
+            "slow",
+            "still changing after 8 s",
+        ),
+        (
+            varied_run(REST, lambda t: (0.3 - 0.01 * t, 0.0), rising),
             "slow",
             "still changing after 8 s",
         ),

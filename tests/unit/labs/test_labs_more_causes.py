@@ -38,6 +38,8 @@ GOAL = Step(0.3, 0.4)
     ("measured", "samples", "words"),
     [
         (6 * 0.5, 6, "the sum, not divided by the samples"),
+        (math.sqrt(6) * 0.5, 6, "the root of the sum of the squares, not of their mean"),
+        (0.5 / 6, 6, "the last error, divided by the samples"),
         (0.0, 0, "always 0"),
         (0.4, 0, "the error of angular.z only"),
         (-0.5, 0, "the negative error"),
