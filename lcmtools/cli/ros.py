@@ -19,6 +19,7 @@ _PANELS = (
     " graph and run steering do so in the terminal"
 )
 _COMPRESS = "bag record --compress zstd compresses as it records; zstd and lz4 do so with any log"
+_SERVICE_TYPES = "lcmtools srv list lists the service types of all packages"
 _NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 
 
@@ -118,6 +119,9 @@ _INSTEAD: Mapping[str, Instead] = {
     "service node": "lcmtools service info NAME shows the node, its host and its process",
     "service uri": "lcmtools service info NAME shows the node, its host and its process",
     "source": "nothing is to be sourced: lcmtools finds packages from the folder that you are in",
+    "srv md5": "lcmtools msg md5 NAME_Request, and NAME_Response, print the fingerprints",
+    "srv package": _SERVICE_TYPES,
+    "srv packages": _SERVICE_TYPES,
     "teleop_twist_keyboard": ("run", "teleop"),
     "tf_echo": "lcmtools echo /tf",
     "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
