@@ -54,10 +54,17 @@ def _run(words: Sequence[str]) -> list[str]:
     from lcmtools.packages.nodes import OWN, runnables
 
     known = runnables(Path.cwd())
-    own = {node.name for node in known if node.package == OWN}
-    packages = {node.package for node in known}
-    is_own = len(words) > 1 and words[0] not in packages and words[1] in own
-    return ["run", *words[is_own:]]
+    if len(words) < 2 or words[0] in {node.package for node in known}:  # noqa: PLR2004 - both
+        return ["run", *words]
+    _, name, *rest = words
+    if name in {node.name for node in known if node.package == OWN}:
+        return ["run", name, *rest]
+    found = _INSTEAD.get(name.removesuffix(".py"))
+    return ["run", *words] if found is None else _replaced(name, found, rest)
+
+
+def _ros2(words: Sequence[str]) -> list[str]:
+    return _run(words[1:]) if words[:1] == ["run"] else list(words) or ["help"]
 
 
 def _image_view(words: Sequence[str]) -> list[str]:
@@ -79,13 +86,14 @@ _INSTEAD: Mapping[str, Instead] = {
     "catkin_make": _build,
     "catkin_make_isolated": _build,
     "colcon": lambda words: _build(words[1:]),
+    "daemon": "there is none: the nodes answer at once",
     "gazebo": _LOOK,
     "gzclient": _LOOK,
     "gzserver": "lcmtools run sim starts the simulator",
     "image_view": _image_view,
     "param delete": "a node has its parameters for as long as it runs; param set gives one another"
     " value",
-    "ros2": lambda words: list(words) or ["help"],
+    "ros2": _ros2,
     "rosbag": ("bag",),
     "roscd": 'cd "$(lcmtools pkg find NAME)"',
     "rosclean": "each launch keeps its logs in ~/.local/state/lcmtools/log",
@@ -136,7 +144,9 @@ _OPTIONS: Mapping[str, str] = {
     "--no-daemon": _NO_DAEMON,
     "--qos": _NO_QOS,
     "--spin-time": _NO_DAEMON,
+    "--stdin": "- in place of the values reads standard input",
     "--tcpnodelay": "LCM uses UDP",
+    "--yaml-file": "-f reads messages from a file",
     "bag filter -p": "lcmtools echo -b FILE --filter EXPR prints them",
     "bag filter --print": "lcmtools echo -b FILE --filter EXPR prints them",
     "bag info --freq": "the rates are shown without it",
@@ -188,11 +198,15 @@ def instead(group: str, words: Sequence[str]) -> list[str]:
         if group or not name.startswith(_PREFIXES):
             return []
         found = did_you_mean(name, _INSTEAD) or "lcmtools --help lists the commands"
-    if isinstance(found, str):
-        raise UsageError(f"no such command '{name}'", found)
-    replaced = [*found, *rest] if isinstance(found, tuple) else found(rest)
+    replaced = _replaced(name, found, rest)
     talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
     return replaced
+
+
+def _replaced(name: str, found: Instead, rest: Sequence[str]) -> list[str]:
+    if isinstance(found, str):
+        raise UsageError(f"no such command '{name}'", found)
+    return [*found, *rest] if isinstance(found, tuple) else found(rest)
 
 
 def option_instead(command: str, name: str) -> str:
