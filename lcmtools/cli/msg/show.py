@@ -58,12 +58,15 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded, with ROS's names of types.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
-    reads it from standard input.
+    reads it from standard input. std_srvs/srv/Trigger is a service, shown as srv show does.
     """
     from lcmtools.messages.definition import definition
     from lcmtools.packages.user_types import source_file, source_text
 
     type_ = _piped("msg show geometry_msgs/Twist") if type_ == "-" else type_
+    if "/srv/" in type_:  # as ros2 interface show takes it
+        _show_service(type_, raw=raw, as_json=as_json)
+        return
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
     file = source_file(name)
@@ -100,10 +103,14 @@ def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger; "-" or none reads
     it from standard input.
     """
+    type_ = _piped("srv show std_srvs/SetBool") if type_ == "-" else type_
+    _show_service(type_, raw=raw, as_json=as_json)
+
+
+def _show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     from lcmtools.messages.definition import definition
     from lcmtools.packages.user_types import source_file, source_text
 
-    type_ = _piped("srv show std_srvs/SetBool") if type_ == "-" else type_
     pair, name = service_class(type_), service_name(type_)
     text = source_text if raw else definition
     request, response = text(pair.Request), text(pair.Response)
