@@ -64,7 +64,10 @@ def _run(words: Sequence[str]) -> list[str]:
 
 
 def _ros2(words: Sequence[str]) -> list[str]:
-    return _run(words[1:]) if words[:1] == ["run"] else list(words) or ["help"]
+    """As ros2 run PACKAGE NODE --ros-args -r a:=b, where remaps need no --ros-args here."""
+    if list(words[:1]) == ["run"]:
+        return _run([word for word in words[1:] if word != "--ros-args"])
+    return list(words) or ["help"]
 
 
 def _image_view(words: Sequence[str]) -> list[str]:

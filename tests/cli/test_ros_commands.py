@@ -50,7 +50,7 @@ Run = Callable[..., Any]
         ("ros2 topic list -t", "topic list -t"),
         ("ros2 run image_view image_view", "run image_view"),
         ("ros2 run demo_nodes_cpp talker --ros-args -r chatter:=a",
-         "run talker --ros-args -r chatter:=a"),
+         "run talker -r chatter:=a"),
         ("rosrun teleop_twist_keyboard teleop_twist_keyboard.py cmd_vel:=/a",
          "run teleop cmd_vel:=/a"),
         ("ros2 run teleop_twist_keyboard teleop_twist_keyboard", "run teleop"),
