@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from lcmtools.graph.model import Graph, Role
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
-from lcmtools.observe.find import near_topic
+from lcmtools.observe.find import near_node, near_topic
 
 _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 
@@ -31,7 +31,7 @@ class RecordedTopics:
         self._is_all = not topics and not nodes
         self._wanted = self._read(topics, hidden=hidden)
         self._unwanted = self._read(exclude, hidden=True)
-        self._nodes = [Pattern(node, names.namespace, hidden=True) for node in nodes]
+        self._nodes = {node: Pattern(node, names.namespace, hidden=True) for node in nodes}
         self._of_nodes: set[str] = set()
         self._cache: dict[str, bool] = {}
         self._heard: set[str] = set()
@@ -43,7 +43,7 @@ class RecordedTopics:
         chosen = [
             node
             for node in graph.nodes
-            if any(pattern.means_node(node.name) for pattern in self._nodes)
+            if any(pattern.means_node(node.name) for pattern in self._nodes.values())
         ]
         ends = (end for node in chosen for end in node.endpoints)
         self._of_nodes = {end.topic for end in ends if end.role in _OF_TOPICS}
@@ -60,10 +60,14 @@ class RecordedTopics:
         return known
 
     def silent(self, graph: Graph) -> list[str]:
-        """Return a sentence on each topic that is named and has had no message."""
+        """Return a sentence on each named node that is unknown, and topic without a message."""
         known = graph.topic_names()
         spellings = {name: self._names.spellings(name) for name in self.named}
         return [
+            f"no node {name} yet; {near_node(graph, name)}"
+            for name, pattern in self._nodes.items()
+            if not any(pattern.means_node(node.name) for node in graph.nodes)
+        ] + [
             f"no message on {name} yet; {near_topic(known, name, self._names)}"
             for name, channels in spellings.items()
             if not self._heard.intersection(channels) and not set(channels).intersection(known)

@@ -185,7 +185,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         self._is_requested = True
 
     def silence(self) -> list[str]:
-        """Return sentences on topics that are named and silent, each once."""
+        """Return sentences on topics that are named and silent, and on unknown nodes, each once."""
         if told := self._silence or []:
             self._silence = []
         return told
@@ -225,6 +225,11 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         deadline = time.monotonic() + _DRAIN
         while (packets := self._monitor.receive(0.0)) and time.monotonic() < deadline:
             self._take(packets)
+        self._note_silence()
+
+    def _note_silence(self) -> None:
+        if self._silence is None:
+            self._silence = self._choice.silent(self._monitor.graph())
 
     def _is_complete(self) -> bool:
         limits = self._limits
@@ -290,8 +295,8 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         """Do what is due."""
         if now >= self._next_look:
             self._look(now)
-        if self._silence is None and now >= self._began + PATIENCE:
-            self._silence = self._choice.silent(self._monitor.graph())
+        if now >= self._began + PATIENCE:
+            self._note_silence()
         if self._ring is not None:  # time passes without messages too
             self._take([])
         writer = self._writer

@@ -19,6 +19,7 @@ _PANELS = (
     " graph and run steering do so in the terminal"
 )
 _COMPRESS = "bag record --compress zstd compresses as it records; zstd and lz4 do so with any log"
+_SERVICE_TYPES = "lcmtools srv list lists the service types of all packages"
 _NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 
 
@@ -53,10 +54,20 @@ def _run(words: Sequence[str]) -> list[str]:
     from lcmtools.packages.nodes import OWN, runnables
 
     known = runnables(Path.cwd())
-    own = {node.name for node in known if node.package == OWN}
-    packages = {node.package for node in known}
-    is_own = len(words) > 1 and words[0] not in packages and words[1] in own
-    return ["run", *words[is_own:]]
+    if len(words) < 2 or words[0] in {node.package for node in known}:  # noqa: PLR2004 - both
+        return ["run", *words]
+    _, name, *rest = words
+    if name in {node.name for node in known if node.package == OWN}:
+        return ["run", name, *rest]
+    found = _INSTEAD.get(name.removesuffix(".py"))
+    return ["run", *words] if found is None else _replaced(name, found, rest)
+
+
+def _ros2(words: Sequence[str]) -> list[str]:
+    """As ros2 run PACKAGE NODE --ros-args -r a:=b, where remaps need no --ros-args here."""
+    if list(words[:1]) == ["run"]:
+        return _run([word for word in words[1:] if word != "--ros-args"])
+    return list(words) or ["help"]
 
 
 def _image_view(words: Sequence[str]) -> list[str]:
@@ -78,13 +89,14 @@ _INSTEAD: Mapping[str, Instead] = {
     "catkin_make": _build,
     "catkin_make_isolated": _build,
     "colcon": lambda words: _build(words[1:]),
+    "daemon": "there is none: the nodes answer at once",
     "gazebo": _LOOK,
     "gzclient": _LOOK,
     "gzserver": "lcmtools run sim starts the simulator",
     "image_view": _image_view,
     "param delete": "a node has its parameters for as long as it runs; param set gives one another"
     " value",
-    "ros2": lambda words: list(words) or ["help"],
+    "ros2": _ros2,
     "rosbag": ("bag",),
     "roscd": 'cd "$(lcmtools pkg find NAME)"',
     "rosclean": "each launch keeps its logs in ~/.local/state/lcmtools/log",
@@ -118,6 +130,9 @@ _INSTEAD: Mapping[str, Instead] = {
     "service node": "lcmtools service info NAME shows the node, its host and its process",
     "service uri": "lcmtools service info NAME shows the node, its host and its process",
     "source": "nothing is to be sourced: lcmtools finds packages from the folder that you are in",
+    "srv md5": "lcmtools msg md5 NAME_Request, and NAME_Response, print the fingerprints",
+    "srv package": _SERVICE_TYPES,
+    "srv packages": _SERVICE_TYPES,
     "teleop_twist_keyboard": ("run", "teleop"),
     "tf_echo": "lcmtools echo /tf",
     "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
@@ -132,7 +147,9 @@ _OPTIONS: Mapping[str, str] = {
     "--no-daemon": _NO_DAEMON,
     "--qos": _NO_QOS,
     "--spin-time": _NO_DAEMON,
+    "--stdin": "- in place of the values reads standard input",
     "--tcpnodelay": "LCM uses UDP",
+    "--yaml-file": "-f reads messages from a file",
     "bag filter -p": "lcmtools echo -b FILE --filter EXPR prints them",
     "bag filter --print": "lcmtools echo -b FILE --filter EXPR prints them",
     "bag info --freq": "the rates are shown without it",
@@ -184,11 +201,15 @@ def instead(group: str, words: Sequence[str]) -> list[str]:
         if group or not name.startswith(_PREFIXES):
             return []
         found = did_you_mean(name, _INSTEAD) or "lcmtools --help lists the commands"
-    if isinstance(found, str):
-        raise UsageError(f"no such command '{name}'", found)
-    replaced = [*found, *rest] if isinstance(found, tuple) else found(rest)
+    replaced = _replaced(name, found, rest)
     talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
     return replaced
+
+
+def _replaced(name: str, found: Instead, rest: Sequence[str]) -> list[str]:
+    if isinstance(found, str):
+        raise UsageError(f"no such command '{name}'", found)
+    return [*found, *rest] if isinstance(found, tuple) else found(rest)
 
 
 def option_instead(command: str, name: str) -> str:

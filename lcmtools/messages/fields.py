@@ -7,7 +7,7 @@ import importlib
 from functools import cache
 from typing import NamedTuple, TypeAlias
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import join_stamp, split_stamp
 from lcmtools.messages.registry import Message, type_name
 
 PRIMITIVES = {
@@ -119,6 +119,20 @@ def utime(message: Message) -> int | None:
     """
     value = getattr(message, "utime", None)
     return value * 1000 if isinstance(value, int) else None
+
+
+def is_utime(field: Field) -> bool:
+    """Return True for a field ``utime`` of microseconds: see ``utime``."""
+    return field.name == "utime" and field.type == "int64" and not field.dimensions
+
+
+def set_moment(message: Message, moment: int) -> None:
+    """Set a time, or another message's ``utime``, to a moment [ns since 1970]."""
+    if is_time(type(message)):
+        for name, value in zip(message.__slots__, split_stamp(moment), strict=True):
+            setattr(message, name, value)
+    else:
+        message.utime = moment // 1000  # type: ignore[attr-defined] # it has one
 
 
 def _recurs(cls: type[Message], outer: tuple[type[Message], ...]) -> bool:

@@ -1,9 +1,9 @@
 """Messages filled from plain values: mappings by field name, lists in order, text and numbers.
 
 Belongs here: the names of a message's fields, and the errors for those that do not match; the words
-``now`` (for a time) and ``auto`` (for a header, whose stamp it sets), and whole numbers of
-nanoseconds for a time, as rostopic and ros2 take them. Must not know YAML's syntax (see
-``message_template``), the wire format or a clock.
+``now`` (for a time, and for LCM's ``utime``) and ``auto`` (for a header, whose stamp it sets), and
+whole numbers of nanoseconds for a time, as rostopic and ros2 take them. Must not know YAML's syntax
+(see ``message_template``), the wire format or a clock.
 """
 
 import re
@@ -12,7 +12,15 @@ from functools import partial
 from typing import TypeAlias, cast
 
 from lcmtools.clock import split_stamp
-from lcmtools.messages.fields import Field, field_name, fields, fields_hint, is_time, visible_fields
+from lcmtools.messages.fields import (
+    Field,
+    field_name,
+    fields,
+    fields_hint,
+    is_time,
+    is_utime,
+    visible_fields,
+)
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
 from lcmtools.messages.shape import Element, each, shaped
@@ -28,7 +36,7 @@ _NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
 def fill(message: Message, value: Value) -> tuple[Message, ...]:
     """Set the fields of a message from plain values; those that are not named stay as they are.
 
-    Returns the times in it that are to be the moment of sending.
+    Returns the times in it that are to be the moment of sending: see ``set_moment``.
 
     A mapping sets fields by name, a list sets all fields in order, None sets none; a single value
     sets the only field of a message that has one. Text is read by the field's type ("0x1F"
@@ -122,6 +130,8 @@ def _fill_field(message: Message, field: Field, value: Value, times: list[Messag
             setattr(message, field.name, shaped(ready, field, _element(field, times)))
         elif field.message_class:
             _fill(getattr(message, field.name), value, times)
+        elif value == "now" and is_utime(field):
+            times.append(message)
         else:
             setattr(message, field.name, _scalar(value, field.type))
     except Misfit as misfit:

@@ -10,11 +10,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from lcmtools.clock import split_stamp
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.documents import Document, Documents, parse_values
-from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.fields import set_moment, visible_fields
 from lcmtools.messages.fill import Value, fill
 from lcmtools.messages.registry import Message
 
@@ -26,14 +25,13 @@ class MessageTemplate(Generic[M]):
     """A message that is ready to be sent, once or often."""
 
     message: M
-    times: tuple[Message, ...] = ()  # those in it that are set whenever it is sent
+    times: tuple[Message, ...] = ()  # in it, set whenever it is sent: see ``set_moment``
     _payload: bytes | None = None
 
     def at(self, now: int) -> M:
         """The message as it is sent at ``now`` (nanoseconds since 1970)."""
         for time in self.times:
-            for name, value in zip(time.__slots__, split_stamp(now), strict=True):
-                setattr(time, name, value)
+            set_moment(time, now)
         return self.message
 
     def payload(self, now: int) -> bytes:

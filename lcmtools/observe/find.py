@@ -94,7 +94,7 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
     found = [node for node in named if not node.stale] or named
     names = sorted({node.name for node in found})
     if not found:
-        raise LcmtoolsError(f"unknown node {name}", _near_node(graph, name))
+        raise LcmtoolsError(f"unknown node {name}", near_node(graph, name))
     if len(names) > 1 and not by_pid:
         raise LcmtoolsError(f"several nodes are named {name}", f"write one of {', '.join(names)}")
     return found
@@ -210,7 +210,8 @@ def _near(name: str, full: str, known: Iterable[str]) -> str:
     return f"did you mean {by_base[0]}?" if by_base else did_you_mean(full, known)
 
 
-def _near_node(graph: Graph, name: str) -> str:
+def near_node(graph: Graph, name: str) -> str:
+    """Return a hint at the node that may have been meant instead."""
     known = [node.name for node in graph.nodes if not node.is_hidden]
     by_base = {base_name_of(full): full for full in known}
     near = closest(base_name_of(name), by_base)

@@ -65,6 +65,11 @@ def read_leaves(text: str, source: str) -> list[FileParameter]:
     return found
 
 
+def known_name(path: Sequence[str], has: Parameters) -> str | None:
+    """Return a nested parameter's name: written with slashes or, as in ros2, with dots."""
+    return next((name for name in ("/".join(path), ".".join(path)) if name in has), None)
+
+
 def changes_of(leaves: Sequence[FileParameter], known: Answers, node: str | None) -> Changes:
     """Return the changes that a file's values mean; values that name no node are for ``node``.
 
@@ -76,7 +81,7 @@ def changes_of(leaves: Sequence[FileParameter], known: Answers, node: str | None
     for leaf in leaves:
         for target, rest in _targets(leaf, known, node):
             has = known[target]
-            name = _found(rest, has) or "/".join(rest)
+            name = known_name(rest, has) or "/".join(rest)
             parameter = pick(has, name, target, f"{leaf.place}: ")
             text = text_of(leaf.value, parameter.type)
             try:
@@ -111,7 +116,7 @@ def _targets(leaf: FileParameter, known: Answers, node: str | None) -> list[tupl
     """The nodes that a value is for, each with the rest of the value's path."""
     parts = tuple(part for key in leaf.path for part in key.split("/") if part)
     if leaf.path[0] == _EVERY_NODE:
-        having = [n for n, has in known.items() if n == node or _found(parts[1:], has)]
+        having = [n for n, has in known.items() if n == node or known_name(parts[1:], has)]
         if having:
             return [(name, parts[1:]) for name in having]
     for end in range(len(parts), 0, -1):
@@ -128,11 +133,6 @@ def _targets(leaf: FileParameter, known: Answers, node: str | None) -> list[tupl
     name = f"/{'/'.join(parts[:-1])}"
     hint = did_you_mean(name, known) or "lcmtools param list shows nodes and parameters"
     raise LcmtoolsError(f"{leaf.place}: there is no node {name}", hint)
-
-
-def _found(rest: _Path, has: Parameters) -> str | None:
-    """The parameter's name: nested names are written with slashes or, as in ros2, with dots."""
-    return next((name for name in ("/".join(rest), ".".join(rest)) if name in has), None)
 
 
 def _documents(text: str, source: str) -> list[Node]:

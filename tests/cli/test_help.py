@@ -65,7 +65,7 @@ def test_help_of_a_group_has_a_line_for_each_command(capsys: Captured) -> None:
         below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
         is_msg = group in (("msg",), ("interface",))
         aliases = {"md5", "info"} if is_msg else set()
-        aliases |= {"prefix"} if group == ("pkg",) else set()
+        aliases |= {("pkg",): {"prefix"}, ("srv",): {"info"}}.get(group, set())
         aliases |= set() if group else {"topic", "doctor", "interface"}
         assert listed == below - aliases, group
 

@@ -48,7 +48,14 @@ Run = Callable[..., Any]
          "pkg create air_lab0 --deps nav_msgs std_msgs"),
         ("catkin create pkg air_lab0", "pkg create air_lab0"),
         ("ros2 topic list -t", "topic list -t"),
-        ("ros2 run image_view image_view", "run image_view image_view"),
+        ("ros2 run image_view image_view", "run image_view"),
+        ("ros2 run demo_nodes_cpp talker --ros-args -r chatter:=a",
+         "run talker -r chatter:=a"),
+        ("rosrun teleop_twist_keyboard teleop_twist_keyboard.py cmd_vel:=/a",
+         "run teleop cmd_vel:=/a"),
+        ("ros2 run teleop_twist_keyboard teleop_twist_keyboard", "run teleop"),
+        ("rosrun rqt_graph rqt_graph", "graph"),
+        ("rosrun rqt_image_view rqt_image_view /camera", "run image_view image:=/camera"),
     ],
 )  # fmt: skip
 def test_a_command_of_ros_becomes_the_one_that_is_meant(

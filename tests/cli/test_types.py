@@ -126,6 +126,7 @@ def test_srv_list_prints_the_service_types(cli: Run) -> None:
 def test_srv_show_prints_request_and_response(cli: Run) -> None:
     text = "bool data\n---\nbool success\nstring message\n"
     assert cli("srv", "show", "std_srvs/srv/SetBool").out == text
+    assert cli("interface", "show", "std_srvs/srv/SetBool").out == text  # as in ROS 2
     assert cli("srv", "show", "SetBool").out == f"[std_srvs/SetBool]:\n{text}"
     assert cli("srv", "show", "std_srvs/Empty").out == "---\n"
     assert json.loads(cli("srv", "show", "SetBool", "--json").out) == {

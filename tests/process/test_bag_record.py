@@ -346,6 +346,16 @@ def _recorder(start: Callable[..., Any], lcmtools_path: str, url: str, *words: s
     return start(lcmtools_path, "bag", "record", *words, LCM_DEFAULT_URL=url)
 
 
+def test_a_short_recording_names_what_was_silent_too(
+    bus_url: str, path: Path, cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    made = cli("bag", "record", "/silent", "--duration", "0.1s", "-o", str(path))
+    assert made.err.splitlines()[0] == (
+        "lcmtools bag record: no message on /silent yet; lcmtools list shows the topics"
+    )
+
+
 def test_what_was_recorded_is_reported_as_json(
     bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str, wait_until: WaitUntil
 ) -> None:

@@ -255,7 +255,13 @@ def test_reader_who_has_had_enough_is_no_fault(
 
 
 @pytest.mark.parametrize(
-    "pipe", ["echo silent | true", "bw silent | true", "wtf --watch --rule unknown-type | head -1"]
+    "pipe",
+    [
+        "echo silent | true",
+        "bw silent | true",
+        "service call --wait /silent | true",
+        "wtf --watch --rule unknown-type | head -1",
+    ],
 )
 def test_reader_who_leaves_ends_what_has_nothing_more_to_say(
     pipe: str, shell: Callable[..., subprocess.CompletedProcess[str]]

@@ -242,13 +242,23 @@ def test_type_pipes_into_msg_show(argument: list[str], lcmtools: Run) -> None:
     assert lcmtools("msg", "show", *argument, stdin=kind).stdout == "string data\n"
 
 
+def test_a_piped_type_of_a_service_is_shown(lcmtools: Run) -> None:
+    result = lcmtools("srv", "show", stdin="std_srvs/SetBool\n")
+    assert result.stdout == "bool data\n---\nbool success\nstring message\n"
+
+
 @pytest.mark.parametrize(("said", "what"), [("", "no type"), ("a\nb\n", "several types")])
-def test_msg_show_says_what_a_pipe_lacks(said: str, what: str, lcmtools: Run) -> None:
-    result = lcmtools("msg", "show", stdin=said)
+@pytest.mark.parametrize(
+    ("group", "example"), [("msg", "geometry_msgs/Twist"), ("srv", "std_srvs/SetBool")]
+)
+def test_show_says_what_a_pipe_lacks(
+    group: str, example: str, said: str, what: str, lcmtools: Run
+) -> None:
+    result = lcmtools(group, "show", stdin=said)
     assert (result.returncode, result.stdout) == (2, "")
     assert result.stderr == (
-        f"lcmtools msg show: standard input has {what};"
-        " for example lcmtools msg show geometry_msgs/Twist\n"
+        f"lcmtools {group} show: standard input has {what};"
+        f" for example lcmtools {group} show {example}\n"
     )
 
 

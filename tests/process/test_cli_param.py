@@ -108,6 +108,7 @@ def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: s
         (["name", "eve"], "/husky0/driver refuses: eve may not drive"),
         (["gian", "1"], "/husky0/driver has no parameter 'gian'; did you mean gain?"),
         (["{gain: 2, name: eve}"], "/husky0/driver refuses: eve may not drive"),
+        (["{pid: {kq: 2}}"], "/husky0/driver has no parameter 'pid/kq'; did you mean pid.kp?"),
     ],
 )
 def test_what_a_node_refuses_is_said_and_changes_nothing(
@@ -117,6 +118,12 @@ def test_what_a_node_refuses_is_said_and_changes_nothing(
     assert (done.code, done.out) == (1, "")
     assert done.err == f"lcmtools param set: {line}\n"
     assert cli("param", "dump").out == DUMP
+
+
+@pytest.mark.usefixtures("driver")
+def test_set_takes_nested_names_as_load_does(cli: Cli) -> None:
+    said = cli("param", "set", "driver", "{gain: 2, pid: {kp: 3}}").err
+    assert said == "/husky0/driver/gain is now 2.0\n/husky0/driver/pid.kp is now 3.0\n"
 
 
 @pytest.mark.usefixtures("driver")

@@ -44,6 +44,7 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 line.talk(trouble or "the bus is back")
             if rates := line.rates(progress.messages, progress.bytes):
                 line.write(_status(progress, rates, series))
+        _tell(line, recorder.silence())
 
 
 def _tell(line: StatusLine, sentences: Sequence[str]) -> None:

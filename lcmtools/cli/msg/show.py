@@ -58,12 +58,15 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded, with ROS's names of types.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
-    reads it from standard input.
+    reads it from standard input. std_srvs/srv/Trigger is a service, shown as srv show does.
     """
     from lcmtools.messages.definition import definition
     from lcmtools.packages.user_types import source_file, source_text
 
-    type_ = _piped() if type_ == "-" else type_
+    type_ = _piped("msg show geometry_msgs/Twist") if type_ == "-" else type_
+    if "/srv/" in type_:  # as ros2 interface show takes it
+        _show_service(type_, raw=raw, as_json=as_json)
+        return
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
     file = source_file(name)
@@ -76,8 +79,8 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
         talk(f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}")
 
 
-def _piped() -> str:
-    example = "for example lcmtools msg show geometry_msgs/Twist"
+def _piped(example: str) -> str:
+    example = f"for example lcmtools {example}"
     if sys.stdin is None or sys.stdin.isatty():
         raise UsageError("no type is given", example)
     words = sys.stdin.read().replace(",", " ").split()
@@ -87,14 +90,24 @@ def _piped() -> str:
 
 
 @subcommand("show", json_option)
-@examples("srv show std_srvs/SetBool", "srv show Trigger --json")
-@argument("type_", metavar="TYPE", completer="messages:service_types")
+@examples(
+    "srv show std_srvs/SetBool",
+    "srv show Trigger --json",
+    "service type /reset | lcmtools srv show",
+)
+@argument("type_", metavar="[TYPE]", default="-", completer="messages:service_types")
 @flag("-r", "--raw", help="Show the .lcm or .srv files, with the comments.")
 def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
 
-    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
+    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger; "-" or none reads
+    it from standard input.
     """
+    type_ = _piped("srv show std_srvs/SetBool") if type_ == "-" else type_
+    _show_service(type_, raw=raw, as_json=as_json)
+
+
+def _show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     from lcmtools.messages.definition import definition
     from lcmtools.packages.user_types import source_file, source_text
 

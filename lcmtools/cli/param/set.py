@@ -1,6 +1,6 @@
 """``lcmtools param set``."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import asking_options
@@ -9,7 +9,9 @@ from lcmtools.cli.param.common import look, named, timeout_option
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.documents import parse_values
+from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import ANY, text_of
+from lcmtools.publish.parameter_file import known_name
 from lcmtools.publish.parameters import ParameterClient, ParameterTarget
 
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
@@ -49,5 +51,15 @@ def _texts(client: ParameterClient, target: ParameterTarget, value: str) -> Mapp
             f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
         )
     known = client.request(target.node.name)
-    kinds = {name: known[name].type if name in known else ANY for name in values}
-    return {name: text_of(part, kinds[name]) for name, part in values.items()}
+    flat = {known_name(path, known) or "/".join(path): part for path, part in _leaves(values)}
+    kinds = {name: known[name].type if name in known else ANY for name in flat}
+    return {name: text_of(part, kinds[name]) for name, part in flat.items()}
+
+
+def _leaves(values: Mapping[str, Value]) -> Iterator[tuple[tuple[str, ...], Value]]:
+    """Yield the values of nested dicts, each with the keys that lead to it."""
+    for key, part in values.items():
+        if isinstance(part, Mapping):
+            yield from (((key, *path), value) for path, value in _leaves(part))
+        else:
+            yield (key,), part

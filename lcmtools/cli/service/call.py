@@ -4,6 +4,7 @@ import math
 
 from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
+from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import (
     asking_options,
     json_option,
@@ -72,6 +73,7 @@ def command(
     with open_monitor("service_call") as monitor:
         monitor.settle(foreign=False)
         if wait is not None:
+            end_with_reader()
             wait_for_service(monitor, service, wait, notify)
         found = find_service(monitor.graph(), service)
     pair, values = split_type(found, words)

@@ -49,9 +49,9 @@ def command(
     """Publish messages on a topic; VALUES are YAML or JSON, as for rostopic.
 
     A single dict sets fields by name; otherwise VALUES are the fields in order. Omitted fields keep
-    their defaults. A time may be "now", a header "auto": the message is stamped when it is sent.
-    Without -r, -1 or -t the message is sent once, and again to each new subscriber until Ctrl-C.
-    Repeated publishing pauses while the network is down.
+    their defaults. A time, or LCM's utime, may be "now", a header "auto": the message is stamped
+    when it is sent. Without -r, -1 or -t the message is sent once, and again to each new subscriber
+    until Ctrl-C. Repeated publishing pauses while the network is down.
 
     The first message waits up to a second for a subscriber, or for the number given by -w. -1 then
     sends and exits; to keep latching for three seconds, as rostopic does, add --keep-alive 3s.

@@ -55,3 +55,8 @@ def test_the_protocol_of_announcements_is_never_among_the_messages() -> None:
 
 def test_topics_that_are_named_are_known_before_they_are_published() -> None:
     assert "/husky0/scan" in RecordedTopics(("scan",), _NAMES).learn(Graph())
+
+
+def test_a_node_that_is_not_there_is_named() -> None:
+    choice = RecordedTopics((), _NAMES, nodes=["drivver", "/husky0/driver", "/*/d*"])
+    assert choice.silent(_GRAPH) == ["no node drivver yet; did you mean /husky0/driver?"]

@@ -91,6 +91,12 @@ def test_filter_leaves_out_topics_and_times() -> None:
     assert _times(found) == list(range(10, 90))
 
 
+def test_filter_says_how_topics_and_times_are_chosen(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bag", "filter", "in.lcmlog", "out.lcmlog", "topic == '/a' and t.secs > 3"]) == 2
+    assert capsys.readouterr().err.endswith("; -t chooses topics, -s and -e times\n")
+    assert not Path("out.lcmlog").exists()
+
+
 def test_cut_takes_a_part() -> None:
     _bag("cut", "in.lcmlog", "out.lcmlog", "-s", "end-50s", "-d", "1s")
     assert _times(_read("out.lcmlog")) == pytest.approx(

@@ -62,6 +62,30 @@ def test_what_is_beside_a_word_for_the_time_is_kept() -> None:
     assert stamps(plain["poses"]) == [(1_795_244_479, 5), (0, 0)]
 
 
+class Pose:
+    """A message with LCM's own time, as lcm-gen writes it."""
+
+    __slots__ = ("utime", "x")
+    __typenames__ = ("int64_t", "double")
+    __dimensions__ = (None, None)
+
+    def __init__(self) -> None:
+        self.utime, self.x = 0, 0.0
+
+
+@pytest.mark.parametrize("texts", [["{utime: now, x: 1}"], ["now", "1"]])
+def test_a_utime_may_be_now_in_microseconds(texts: list[str]) -> None:
+    draft = draft_from_values(Pose, texts)  # type: ignore[type-var] # it has the tables
+    for moment in (NOW, NOW + 1_500_000_000):
+        message = draft.at(moment)
+        assert (message.utime, message.x) == (moment // 1000, 1.0)
+
+
+def test_another_number_is_no_time() -> None:
+    with pytest.raises(ValueMismatch, match="seq: expected an integer, got 'now'"):
+        draft_from_values(message_class("std_msgs/Header"), ["seq: now"])
+
+
 @pytest.mark.parametrize(
     ("name", "text", "stamp"),
     [
