@@ -154,12 +154,13 @@ def histogram(
 ) -> list[int]:
     """Return the messages in each of the equal parts of a time [ns since 1970].
 
-    Those of a block of a long log are taken as evenly spread.
+    Those of a block of a long log are taken as evenly spread, and those of other times left out.
     """
     found, width = [0.0] * bins, max(1, -(-(span[1] - span[0] + 1) // bins))
     for first, last, messages in _spreads(log, blocks):
         one, other = (first - span[0]) // width, (last - span[0]) // width
-        for place in range(one, other + 1):
+        # an index may be of times that a damaged log has no more
+        for place in range(max(one, 0), min(other + 1, bins)):
             found[place] += messages / (other + 1 - one)
     return list(map(round, found))
 

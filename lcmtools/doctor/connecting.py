@@ -6,7 +6,7 @@ Pure: the graph in, remedies out. Each changes one argument, and names the node 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, islice
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
@@ -29,6 +29,7 @@ _PERIODS = 3  # of a topic on average, without a message, are no sign that it is
 _FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
 _FEWEST_OF_PLAIN = 1  # where a program runs that is no node, and may be what publishes
 _LONG_AGO = 180_000_000_000  # [ns]
+_MOST_WAYS = 20  # for one subscription: of more publications, none is likelier than another
 
 End = tuple[Node, Endpoint]  # an endpoint of a node
 
@@ -133,6 +134,7 @@ class Connecting:
         self._near_subscribed = NearNames(self._subscribed)
         outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
         self._loose = {(node.id, end.topic) for node, end in outputs}
+        self._simulators = {node.id for node in graph.nodes if is_simulator(node)}
         self._foreign: dict[str, list[Traffic]] = defaultdict(list)  # by its channel's last part
         for seen in graph.foreign():
             self._foreign[base_name_of(seen.channel)].append(seen)
@@ -175,7 +177,8 @@ class Connecting:
     def _ways(self, node: Node, end: Endpoint) -> list[Way]:
         """The ways of the likeliest kind of slip."""
         kinds = self._elsewhere, self._near, self._unmapped, self._beside, self._of_another_type
-        return next((found for kind in kinds if (found := list(kind(node, end)))), [])
+        found = (list(islice(kind(node, end), _MOST_WAYS)) for kind in kinds)
+        return next(filter(None, found), [])
 
     def _is_loose(self, publisher: Node, publication: Endpoint) -> bool:
         return (publisher.id, publication.topic) in self._loose
@@ -274,8 +277,8 @@ class Connecting:
             topic = publication.topic
             if publisher.id == node.id or not _fit(end, publication):
                 continue
-            if is_simulator(publisher):
-                if not is_simulator(node):
+            if publisher.id in self._simulators:
+                if node.id not in self._simulators:
                     remedy = start_with(node, end.topic, _as_seen_by(node, topic))
                     yield _way(node, remedy, topic, publisher, "same-type")
             elif self._is_loose(publisher, publication) and not publisher.tool:

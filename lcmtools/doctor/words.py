@@ -396,7 +396,12 @@ def _first(values: Sequence[object]) -> list[str]:
 def _shown(value: object) -> str:
     """A name as it is shown: channels that are no topics of nodes in quotes."""
     is_plain = isinstance(value, Subject) and value.kind == "topic" and value.name[:1] != "/"
-    return repr(str(value)) if is_plain else str(value)
+    return _quoted(value) if is_plain else str(value)
+
+
+def _quoted(value: object) -> str:
+    """A name in quotes, as Python writes it; a byte that is no UTF-8 as it is elsewhere."""
+    return re.sub(r"\\udc(?=[89a-f])", r"\\x", repr(str(value)))
 
 
 _SPECS: Mapping[str, Callable[[Any], str]] = {
@@ -413,7 +418,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "not": lambda target: f", not {target:g}" if target != 1 else "",
     "or": lambda values: " or ".join(map(str, values)),
     "call": lambda name: f"the callback of {name}" if str(name).startswith("/") else str(name),
-    "repr": lambda value: re.sub(r"\\udc(?=[89a-f])", r"\\x", repr(str(value))),  # a stray byte
+    "repr": _quoted,
     "times": lambda count: f"{count} times" if count > 1 else "once",
     "use": lambda several: "uses" if len(several) == 1 else "use",
     "time": lambda seconds: duration_text(seconds * 1e9),

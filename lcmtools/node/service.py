@@ -185,7 +185,7 @@ class Client(Generic[RequestT, ResponseT]):
 
         Raises:
             ServiceTimeout: No answer came in time.
-            ServiceError: The server reports a failure.
+            ServiceError: The server reports a failure, or answers with another message.
             ValueMismatch: The request is of another type, or a field's value does not fit.
             UsageError: The node was destroyed.
         """
@@ -205,8 +205,11 @@ class Client(Generic[RequestT, ResponseT]):
                 "see whether its node runs: lcmtools node list",
             )
         if reply.status != ServiceReply.OK:
-            raise ServiceError(f"{self.name}: {reply.error}")
-        return decode(self.service_type.Response, reply.payload)
+            raise ServiceError(f"{self.name}: {reply.error or 'it failed, and does not say why'}")
+        try:
+            return decode(self.service_type.Response, reply.payload)
+        except DecodeError as error:
+            raise ServiceError(f"{self.name}: {error}") from error
 
     def receive(self, payload: bytes, _time: int) -> None:
         """Take a reply that is for this client; called on the thread that receives."""

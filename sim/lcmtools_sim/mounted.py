@@ -110,7 +110,7 @@ class MountedTogether:
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
-    """All sensors of a robot, in the order of its model."""
+    """All sensors of a robot in the order of its model, transforms last: they have all frames."""
     context = SensorContext(
         robot.namespace,
         robot.body,
@@ -120,7 +120,8 @@ def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
         scene.gravity,
         scene.seed,
     )
-    mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
+    in_order = sorted(robot.model.sensors, key=lambda mount: mount.kind == "transforms")
+    mounts = [(SENSORS[mount.kind], mount) for mount in in_order]
     return [
         MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
     ]

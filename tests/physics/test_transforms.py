@@ -14,6 +14,7 @@ from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.world_file import read_scene
 
 Simulate = Callable[..., Simulation]
 Steer = Callable[[float, float], Twist]
@@ -120,3 +121,14 @@ def test_two_sensors_at_two_places_have_two_frames(simulate: Simulate) -> None:
     assert samples["/r0/rear/scan"].header.frame_id == "r0/rear_scan_laser"
     left, right = (samples[f"/r0/{side}/camera_info"].header.frame_id for side in ("left", "right"))
     assert (told[left].y, told[right].y) == (0.3, -0.3)
+
+
+def test_a_sensor_that_a_world_file_adds_hangs_on_base_link_too(simulate: Simulate) -> None:
+    text = """robots:
+      - {model: husky, namespace: /r0, sensors: [{type: laser, topic: scan, pose: [0.4, 0, 0]}]}"""
+    simulation = simulate(scene=read_scene(text, "scan.yaml"))
+
+    samples = {s.topic: s.message for _ in range(24) for s in simulation.step()}
+
+    told = {t.child_frame_id: t.transform.translation for t in samples["/tf"].transforms}
+    assert told[samples["/r0/scan"].header.frame_id].x == 0.4

@@ -94,7 +94,7 @@ def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
     motion, commands = run.motion("odometry"), run.commands(program)
     desired, pace = run.desired(), run.pace()
     ends = [one.time for one in desired[1:]] + [math.inf]
-    for one, end in zip(desired, ends, strict=True):
+    for one, end in zip(desired, ends, strict=False):  # none where nothing was desired
         step = Step(one.forward, one.turn_rate)
         before = [state for state in motion if state.time <= one.time][-1:]
         if not (before[0].forward > husky.FASTEST.forward / 2 if before and step == REST

@@ -159,7 +159,7 @@ class OdometrySensor(MotionSensor):
 class TransformsSensor(MotionSensor):
     """tf2_msgs/TFMessage with odom to base_link, and base_link to each sensor (REP-105).
 
-    Mount it last: it publishes the frames of the sensors that were mounted before.
+    It publishes the frames of the sensors that were mounted before (see mount_sensors).
     """
 
     outputs: Mapping[str, type[Message]] = {"": TFMessage}

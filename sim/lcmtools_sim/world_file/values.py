@@ -5,6 +5,7 @@ Every error names the file and the line. Must not know what the keys mean, world
 
 import math
 import os
+import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,9 +122,8 @@ class Item:
     def _bounded(self, value: Number, minimum: float, maximum: float) -> Number:
         if minimum <= value <= maximum:  # refuses NaN too
             return value
-        raise self.error(
-            f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {value:g}"
-        )
+        shown = f"{value:g}" if abs(value) <= sys.float_info.max else f"{value}"
+        raise self.error(f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {shown}")
 
     def _kind(self) -> str:
         kinds: dict[type, str] = {list: "list", dict: "mapping"}

@@ -75,6 +75,20 @@ def test_a_summary_is_the_same_with_and_without_an_index(path: Path, keeps_index
     assert set(found.histogram[26:34]) <= {0, 1}  # the gap
 
 
+@pytest.mark.parametrize("years", [-3, 3])
+def test_a_time_that_is_damaged_and_not_in_the_index_costs_its_message_alone(
+    path: Path, years: int
+) -> None:
+    time = _START + 70 * _SECOND
+    wrong = (time + years * 365 * 86400 * _SECOND) // 1000
+    written = path.read_bytes().replace(
+        (time // 1000).to_bytes(8, "big"), wrong.to_bytes(8, "big", signed=True)
+    )
+    path.write_bytes(written)
+    with LogFile(path) as log:
+        assert sum(summarize(log).histogram) == 224 - 2
+
+
 def test_an_index_is_completed_with_what_it_had(path: Path) -> None:
     whole = index_path(path).read_text().splitlines(keepends=True)
     blocks = [place for place, line in enumerate(whole) if line.startswith('{"block"')]

@@ -407,6 +407,9 @@ def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel() -> N
 def test_a_stray_byte_in_a_channel_is_shown_as_what_it_is() -> None:
     finding = only(replace(HEALTHY, streams=(stream("caf\udce9", 10),)))
     assert finding.items[0].startswith(" * 'caf\\xe9' from alice: it is not UTF-8")
+    sent = tuple(Traffic("caf\udce9", ALICE, (number,), 5, 50, 1, 2) for number in (5, 6))
+    finding = only(replace(HEALTHY, graph=Graph(traffic=sent)))
+    assert finding.text == "The types on 'caf\\xe9' do not match:"
 
 
 def test_a_subscription_that_was_fed_of_late_is_connected() -> None:

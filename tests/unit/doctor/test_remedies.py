@@ -99,6 +99,13 @@ def test_a_publisher_and_a_subscriber_are_connected(sentence: str) -> None:
     assert remedies(publisher, node(listener, Role.SUBSCRIBER, *subscribes)) == (remedy,)
 
 
+def test_many_topics_that_may_be_meant_are_not_all_told_to_each_of_many_subscriptions() -> None:
+    outputs = [node(f"/out{i}", Role.PUBLISHER, f"/speed{i}") for i in range(100)]
+    inputs = [node(f"/in{i}", Role.SUBSCRIBER, f"/wish{i}") for i in range(3)]
+    found = judge(Evidence("udpm://", graph=Graph((*outputs, *inputs))))
+    assert len(found[0].remedies) == 3 * 20
+
+
 def test_a_command_that_listens_to_all_topics_changes_no_remedy() -> None:
     sensor = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
     output = Endpoint("/wheel_cmd", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)

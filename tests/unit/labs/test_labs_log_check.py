@@ -131,6 +131,16 @@ def test_steps_that_were_not_desired_or_too_short_are_not_judged(check: Check) -
     assert "\n  controller, drive at 0.5 m/s: it was desired for 1.2 s only\n" in text
 
 
+def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check: Check) -> None:
+    def fill(log: LogWriter) -> None:
+        _Drive(log, "/husky0").send("/husky0/velocity_cmd", JointState())
+
+    code, record, _ = check("husky", fill)
+    reasons = [one["reason"] for one in record["not_judged"]]
+    assert code == 1
+    assert reasons[0] == "it was never desired from rest"
+
+
 def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) -> None:
     def fill(log: LogWriter) -> None:
         drive, stat = _Drive(log, "/husky0"), ControllerEvaluationStat()

@@ -128,7 +128,16 @@ def test_replies_that_are_for_nobody_are_passed_over(begin: Begin, bus: FakeBus)
     assert client._replies == {}
 
 
-def test_a_reply_with_a_broken_response_is_an_error(begin: Begin, bus: FakeBus) -> None:
+@pytest.mark.parametrize(
+    ("status", "said"),
+    [
+        (ServiceReply.OK, "/odd: expected std_srvs/Trigger_Response"),
+        (ServiceReply.FAILED, "/odd: it failed, and does not say why"),
+    ],
+)
+def test_a_reply_with_a_broken_response_is_a_failure_of_the_service(
+    begin: Begin, bus: FakeBus, status: int, said: str
+) -> None:
     begin()
     client = Node("client").create_client(Trigger, "odd")
 
@@ -136,10 +145,11 @@ def test_a_reply_with_a_broken_response_is_an_error(begin: Begin, bus: FakeBus) 
         request = decode(ServiceRequest, payload)
         reply = ServiceReply()
         reply.client, reply.sequence, reply.payload = request.client, request.sequence, b"odd"
+        reply.status = status
         bus.publish(reply_channel("/odd"), encode(reply))
 
     bus.subscribe(request_channel("/odd"), answer)
-    with pytest.raises(LcmtoolsError, match="expected std_srvs/Trigger_Response"):
+    with pytest.raises(ServiceError, match=said):
         client.call(Trigger.Request())
 
 

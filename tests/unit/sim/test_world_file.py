@@ -38,6 +38,7 @@ MISTAKES = {
     "node: [a]": "yard.yaml:1: 'node' must be one word or number, not a list",
     "seed: 1.5": "yard.yaml:1: 'seed' must be a whole number, not '1.5'",
     "seed: -1": "yard.yaml:1: 'seed' must be between 0 and 9.22337e+18, not -1",
+    f"seed: {10**400}": f"yard.yaml:1: 'seed' must be between 0 and 9.22337e+18, not {10**400}",
     "dt: fast": "yard.yaml:1: 'dt' must be a number, not 'fast'",
     "dt: 1/0": "yard.yaml:1: 'dt' must be a number, not '1/0'",
     "dt: 0": "yard.yaml:1: 'dt' must be between 0.0001 and 0.02, not 0",
