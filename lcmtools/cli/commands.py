@@ -136,7 +136,7 @@ bag = _group(
     "plot ride.lcmlog /imu/angular_velocity -o turning.png",
 )
 _GUI = _entries("""\
-all     cli.gui.panels:all_panels  Open a window with all panels; the same as without a panel.
+all     cli.gui.panels:all_panels  Open a window with all panels; the default.
 steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
 plot    cli.gui.panels:plot        Plot fields of messages over time.
 image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
