@@ -185,7 +185,7 @@ class _Plan:
 def require_columns(cls: type[Message]) -> None:
     """Raise DecodeError for a type that holds itself: its columns would have no end."""
     if holds_itself(cls):
-        raise DecodeError(f"{type_name(cls)} holds itself, which columns cannot say")
+        raise DecodeError(f"{type_name(cls)} contains itself, which columns cannot represent")
 
 
 def table(cls: type[Message], payloads: Sequence[bytes]) -> Table:

@@ -81,7 +81,7 @@ def read_contract(path: str | Path) -> Contract:
     topics = keys.pop("topics", None)
     others = keys.pop("others", None)
     if others is not None and others.value not in ("true", "false"):
-        raise InvalidFile(f"{source}:{others.line}: others is true or false")
+        raise InvalidFile(f"{source}:{others.line}: others must be true or false")
     found = {} if topics is None else _mapping(topics, source, None)
     return Contract(
         source,
@@ -95,7 +95,9 @@ def breaches(contract: Contract, summary: LogSummary) -> Iterator[Breach]:
     """Yield the terms that a log does not keep."""
     lost = sum(loss.lost for loss in summary.losses.values())
     if lost > contract.limits.get("max_lost", math.inf):
-        yield Breach("", f"{lost} messages were lost, {contract.limits['max_lost']:g} may be", 0)
+        yield Breach(
+            "", f"{lost} messages were lost, at most {contract.limits['max_lost']:g} allowed", 0
+        )
     values = {"duration": summary.duration}
     for text in _outside(contract.limits, values, {"duration": "{:.3g} s"}):
         yield Breach("", f"the log is {text}", 0)
@@ -105,12 +107,12 @@ def breaches(contract: Contract, summary: LogSummary) -> Iterator[Breach]:
         found = [topic for topic in summary.topics if pattern.matches(topic.name)]
         named |= {topic.name for topic in found}
         if not found and terms.limits.get("max_messages") != 0:
-            yield Breach(terms.pattern, "no message is there", terms.line)
+            yield Breach(terms.pattern, "there are no messages", terms.line)
         for topic in found:
             yield from _of_topic(terms, topic)
     for topic in summary.topics if not contract.others else ():
         if topic.name not in named and not is_hidden(topic.name):
-            yield Breach(topic.name, "the contract has no such topic", 0)
+            yield Breach(topic.name, "the contract does not have this topic", 0)
 
 
 def _of_topic(terms: TopicTerms, topic: TopicSummary) -> Iterator[Breach]:
@@ -132,7 +134,7 @@ def _outside(
         if not least <= value <= most:
             side, limit = ("at least", least) if value < least else ("at most", most)
             what = "without a message for " if name == "gap" else ""
-            yield f"{what}{words[name].format(value)}, {side} {words[name].format(limit)} is due"
+            yield f"{what}{words[name].format(value)}, {side} {words[name].format(limit)} required"
 
 
 def _terms(name: str, node: Node, source: str) -> TopicTerms:

@@ -41,7 +41,7 @@ class TopicChoice:
             if not any(_covers([word], topic) for topic in known):
                 near = did_you_mean(word, known)
                 raise LcmtoolsError(
-                    f"no topic {word} is in the log", near or "lcmtools bag info shows them"
+                    f"there is no topic {word} in the log", near or "lcmtools bag info shows them"
                 )
 
 
@@ -98,7 +98,7 @@ def parse_renames(
     for word in words:
         old, sign, new = word.partition(":=")
         if not (old and sign and new) or old.endswith("/") != new.endswith("/"):
-            raise UsageError(f"'{word}' is no rename", "write OLD:=NEW, or /old/:=/new/")
+            raise UsageError(f"'{word}' is not a rename", "write OLD:=NEW, or /old/:=/new/")
         is_all = old.endswith("/")
         every = dict.fromkeys((*known, *announced))
         found = [one for one in every if one == old or (is_all and one.startswith(old))]
@@ -107,7 +107,7 @@ def parse_renames(
         names |= {one: new + one[len(old) :] for one in found}
     kept = [names.get(one, one) for one in known]
     if twice := next((one for one in kept if kept.count(one) > 1), ""):
-        raise UsageError(f"two topics would be {twice}", "rename the other one too")
+        raise UsageError(f"two topics would be called {twice}", "rename the other one too")
     return names
 
 

@@ -52,8 +52,8 @@ def format_of(target: Path, named: str | None) -> str:
             raise UsageError(f"unknown format '{named}'", hint)
         return named
     if target.suffix not in SUFFIXES:
-        hint = f"end it in {', '.join(SUFFIXES)}, or add --format"
-        raise UsageError(f"{target} does not say its format", hint)
+        hint = f"use a suffix ({', '.join(SUFFIXES)}), or add --format"
+        raise UsageError(f"the format of {target} is unknown", hint)
     return SUFFIXES[target.suffix]
 
 
@@ -84,8 +84,8 @@ def export(
         for packet in packets:
             _add(file, packet, decoder, done)
         if not done.messages:
-            why = next(iter(done.left_out.values()), "no message is selected")
-            raise LcmtoolsError(f"there is nothing to write to {target}", why)
+            why = next(iter(done.left_out.values()), "no messages are selected")
+            raise LcmtoolsError(f"nothing is written to {target}", why)
     return done
 
 

@@ -131,7 +131,7 @@ class Log(AbstractContextManager["Log"]):
         found = [one for one in packets if first <= one.time <= last]
         if not found:
             near = did_you_mean(topic, self.topics)
-            raise LcmtoolsError(f"no message of {topic} is in {self.path} in these times", near)
+            raise LcmtoolsError(f"{self.path} has no messages of {topic} between these times", near)
         made = table(decoder.message_class(found[0]), [packet.payload for packet in found])
         return with_times([packet.time for packet in found], made)
 

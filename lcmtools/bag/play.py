@@ -95,7 +95,7 @@ def play(
         )
         if player.is_over:
             raise LcmtoolsError(
-                "the log has no message in these times", "leave out --start or --end"
+                "the log has no messages between these times", "leave out --start or --end"
             )
         known, graph = _check(url, playlist.tracks, notify, force=manner.force)
         with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
@@ -120,7 +120,7 @@ def _check(
         topics = "a topic is" if count == 1 else f"{count} topics are"
         raise LcmtoolsError(
             f"nothing is played: {topics} in use on this bus",
-            "--ns /replay moves all, --domain 9 is another bus, --force plays all the same",
+            "--ns /replay moves all, --domain 9 is another bus, --force plays anyway",
         )
     return frozenset(found), graph
 
@@ -195,7 +195,7 @@ class _Session:
                 shown = now
                 on_position(player.position(now))
                 for conflict in self._watch.take():
-                    self._notify(f"{conflict.reason}, while it is played")
+                    self._notify(f"{conflict.reason} while it is played")
 
     def _press(self, player: Player, key: str) -> bool:
         """Do what a key means; return False for the end."""
@@ -231,7 +231,7 @@ class _Session:
                 self._notify(f"{said}; zero was sent after it")
             else:
                 hint = f"; to stop: {one.typed}" if one.typed else ""
-                self._notify(f"{said}, and holds until another one comes{hint}")
+                self._notify(f"{said}, and remains in effect until another one comes{hint}")
 
 
 class _Watch(AbstractContextManager["_Watch"]):

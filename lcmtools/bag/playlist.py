@@ -80,12 +80,12 @@ class Playlist(AbstractContextManager["Playlist"]):
             for path in paths:
                 log = LogFile(path)
                 if log.size - log.index.end > _SLOW_BYTES:
-                    notify(f"reading {path}; with an index, of lcmtools bag reindex, it is at once")
+                    notify(f"reading {path}; with an index (lcmtools bag reindex) this is instant")
                 for packet in log.announcements():
                     self._nodes.add(packet)
                 self._logs.append((log, list(log.blocks(self._nodes.add))))
                 if disorder(self._logs[-1][1]):
-                    notify(f"the times of {path} go back; lcmtools bag sort puts them in order")
+                    notify(f"the times of {path} go back; lcmtools bag sort sorts them")
                 provide_recorded_types(log.index.types.values())
             # The times of the first and the last message of the logs [ns since 1970].
             self.span = _span(self._logs)
@@ -169,7 +169,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         ]
         if not chosen:
             paths = ", ".join(str(log.path) for log, _ in self._logs)
-            raise LcmtoolsError(f"nothing of {paths} is left to play", "name other topics")
+            raise LcmtoolsError(f"no messages of {paths} are left to play", "select other topics")
         moved = _moved(chosen, choice)
         types_of = self._nodes.types_of
         return tuple(

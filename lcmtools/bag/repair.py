@@ -24,9 +24,9 @@ class Damage:
     def __str__(self) -> str:
         """Return it for people."""
         size = size_text(self.end - self.start)
-        where = f"{size} are of no message: bytes {self.start} to {self.end - 1}"
+        where = f"{size} do not belong to any message: bytes {self.start} to {self.end - 1}"
         after = f"after {time_text(self.after)}" if self.after is not None else "at the start"
-        return f"{where}, {after}{'' if self.before is not None else ', up to the end'}"
+        return f"{where}, {after}{'' if self.before is not None else ', to the end'}"
 
 
 def find_damage(log: LogFile) -> list[Damage]:
@@ -46,4 +46,4 @@ def damage_rows(damage: list[Damage]) -> list[str]:
     """Return a line for each part, and one for all."""
     total = sum(part.end - part.start for part in damage)
     rows = [f"left out: {part}" for part in damage]
-    return [*rows, f"left out in all: {size_text(total)}"] if len(rows) > 1 else rows
+    return [*rows, f"left out in total: {size_text(total)}"] if len(rows) > 1 else rows

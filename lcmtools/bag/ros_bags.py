@@ -72,7 +72,7 @@ class McapFile(AbstractContextManager["McapFile"]):
 
 def _time(packet: Packet) -> int:
     if not 0 <= packet.time < _TIMES_END:
-        raise DecodeError("ROS has no such time as that of their recording")
+        raise DecodeError("ROS cannot represent the time of their recording")
     return packet.time
 
 

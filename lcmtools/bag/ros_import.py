@@ -59,10 +59,10 @@ class RosImport:
                 yield from self._bag(path)
             elif path.suffix == ".db3":
                 raise LcmtoolsError(
-                    f"{path} is part of a bag of ROS 2", f"name its folder: {path.parent}"
+                    f"{path} is part of a ROS 2 bag", f"name its folder: {path.parent}"
                 )
             else:
-                raise LcmtoolsError(f"{path} is no bag of ROS 1 or 2 and no MCAP file")
+                raise LcmtoolsError(f"{path} is neither a ROS bag nor an MCAP file")
 
     def _bag(self, path: Path) -> Iterator[Imported]:
         ros_store(None)  # MissingExtra, where the library is missing
@@ -87,7 +87,9 @@ class RosImport:
                 reader = stores[channel.id]
                 if reader is None:
                     kind = channel.message_encoding or "an unknown encoding"
-                    self.left_out[f"{channel.topic} is in {kind}, not in ROS's"] += 1
+                    self.left_out[
+                        f"{channel.topic} is encoded as {kind}, not in a format of ROS"
+                    ] += 1
                     continue
                 conversion, name, read = reader
                 made = read(message.data, name)
@@ -171,6 +173,4 @@ def _readable(path: Path) -> Iterator[None]:
         if not (is_of_library or isinstance(error, _BROKEN)):
             raise
         reason = str(error).partition("\n")[0] or type(error).__name__
-        raise LcmtoolsError(
-            f"{path} is damaged, or of a kind that is not known: {reason}"
-        ) from error
+        raise LcmtoolsError(f"{path} is damaged, or of an unknown kind: {reason}") from error

@@ -248,14 +248,14 @@ class RosTypes(Conversion):
         try:
             return self.to_lcm(cls, name, read(data, name))
         except Exception as error:  # the library's readers are compiled from the type
-            raise DecodeError(f"{len(data)} bytes are no {type_name(cls)}: {error}") from error
+            raise DecodeError(f"{len(data)} bytes are not a {type_name(cls)}: {error}") from error
 
     def _add(self, cls: type[Message]) -> str:
         """Return the name of the type for a class, which the store then has."""
         if cls in self._names:
             return self._names[cls]
         if holds_itself(cls):
-            raise DecodeError(f"{type_name(cls)} holds itself, which ROS cannot say")
+            raise DecodeError(f"{type_name(cls)} contains itself, which ROS cannot represent")
         from rosbags.typesys.base import TypesysError
 
         name = self._names[cls] = ros_name(cls)

@@ -22,7 +22,7 @@ class LogSeries:
             name in it.
         numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
         most: The number of files that are kept; None for all.
-        force: Take the place of files that exist.
+        force: Overwrite existing files.
         compression: Compress the files, whose names then end in ".zst" or ".lz4"; None not to.
     """
 
@@ -77,4 +77,4 @@ def _dated(pattern: str) -> str:
     try:  # all of the name but its bytes that are no UTF-8, which strftime refuses
         return re.sub("[^\ud800-\udfff]+", lambda part: now.strftime(part.group()), pattern)
     except ValueError as error:
-        raise LcmtoolsError(f"'{pattern}' is no name with a date: {error}") from error
+        raise LcmtoolsError(f"'{pattern}' is not a valid name with a date: {error}") from error

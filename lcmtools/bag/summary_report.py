@@ -39,11 +39,11 @@ def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
         yield "end:", time_text(summary.end)
     yield "index:", _index_text(summary)
     if summary.damaged:
-        what = f"{size_text(summary.damaged)} belong to no message"
+        what = f"{size_text(summary.damaged)} do not belong to any message"
         yield "damaged:", f"{what}; lcmtools bag fix shows where"
     if summary.disorder:
-        what = f"times go back, by {span_text(summary.disorder / 1e9)} at most"
-        yield "order:", f"{what}; lcmtools bag sort brings the messages into order"
+        what = f"times go back, by up to {span_text(summary.disorder / 1e9)}"
+        yield "order:", f"{what}; lcmtools bag sort sorts the messages"
     if summary.nodes:
         yield "nodes:", ", ".join(summary.nodes)
     lost = [f"{loss} of {sender}" for sender, loss in summary.losses.items() if loss.lost]

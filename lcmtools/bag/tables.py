@@ -142,7 +142,7 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             if topic in found:
                 self._tell(
                     f"kind {topic}",
-                    f"messages of {type_name(cls)} on {topic} are left out: it has others",
+                    f"messages of {type_name(cls)} on {topic} are left out: it has other types too",
                 )
                 continue
             made = table(cls, payloads)

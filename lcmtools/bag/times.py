@@ -62,7 +62,7 @@ def parse_time(text: str) -> LogTime:
         return LogTime(text, lambda _start, end: end - before)
     form = _MOMENT.fullmatch(said)
     if not (form and (form["date"] or form["time"])) or (form["zone"] and not form["date"]):
-        raise UsageError(f"'{text}' is no time", _HINT)
+        raise UsageError(f"'{text}' is not a time", _HINT)
     return _moment(text, form)
 
 
@@ -84,12 +84,12 @@ def time_window(
     last = min(end.within(*span), span[1]) if end else span[1]
     length = f"the log is {(span[1] - span[0]) / NANOSECONDS:.1f} s long"
     if start and first > span[1]:
-        raise UsageError(f"the start, {start.text}, is behind the end of the log", length)
+        raise UsageError(f"the start, {start.text}, is after the end of the log", length)
     if end and last < span[0]:
         raise UsageError(f"the end, {end.text}, is before the start of the log", length)
     if first > last:
         said = f"the start, {start.text}," if start else "the start"
-        raise UsageError(f"{said} is behind the end, {end.text if end else 'end'}", length)
+        raise UsageError(f"{said} is after the end, {end.text if end else 'end'}", length)
     if duration is not None:
         last = min(last, first + round(duration * NANOSECONDS))
     return first, last
@@ -99,7 +99,7 @@ def _nanoseconds(text: str, span: str) -> int:
     try:
         return round(parse_duration(span) * NANOSECONDS)
     except UsageError:
-        raise UsageError(f"'{text}' is no time", _HINT) from None
+        raise UsageError(f"'{text}' is not a time", _HINT) from None
 
 
 def _moment(text: str, form: "re.Match[str]") -> LogTime:
@@ -117,7 +117,7 @@ def _moment(text: str, form: "re.Match[str]") -> LogTime:
     try:
         fixed = moment(date or "2000-01-01")
     except (ValueError, OverflowError) as error:
-        raise UsageError(f"'{text}' is no time: {error}", _HINT) from None
+        raise UsageError(f"'{text}' is not a time: {error}", _HINT) from None
     if date:
         return LogTime(text, lambda _start, _end: fixed)
 

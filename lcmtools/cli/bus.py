@@ -27,7 +27,7 @@ def chosen_url() -> "BusUrl":
     choice = bus_choice()
     url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
     if choice.domain and source != "--domain":
-        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} wins")
+        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
     return url
 
 

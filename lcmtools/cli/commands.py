@@ -107,27 +107,27 @@ param = _group(
 )
 _BAG = _entries("""\
 record      cli.bag.record:command   Record messages into a log.
-play        cli.bag.play:command     Publish the messages of logs again, in time.
+play        cli.bag.play:command     Publish the messages of logs again, as timed.
 info        cli.bag.info:info        Show what is in logs.
 plot        cli.plot:of_log          Draw fields of a log over time.
 filter      cli.bag.edit:filter_     Write the messages that meet a condition.
 cut         cli.bag.edit:cut         Write the part between two times.
-merge       cli.bag.join:merge       Join logs into one.
-sort        cli.bag.join:sort        Bring messages into the order of their times.
-rename      cli.bag.change:rename    Give topics other names.
-shift       cli.bag.change:shift     Change the times of recording.
-downsample  cli.bag.edit:downsample  Leave out messages that come too often.
+merge       cli.bag.join:merge       Merge logs into one.
+sort        cli.bag.join:sort        Sort messages by time.
+rename      cli.bag.change:rename    Rename topics.
+shift       cli.bag.change:shift     Change the recorded times.
+downsample  cli.bag.edit:downsample  Reduce the rate of topics.
 check       cli.bag.judge:check      Check a log against a contract.
 diff        cli.bag.judge:diff       Compare two logs.
 du          cli.bag.judge:du         Show which topics take the most space.
-fix         cli.bag.join:fix         Save what can be read of a damaged log.
+fix         cli.bag.join:fix         Recover what can be read from a damaged log.
 reindex     cli.bag.info:reindex     Write the index of a log.
 export      cli.bag.exchange:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.
-import      cli.bag.exchange:import_  Read a ROS bag or an MCAP file into a log.
+import      cli.bag.exchange:import_  Convert a ROS bag or an MCAP file to a log.
 """)
 bag = _group(
     "bag",
-    "Record what is on the bus; look into logs, play them, and hand them on.",
+    "Record messages; inspect, play, edit and convert logs.",
     _BAG,
     "record -o ride.lcmlog",
     "play ride.lcmlog",
@@ -137,7 +137,7 @@ bag = _group(
     "plot ride.lcmlog /imu/angular_velocity -o turning.png",
 )
 _GUI = _entries("""\
-all     cli.gui.panels:all_panels  Open a window with all panels; the same as without a panel.
+all     cli.gui.panels:all_panels  Open a window with all panels; the default.
 steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
 plot    cli.gui.panels:plot        Plot fields of messages over time.
 image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
@@ -191,7 +191,7 @@ COMMANDS = {
     **_entries("""\
 spy         cli.spy.command:command         Watch all channels of the bus, live.
 plot        cli.plot:command                Draw fields of messages over time, live.
-bag         cli.commands:bag                Record, play and look into logs.
+bag         cli.commands:bag                Record, play and inspect logs.
 relay       cli.relay.command:command       Carry messages between buses; serve tcpq.
 foxglove    cli.foxglove:command            Serve the bus to Foxglove and Lichtblick.
 node        cli.commands:node               Query nodes: list, info, ping and more.

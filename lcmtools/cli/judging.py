@@ -90,7 +90,7 @@ def look_once(
         from lcmtools.doctor.recorded import collect_log
 
         evidence = collect_log(log)
-        notify("of a log only messages are judged: not connections, computers or processes")
+        notify("in a log only messages are judged, not connections, computers or processes")
         return evidence
     try:
         evidence = collect(chosen_url(), os.environ, listen, memory)

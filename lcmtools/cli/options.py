@@ -103,7 +103,7 @@ names_options = together(
 
 def _remember_log(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
     if value is not None and parameter.hidden:  # type: ignore[attr-defined] # it is an option
-        raise UsageError("nobody in a log can answer", "leave out -b, for the nodes on the bus")
+        raise UsageError("a log cannot answer", "leave out -b to ask the nodes on the bus")
     ctx.ensure_object(BusChoice).log = value
 
 
@@ -150,7 +150,7 @@ def times_option(verb: str) -> Callable[[CommandT], CommandT]:
 
 def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:
     """Return ``--timeout`` of a command that waits for an answer."""
-    text = f"Longest wait for an answer (else {seconds:g}s)."
+    text = f"Maximum time to wait for an answer (else {seconds:g}s)."
     return option("--timeout", type=duration, default=seconds, help=text)
 
 

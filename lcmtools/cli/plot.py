@@ -38,9 +38,9 @@ _output = option(
 )
 @_fields
 @_output
-@option("--window", type=duration, default=10.0, help="The last seconds that are shown (else 10s).")
+@option("--window", type=duration, default=10.0, help="The time shown (else 10s).")
 @option("--duration", type=duration, help="Stop after this long.")
-@option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
+@option("--timeout", type=duration, help="Exit with code 4 if no message comes in time.")
 def command(
     fields: tuple[str, ...],
     *,
@@ -51,8 +51,8 @@ def command(
 ) -> None:
     """Draw fields of messages over time, as they come, until Ctrl-C.
 
-    An array is a curve for each element. With -o nothing is drawn on the terminal: the picture is
-    of all that came.
+    An array gives a curve for each element. With -o nothing is drawn on the terminal; the picture
+    shows everything received.
     """
     if output is None and not clearing():
         raise UsageError("plot draws on a terminal", "or into a picture: -o FILE.png")

@@ -129,7 +129,7 @@ _INSTEAD: Mapping[str, Instead] = {
     "rviz2": _LOOK,
     "service node": "lcmtools service info NAME shows the node, its host and its process",
     "service uri": "lcmtools service info NAME shows the node, its host and its process",
-    "source": "nothing is to be sourced: lcmtools finds packages from the folder that you are in",
+    "source": "nothing needs to be sourced: lcmtools finds packages from the current folder",
     "srv md5": "lcmtools msg md5 NAME_Request, and NAME_Response, print the fingerprints",
     "srv package": _SERVICE_TYPES,
     "srv packages": _SERVICE_TYPES,
@@ -139,9 +139,9 @@ _INSTEAD: Mapping[str, Instead] = {
 }
 _NO_QOS = "LCM has no QoS: delivery is best effort"
 _NO_DAEMON = "there is no daemon to wait for: the nodes answer at once"
-_AS_IT_COMES = "messages are written as they come"
+_AS_IT_COMES = "messages are written as they arrive"
 _PACK = "--compress zstd or lz4"
-_SPLIT = "--split 1GB, or 10m, begins another file then"
+_SPLIT = "--split 1GB, or 10m, starts a new file at that size or time"
 _OPTIONS: Mapping[str, str] = {
     "--include-hidden-topics": "lcmtools list --all lists the hidden ones too",
     "--no-daemon": _NO_DAEMON,
@@ -161,11 +161,11 @@ _OPTIONS: Mapping[str, str] = {
     "bag play --hz": "--clock publishes 100 times a second",
     "bag play -i": "-r 0 is as fast as possible",
     "bag play --immediate": "-r 0 is as fast as possible",
-    "bag play -k": "LCM keeps no latched message for those that come later",
-    "bag play --keep-alive": "LCM keeps no latched message for those that come later",
+    "bag play -k": "LCM does not keep latched messages for later subscribers",
+    "bag play --keep-alive": "LCM does not keep latched messages for later subscribers",
     "bag play --pause-topics": "SPACE pauses and resumes, . plays one message",
     "bag play --prefix": "--ns /replay puts all topics below /replay",
-    "bag play --queue": "nothing queues: each message is sent when it is due",
+    "bag play --queue": "there is no queue: each message is sent when it is due",
     "bag play --rate-control-topic": "-r, and the keys up and down, set the rate",
     "bag play --skip-empty": "the right arrow goes on by 5 s, ] by a minute",
     "bag record -b": _AS_IT_COMES,

@@ -35,11 +35,9 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "wtf --from evidence.json",
     "wtf --bag ride.lcmlog",
 )
-@option(
-    "--wait", type=duration, help="Observe for this long (else 1s, or less where that is enough)."
-)
+@option("--wait", type=duration, help="Observe for this long (else 1s, or less if that is enough).")
 @rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
-@rule_option("--ignore", text="All but this rule; repeatable.", multiple=True)
+@rule_option("--ignore", text="All rules except this one; repeatable.", multiple=True)
 @flag("--list", "list_rules", help="List the rules.")
 @rule_option("--explain", text="Explain a rule and its remedies.", multiple=False)
 @flag("-w", "--watch", help="Keep running; show changes.")
@@ -62,8 +60,8 @@ def command(
     Exit codes: 0 with notes or no findings, 1 with warnings, 2 with errors, 64 for wrong usage or
     a file that cannot be read or written.
     Checks that could not be made are listed with the reason. A file of evidence contains names,
-    addresses and command lines of nodes and of your LCM programs; of the messages' content only
-    suspicious values.
+    addresses and command lines of nodes and of your LCM programs; of the messages' content it
+    contains only suspicious values.
     """
     if list_rules or explain:
         shown = [explain] if explain else RULES
@@ -72,7 +70,7 @@ def command(
         return 0
     rules = [rule for rule in dict.fromkeys(judged_rules(only)) if rule not in ignore]
     if not rules:
-        raise WrongUsage("no rule is left", "lcmtools wtf --list shows them")
+        raise WrongUsage("no rules are left", "lcmtools wtf --list shows them")
     if watch:
         if save_to or load_from or bus_choice().log:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")

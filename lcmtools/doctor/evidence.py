@@ -212,7 +212,7 @@ class Evidence:
     clocks: Sequence[HostClock] = ()  # of other computers
     remote: AbstractSet[str] = frozenset()  # ids of the nodes on other computers
     relays: Sequence[RelayEnd] = ()
-    damaged_bytes: int = 0  # of the log, which belong to no message
+    damaged_bytes: int = 0  # of the log, which do not belong to any message
 
     def own_nodes(self) -> list[Node]:
         """The nodes of this computer: only their process numbers mean anything here."""

@@ -24,7 +24,7 @@ TITLES = {
     "competing-publishers": "{count} programs publish on {topics:and} at the same time:",
     "container": "This is a {container} with a network of its own, and no other computer is seen",
     "covariance": "Covariances that are published are invalid:",
-    "damaged-log": "{bytes} bytes of {log} belong to no message",
+    "damaged-log": "{bytes} bytes of {log} do not belong to any message",
     "doubled": "Messages of the following come more than once, with the same number:",
     "duplicate-names": "{count} nodes have the name {name}:",
     "environment": "The environment of this shell is not in order:",

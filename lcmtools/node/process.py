@@ -75,7 +75,7 @@ def init(
     if not has_supply():
         provide_user_types()
     if arguments.domain and source != "--domain":
-        notice = f"--domain {arguments.domain} has no effect: {source} wins"
+        notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)
     for word in filter(looks_special, rest[: rest.index("--")] if "--" in rest else rest):
         hint = misspelt(words, word) or "write from:=to without blanks"

@@ -273,7 +273,7 @@ class Measurement(Generic[ItemT, FoundT]):
             hint = self._stream.near(next(iter(self._windows)))
             raise LcmtoolsError(f"the log has no message on {topics}", hint)
         if self._goes_back:
-            self._notify("the times of the log go back; lcmtools bag sort puts them in order")
+            self._notify("the times of the log go back; lcmtools bag sort sorts them")
         for topic in self._silent:
             self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
 

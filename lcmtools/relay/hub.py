@@ -215,7 +215,7 @@ class Hub(AbstractContextManager["Hub"]):
             return
         if len(self._clients) >= _MOST_CLIENTS:
             connection.close()
-            self._say("", "full", f"{_MOST_CLIENTS} clients are connected, more are refused")
+            self._say("", "full", f"{_MOST_CLIENTS} clients are connected; more are refused")
             return
         connection.setblocking(False)  # noqa: FBT003 - the socket module's own
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
@@ -259,7 +259,7 @@ class Hub(AbstractContextManager["Hub"]):
         try:
             client.subscribe(frame.name)
         except PatternError as error:  # its other subscriptions may be good
-            text = f"a subscription of {client.name} gets nothing: {error.what}"
+            text = f"a subscription of {client.name} receives nothing: {error.what}"
             self._say(client.name, frame.name, text)
 
     def _pass(self, message: Frame) -> None:
@@ -297,7 +297,7 @@ class Hub(AbstractContextManager["Hub"]):
         self._next_check = now + _CHECK_PERIOD
         for client in list(self._clients.values()):
             if not client.reader.is_greeted and now - client.since > _GREETING_TIME:
-                self._close(client, f"it said nothing for {_GREETING_TIME:g} s")
+                self._close(client, f"it sent nothing for {_GREETING_TIME:g} s")
             elif not is_unanswered(client.connection):
                 client.heard = now
             elif now - client.heard > LATE:

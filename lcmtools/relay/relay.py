@@ -328,7 +328,7 @@ class Relay(AbstractContextManager["Relay"]):
             here, there = self._sides
             line, other = (here, there) if identifier == here.identifier else (there, here)
             said = f"another relay is on {other.bus}"
-            self._notify(f"{said}; waits some seconds for its answer on {line.bus}")
+            self._notify(f"{said}; waiting some seconds for its answer on {line.bus}")
         self._awaited = identifier
 
     def _say_state(self, active: Collection[str]) -> None:

@@ -23,8 +23,8 @@ class Reason(Enum):
 
     DENIED = "denied"
     NOT_ALLOWED = "not allowed"
-    COMMAND = "a command, which passes only where --allow names it"
-    NAMED_ONLY = "passes only where --allow names it"
+    COMMAND = "a command, which passes only if --allow names it"
+    NAMED_ONLY = "passes only if --allow names it"
     TOO_LONG = "its name there would be too long for LCM"
     ELSEWHERE = "not below the prefix"
     ONE_WAY = "against the direction"
@@ -133,7 +133,7 @@ def check_rules(rules: Rules) -> None:
     parts = prefix.split("/")
     if prefix and (not all(part.isidentifier() and part.isascii() for part in parts)):
         hint = "a namespace is letters, digits and '_', for example robot7"
-        raise UsageError(f"'{prefix}' is no namespace", hint)
+        raise UsageError(f"'{prefix}' is not a namespace", hint)
     if is_hidden(prefix):
         raise UsageError(f"'{prefix}' is a hidden name", "a part of it begins with '_'")
 

@@ -174,7 +174,7 @@ def test_url_that_wins_over_a_domain_says_so(
 ) -> None:
     assert main(["list", "--domain", "3", "--lcm-url", bus_url]) == 0
     error = capsys.readouterr().err
-    assert error.splitlines()[0] == "lcmtools: --domain 3 has no effect: --lcm-url wins"
+    assert error.splitlines()[0] == "lcmtools: --domain 3 has no effect: --lcm-url takes precedence"
 
 
 def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(

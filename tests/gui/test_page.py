@@ -175,7 +175,7 @@ def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
     topics.goto("about:blank")
     topics.goto(address)  # without what is behind #
     topics.locator("[data-panel=graph]").wait_for()
-    topics.get_by_role("button", name="Arrange as at first").click()
+    topics.get_by_role("button", name="Reset layout").click()
     topics.locator("[data-panel=graph]").wait_for(state="detached")
     assert panels(topics) == ["Topics", "Log", "World"]
     other = browser.new_page()

@@ -119,7 +119,7 @@ class Line:
         self.cable = network.stretch(self.robot, 10.0, 500, 4e6)
         if meeting == "tcpq":
             served = self.office.start(lcmtools_path, "relay", "--serve", "tcpq://0.0.0.0:7700")
-            served.wait_for("serves tcpq://0.0.0.0:7700 to all who reach this computer")
+            served.wait_for("serves tcpq://0.0.0.0:7700 to everyone who can reach this computer")
             there = "tcpq://127.0.0.1:7700"
         else:
             there = "zenoh://?listen=0.0.0.0:7447"

@@ -275,7 +275,7 @@ def test_a_full_disk_ends_it_with_one_line_and_a_readable_log(
     assert program.wait() == 1
     (line,) = program.lines
     failure = f"lcmtools bag record: cannot write {path}: File too large"
-    wanted = rf"{failure}; {path} has 9\d\.\d KB of whole messages"
+    wanted = rf"{failure}; {path} has 9\d\.\d KB of complete messages"
     assert re.fullmatch(wanted, line), line
     kept = _payloads(path, "EXAMPLE")
     assert 80 < len(kept) <= 100
@@ -426,7 +426,7 @@ def test_keys_pause_save_and_end(
         _publish(bus, "A", 3)
         typist.wait_for("keeping 3 messages")
         typist.type(" ")
-        typist.wait_for("paused (space goes on)")
+        typist.wait_for("paused (space resumes)")
         _publish(bus, "B", 3)
         typist.type(" ")
         typist.wait_for("none lost")

@@ -218,7 +218,7 @@ def test_who_plays_announces_the_topics_and_is_told_of_others(
     done = cli("bag", "play", ride, "--loop", until=is_warned)
     assert robot.node.seen == "nav_msgs/Odometry"
     assert done.err.count("is published by /driver") == 1
-    assert ", while it is played" in done.err
+    assert " while it is played" in done.err
 
 
 class Watcher(Node):
@@ -334,16 +334,16 @@ def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
     done = cli("bag", "play", ride, "--pause")
     assert (done.code, done.err) == (
         2,
-        "lcmtools bag play: --pause begins with a pause that only a key ends; use a terminal\n",
+        "lcmtools bag play: --pause needs a terminal, because only a key resumes; leave it out\n",
     )
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--start", "1m"], "the start, 1m, is behind the end of the log; the log is 0.4 s long"),
-        (["-s", "0.31", "-e", "0.32"], "the log has no message in these times"),
-        (["-t", "/od"], "no topic /od is in the log; did you mean /odom?"),
+        (["--start", "1m"], "the start, 1m, is after the end of the log; the log is 0.4 s long"),
+        (["-s", "0.31", "-e", "0.32"], "the log has no messages between these times"),
+        (["-t", "/od"], "there is no topic /od in the log; did you mean /odom?"),
     ],
 )
 def test_nothing_of_the_log_is_meant(cli: Cli, ride: str, words: list[str], said: str) -> None:

@@ -64,7 +64,7 @@ def test_one_message_in_a_log_is_said_to_be_too_few(
     result = lcmtools(verb, "chatter", "--lcm-url", f"file://{path}")
     assert (result.returncode, result.stdout) == (0, "")
     assert result.stderr == (
-        f"lcmtools {verb}: only one message came on chatter: a {noun} takes two\n"
+        f"lcmtools {verb}: only one message came on chatter: a {noun} needs two\n"
     )
 
 

@@ -71,7 +71,7 @@ def test_all_shows_programs_that_are_no_nodes_under_a_heading(
     cli: Run, programs: dict[str, Any]
 ) -> None:
     _, _, others = cli("node", "list", "-a").out.partition("\n\n")
-    assert others.startswith("Programs that are no nodes (seen on the bus):\n")
+    assert others.startswith("Programs that are not nodes (seen on the bus):\n")
     source, plain = programs["source"].pid, programs["plain"].pid
     assert re.search(
         rf"{HOST}:{source} \t.*lcm-source -m EXAMPLE \(user .+\)\n\tpublishes EXAMPLE\n", others

@@ -101,7 +101,7 @@ def test_a_domain_that_has_no_effect_is_told(
 ) -> None:
     talker = start(lcmtools_path, "run", "talker", "--domain", "3", "--lcm-url", bus_url)
     talker.wait_for("[WARN]")
-    assert talker.lines[0].endswith("--domain 3 has no effect: --lcm-url wins")
+    assert talker.lines[0].endswith("--domain 3 has no effect: --lcm-url takes precedence")
 
 
 def test_exit_code_is_the_nodes_and_its_files_are_written(

@@ -319,7 +319,7 @@ def test_the_damaged_bytes_of_a_log_are_left_out(
     assert result.returncode == 1
     (found,) = json.loads(result.stdout)
     damaged = len(one) + 1 + len(cut) - 5  # the first too: no message begins at its end
-    assert found["text"] == f"{damaged} bytes of a ride.lcm belong to no message"
+    assert found["text"] == f"{damaged} bytes of a ride.lcm do not belong to any message"
     (command,) = found["actions"][0]["commands"]
     assert lcmtools(*shlex.split(command)[1:]).returncode == 0
     assert lcmtools("wtf", "--bag", "fixed.lcmlog", "--rule", "damaged-log").returncode == 0

@@ -412,7 +412,7 @@ def test_relays_are_shown_by_status(
     assert "carries, none lost" in rows[1]
     none = cli("relay", "--status", env={"LCM_DEFAULT_URL": urls()})
     assert (none.code, none.out) == (0, "")
-    assert none.err.startswith("no relay is on udpm://")
+    assert none.err.startswith("there is no relay on udpm://")
 
 
 def test_two_groups_are_joined_by_zenoh_and_two_relays(

@@ -202,7 +202,7 @@ def test_a_pattern_that_cannot_be_read_leaves_the_others(hub: RunningHub) -> Non
         client.sendall(CLIENT_GREETING + subscribe_frame("(?<=a)b") + subscribe_frame("A"))
         client.sendall(publish_frame("A", bytes(4)))
         assert _frames(client, last=0) == [0]
-    assert "gets nothing: the pattern '(?<=a)b' is not supported" in hub.said[0]
+    assert "receives nothing: the pattern '(?<=a)b' is not supported" in hub.said[0]
 
 
 def test_half_a_frame_and_a_sudden_end_harm_nobody(hub: RunningHub) -> None:
@@ -262,7 +262,7 @@ def test_the_command_says_what_it_opens_and_ends_by_ctrl_c(
     with socket.create_server(("127.0.0.1", 0)) as reserved:
         port = reserved.getsockname()[1]
     program = start(lcmtools_path, "relay", "--serve", f"tcpq://:{port}")
-    program.wait_for(f"serves tcpq://127.0.0.1:{port} to programs of this computer")
+    program.wait_for(f"serves tcpq://127.0.0.1:{port} to programs on this computer")
     client = Client(f"tcpq://127.0.0.1:{port}", "A")
     client.bus.publish("A", b"1")
     client.hear(1)

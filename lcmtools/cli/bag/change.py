@@ -14,7 +14,7 @@ from lcmtools.observe.log_file import LogFile
 @places
 @argument("names", metavar="OLD:=NEW...", nargs=-1, required=True)
 def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_json: bool) -> None:
-    """Give topics other names; with a / at the end of both, all topics of a namespace."""
+    """Rename topics; with a / at the end of both names, all topics of a namespace."""
     with LogFile(source) as log:
         nodes = known_nodes(log)
         known = dict.fromkeys(name for block in log.blocks(nodes.add) for name in block.channels)
@@ -34,14 +34,14 @@ def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_
 @subcommand("shift", made_options)
 @examples("bag shift a.lcmlog b.lcmlog --by -1.5s", "bag shift a b --to '2026-11-22 12:00:00'")
 @places
-@option("--by", metavar="TIME", help="Later by so long; earlier behind a -.")
-@time_option("--to", text="Begin at this time.")
+@option("--by", metavar="TIME", help="Shift by this much; negative is earlier.")
+@time_option("--to", text="Make the log start at this time.")
 def shift(
     source: str, target: str, *, by: str | None, to: LogTime | None, force: bool, as_json: bool
 ) -> None:
-    """Change the times of recording of all messages; stamps within the messages stay."""
+    """Change the recorded times of all messages; stamps in the messages stay the same."""
     if (by is None) == (to is None):
-        raise UsageError("by how much is not said", "add either --by or --to")
+        raise UsageError("exactly one of --by and --to is needed", "for example --by -1.5s")
     with LogFile(source) as log:
         span = log_span(log)
         late = to.within(*span) - span[0] if to else edits.parse_shift(str(by))

@@ -19,7 +19,7 @@ places = together(
     argument("source", metavar="IN", completer="files"),
     argument("target", metavar="OUT", completer="files"),
 )
-force_option = flag("--force", help="Take the place of a file that exists.")
+force_option = flag("--force", help="Overwrite an existing file.")
 made_options = together(force_option, json_option)
 topics_option = option(
     "-t",
@@ -51,8 +51,8 @@ def time_option(*names: str, text: str) -> Callable[[CommandT], CommandT]:
 
 
 window_options = together(
-    time_option("-s", "--start", text="From this time on: 10s, end-1m, 12:30:05."),
-    time_option("-e", "--end", text="Until this time."),
+    time_option("-s", "--start", text="Start at this time: 10s, end-1m, 12:30:05."),
+    time_option("-e", "--end", text="End at this time."),
 )
 
 

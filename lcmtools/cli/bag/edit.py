@@ -45,8 +45,8 @@ def filter_(
 ) -> None:
     """Write the messages that meet a condition to another log.
 
-    EXPR is as of echo --filter: m is the message. It must fit every topic that is left, so name
-    the topics with -t. A message that cannot be decoded does not meet it.
+    EXPR is an expression as in echo --filter: m is the message. It must fit every selected topic,
+    so select topics with -t. A message that cannot be decoded does not match.
     """
     condition = Filter(expression) if expression else None
     with LogFile(source) as log:
@@ -67,7 +67,7 @@ def filter_(
 @examples("bag cut ride.lcmlog start.lcmlog -e 10s", "bag cut a.lcmlog b.lcmlog -s end-1m -d 10s")
 @places
 @window_options
-@option("-d", "--duration", type=time_span, help="At most so long.")
+@option("-d", "--duration", type=time_span, help="Maximum duration.")
 def cut(
     source: str,
     target: str,
@@ -90,8 +90,8 @@ def cut(
 @places
 @topics_option
 @exclude_option
-@option("-r", "--rate", "most", type=rate, help="At most so many messages a second of a topic.")
-@option("--every", metavar="N", type=whole_number(1), help="Every N-th message of a topic.")
+@option("-r", "--rate", "most", type=rate, help="Maximum rate of each topic [Hz].")
+@option("--every", metavar="N", type=whole_number(1), help="Keep every N-th message of each topic.")
 def downsample(
     source: str,
     target: str,
@@ -103,9 +103,9 @@ def downsample(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Leave out messages of topics that come too often; other topics stay as they are."""
+    """Reduce the rate of topics; other topics are copied unchanged."""
     if not (most or every):
-        raise UsageError("how many messages stay is not said", "add --rate or --every")
+        raise UsageError("the new rate is missing", "add --rate or --every")
     with LogFile(source) as log:
         topics = topic_choice(log, wanted, excluded)
         found = edits.thinned(log.packets(), topics, every=every or 1, rate=most or 0.0)

@@ -42,7 +42,10 @@ from lcmtools.wire.packet import Packet
 @exclude_option
 @window_options
 @option(
-    "--compress", type=click.Choice(["zstd", "lz4", "none"]), default="zstd", help="MCAP's chunks."
+    "--compress",
+    type=click.Choice(["zstd", "lz4", "none"]),
+    default="zstd",
+    help="Compression of MCAP chunks.",
 )
 def export_(
     source: str,
@@ -59,9 +62,10 @@ def export_(
 ) -> None:
     """Write a log in another format.
 
-    By its suffix OUT is comma-separated values (.csv), JSON lines (.jsonl), NumPy's arrays (.npz),
-    Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a bag of ROS 1 (.bag). With --format csv,
-    parquet or ros2 and no suffix it is a folder. Hidden topics are left out, unless -t names them.
+    OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
+    (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
+    csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
+    them.
     """
     meant = format_of(Path(target), format_)
     with LogFile(source) as log:
@@ -81,9 +85,9 @@ def export_(
 @examples("bag import ride.bag ride.lcmlog", "bag import rosbag2_folder ride.lcmlog")
 @places
 def import_(source: str, target: str, *, force: bool, as_json: bool) -> None:
-    """Read a bag of ROS 1 or 2 or an MCAP file into a log.
+    """Convert a ROS 1 or ROS 2 bag or an MCAP file to a log.
 
-    A type that is not known is translated from the bag's own definition, which the log keeps.
+    An unknown type is translated from the bag's own definition, which the log keeps.
     """
     reading = RosImport()
     packets = (

@@ -16,10 +16,10 @@ from lcmtools.observe.log_file import LogFile
 def info(files: tuple[str, ...], *, as_json: bool) -> None:
     """Show what is in logs: times, topics with their types, counts, rates, sizes, gaps, losses.
 
-    By the index beside a log this takes milliseconds, however large the log is. A log without one
-    is read. The activity is the number of messages over the time of the log. The longest gap is
-    the longest time without a message of the topic. Losses are messages that did not reach the
-    recorder, by the numbers of their sender.
+    With an index this takes milliseconds, however large the log is; without one, the whole log is
+    read. The activity is the number of messages over the time of the log. The longest gap is the
+    longest time without a message on the topic. Losses are messages that did not reach the
+    recorder, by their sender's sequence numbers.
     """
     found = list(map(summary_of, files))
     if as_json:
@@ -37,7 +37,7 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
 def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
     """Write the index of logs that have none, or complete one that was cut off.
 
-    The logs themselves are not changed. What an index has already is kept.
+    The logs themselves are not changed. What an index already has is kept.
     """
     sizes: dict[str, int] = {}
     for file in files:

@@ -19,7 +19,7 @@ from lcmtools.observe.log_file import LogFile
     "-o", "--output", "target", metavar="OUT", required=True, completer="files", help="The log."
 )
 def merge(files: tuple[str, ...], *, target: str, force: bool, as_json: bool) -> None:
-    """Join logs into one, in the order of their times."""
+    """Merge logs into one, by time."""
     with ExitStack() as stack:
         logs = [stack.enter_context(LogFile(file)) for file in files]
         write(target, edits.merged(logs), *logs, force=force, as_json=as_json)
@@ -29,7 +29,7 @@ def merge(files: tuple[str, ...], *, target: str, force: bool, as_json: bool) ->
 @examples("bag sort mixed.lcmlog sorted.lcmlog", "bag sort ride.lcmlog ride.lcmlog --force")
 @places
 def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
-    """Bring messages into the order of their times; equal ones keep theirs."""
+    """Sort messages by time; messages with the same time keep their order."""
     with LogFile(source) as log:
         write(target, edits.in_order(log), log, force=force, as_json=as_json)
 
@@ -38,9 +38,9 @@ def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
 @examples("bag fix broken.lcmlog fixed.lcmlog", "bag fix broken.lcmlog fixed.lcmlog --json")
 @places
 def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
-    """Write all that can be read of a damaged log to another one, and say what is left out.
+    """Write all that can be read from a damaged log to another log, and report what is left out.
 
-    A part that is left out is given by its bytes and by the times of the messages around it.
+    For each part left out, its bytes and the times of the messages around it are shown.
     """
     with LogFile(source) as log:
         damage = find_damage(log)

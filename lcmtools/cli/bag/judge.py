@@ -16,12 +16,13 @@ from lcmtools.observe.log_file import LogFile
     "bag check ride.lcmlog --against contract.yaml --json",
 )
 @argument("file", metavar="FILE", completer="files")
-@option("--against", metavar="CONTRACT", required=True, completer="files", help="A file of YAML.")
+@option("--against", metavar="CONTRACT", required=True, completer="files", help="A YAML file.")
 def check(file: str, *, against: str, as_json: bool) -> int:
-    """Check that a log has the topics, types, rates and gaps that a contract says.
+    """Check a log against a contract of topics, types, rates and gaps.
 
-    Exit code 1 where it has not. The contract's keys are topics, others, max_lost, min_duration and
-    max_duration; those of a topic type, min_rate, max_rate [Hz], max_gap [s], min_messages.
+    The exit code is 1 if the log breaks it. The contract's keys are topics, others, max_lost,
+    min_duration and max_duration; those of a topic are type, min_rate, max_rate [Hz], max_gap [s]
+    and min_messages.
     """
     contract = read_contract(against)
     found = list(breaches(contract, summary_of(file)))
@@ -30,7 +31,7 @@ def check(file: str, *, against: str, as_json: bool) -> int:
         f"FAIL {one.topic + ': ' if one.topic else ''}{one.text}{where}"
         for one, where in zip(found, place, strict=True)
     ]
-    show([one.record() for one in found], rows or [f"{file} keeps {against}"], as_json=as_json)
+    show([one.record() for one in found], rows or [f"{file} meets {against}"], as_json=as_json)
     return 1 if found else 0
 
 
@@ -38,11 +39,11 @@ def check(file: str, *, against: str, as_json: bool) -> int:
 @examples("bag diff a.lcmlog b.lcmlog", "bag diff a.lcmlog b.lcmlog --ignore-times")
 @argument("first", metavar="FIRST", completer="files")
 @argument("second", metavar="SECOND", completer="files")
-@flag("--ignore-times", help="Compare the messages alone, not their times of recording.")
+@flag("--ignore-times", help="Compare only the messages, not their recorded times.")
 def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
-    """Compare two logs topic by topic; exit code 1 where they differ.
+    """Compare two logs topic by topic; the exit code is 1 if they differ.
 
-    Messages are equal that have the same time and the same bytes.
+    Messages are equal if they have the same time and the same bytes.
     """
     with LogFile(first) as one, LogFile(second) as other:
         found = [d for d in differences(one, other, times=not ignore_times) if not d.is_equal]

@@ -54,8 +54,8 @@ def _refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
     help="Speed: 2 is twice as fast, 0 at once.",
 )
 @window_options
-@option("-u", "--duration", type=duration, help="Play so much of the log at most.")
-@flag("-l", "--loop", help="Begin again at the end.")
+@option("-u", "--duration", type=duration, help="Play at most this much of the log.")
+@flag("-l", "--loop", help="Start again at the end.")
 @topics_option
 @exclude_option
 @flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
@@ -65,8 +65,8 @@ def _refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
     "--wait-for-subscribers",
     help="Wait until each topic has a subscriber.",
 )
-@flag("-p", "--pause", help="Begin with a pause.")
-@flag("--force", help="Play though other programs publish, or a robot obeys.")
+@flag("-p", "--pause", help="Start paused.")
+@flag("--force", help="Play even if another program publishes, or a robot would obey.")
 @flag("-q", "--quiet", help="Show no progress.")
 def command(
     files: tuple[str, ...],
@@ -84,22 +84,22 @@ def command(
     force: bool,
     quiet: bool,
 ) -> None:
-    """Publish the messages of logs again, in the time of their recording.
+    """Publish the messages of logs again, with their original timing.
 
     Several logs are merged by time. Payloads are sent as they are. --ns /replay puts all topics
     below /replay, A:=B plays topic A on B. A time is 10s (after the start of the log), end-1m,
     12:30:05 or '2026-11-22 12:30:05'. Recorded announcements of nodes are never played, and other
-    hidden topics only where they are named.
+    hidden topics only if they are named.
 
-    Nothing is played if another program publishes on one of the topics, or a robot would obey one:
-    a node that subscribes to commands, or a simulator. --force plays all the same, and then sends
-    zero after a velocity or an effort at a pause and at the end.
+    Nothing is played if another program publishes on one of the topics, or if a robot would obey
+    one: a node that subscribes to commands, or a simulator. --force plays anyway; at a pause and at
+    the end it then sends zero if the last command was a velocity or an effort.
 
     Keys: SPACE pauses and resumes, . or s plays one message, left and right seek 5 s, [ and ] a
-    minute, up and down double and halve the rate, 0 to 9 go to a tenth of the log, q ends.
+    minute, up and down double and halve the rate, 0 to 9 jump to that tenth of the log, q ends.
     """
     if pause and not has_keys():
-        raise UsageError("--pause begins with a pause that only a key ends", "use a terminal")
+        raise UsageError("--pause needs a terminal, because only a key resumes", "leave it out")
     _refuse_no_files(files, wanted)
     choice = Choice(
         topics=TopicChoice(wanted, excluded), names=bus_choice().names, keeps_clock=clock

@@ -65,14 +65,15 @@ def command(
 ) -> None:
     """Record messages into an LCM log, until Ctrl-C.
 
-    Without topics, all are recorded but hidden ones; TOPIC may be a pattern in quotes. Messages of
-    plain LCM programs are recorded as those of nodes are. lcm-logplayer and all other programs for
-    such logs read the log; an index beside it has types, senders, nodes and losses.
+    Without topics, all topics except hidden ones are recorded; TOPIC may be a pattern in quotes.
+    Messages of plain LCM programs are recorded like those of nodes. lcm-logplayer and all other
+    programs for LCM logs can read the log; an index beside it holds types, senders, nodes and
+    losses.
 
-    In a terminal the space bar pauses and goes on, s saves a snapshot, and q ends. With --services
-    other programs do so by NAME/start, NAME/stop and NAME/save, of the type std_srvs/Trigger. With
-    --split the files are name_0, name_1 and so on; each begins with the latched messages. What
-    --snapshot keeps may be bounded by --max-size; each snapshot is a file.
+    In a terminal the space bar pauses and resumes, s saves a snapshot, and q ends. With --services
+    other programs do the same by NAME/start, NAME/stop and NAME/save, of type std_srvs/Trigger.
+    With --split the files are name_0, name_1 and so on; each begins with the latched messages.
+    --max-size limits what --snapshot keeps; each snapshot is written to its own file.
     """
     check_options(snapshot=snapshot, after=after, when=when, split=split)
     limits = replace(

@@ -34,14 +34,14 @@ file_options = together(
         help="The log; %H is the hour, and so on.",
         completer="files",
     ),
-    flag("-f", "--force", help="Take the place of files that exist."),
+    flag("-f", "--force", help="Overwrite existing files."),
     option(
         "--compress",
         "compression",
         type=click.Choice(list(SUFFIXES)),
         help="Compress the log (extra 'bag').",
     ),
-    option("--split", metavar="SIZE|TIME", help="Begin another file then."),
+    option("--split", metavar="SIZE|TIME", help="Start a new file at this size or time."),
     option(
         "--max-files",
         "--max-splits",
@@ -53,7 +53,7 @@ file_options = together(
 """The files."""
 
 end_options = together(
-    option("--duration", "seconds", metavar="TIME", type=duration, help="End after this time."),
+    option("--duration", "seconds", metavar="TIME", type=duration, help="Stop after this time."),
     option(
         "-n",
         "-l",
@@ -62,16 +62,16 @@ end_options = together(
         type=whole_number(1),
         help="Record N messages of each topic.",
     ),
-    option("--max-size", metavar="SIZE", type=size, help="End at this size."),
-    flag("--paused", help="Begin paused."),
-    option("--services", metavar="NAME", help="Be a node with services: start, stop, save."),
+    option("--max-size", metavar="SIZE", type=size, help="Stop at this size."),
+    flag("--paused", help="Start paused."),
+    option("--services", metavar="NAME", help="Offer services NAME/start, NAME/stop, NAME/save."),
 )
 """The beginning and the end."""
 
 snapshot_options = together(
     option("--snapshot", metavar="TIME", type=duration, help="Keep the last messages in memory."),
-    option("--after", metavar="TIME", type=duration, help="Record so long after a snapshot."),
-    option("--when", metavar="'TOPIC EXPR'", help="Save a snapshot when this is true."),
+    option("--after", metavar="TIME", type=duration, help="Continue a snapshot for this long."),
+    option("--when", metavar="'TOPIC EXPR'", help="Save a snapshot when a message meets this."),
 )
 """Snapshots."""
 
@@ -83,7 +83,7 @@ def check_options(
     if snapshot is None and (after is not None or when is not None):
         raise UsageError("--after and --when are for snapshots", "add --snapshot 30s")
     if snapshot is not None and split is not None:
-        raise UsageError("each snapshot is a file of its own", "leave out --split")
+        raise UsageError("--snapshot writes each snapshot to its own file", "leave out --split")
 
 
 def split_limits(text: str | None) -> Limits:

@@ -61,7 +61,7 @@ def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iter
     except LcmtoolsError as error:
         if recorder.has_ended and not error.hint and series.paths:
             kept = size_text(series.paths[-1].stat().st_size)
-            hint = f"{series.paths[-1]} has {kept} of whole messages"
+            hint = f"{series.paths[-1]} has {kept} of complete messages"
             raise LcmtoolsError(error.what, hint) from error
         raise
     finally:
@@ -111,7 +111,7 @@ def _status(progress: Progress, rates: Sequence[float], series: LogSeries) -> st
         kept = f"{_counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
         parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
     if progress.is_paused:
-        parts.insert(0, "paused (space goes on)")
+        parts.insert(0, "paused (space resumes)")
     folder = series.paths[-1].parent if series.paths else Path()
     with suppress(OSError):
         parts.append(f"{size_text(shutil.disk_usage(folder).free)} free")

@@ -40,7 +40,7 @@ def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
     """Return the shell that is named, else the user's own."""
     meant = name or Path(environment.get("SHELL", "")).name
     if meant not in NAMES:
-        what = f"there is no completion for {meant}" if meant else "SHELL names no shell"
+        what = f"there is no completion for {meant}" if meant else "SHELL does not name a shell"
         raise UsageError(what, f"write one of {', '.join(NAMES)}")
     return meant
 
@@ -87,7 +87,7 @@ def install(shell: str, wanted: Installation) -> Iterator[str]:
         return
     before = _text(wanted.settings) or ""
     if wanted.line in before.splitlines():
-        yield f"{wanted.settings} has the line for it already"
+        yield f"{wanted.settings} already has the line for it"
         return
     kept = _without_ours(before)
     gap = "" if not kept or kept.endswith("\n") else "\n"

@@ -69,7 +69,7 @@ def _by_suffix(file: str) -> str:
     suffix = Path(file).suffix.lower()
     if suffix in (".png", ".pdf"):
         raise UsageError(
-            f"{file}: graph writes no {suffix[1:].upper()}",
+            f"{file}: graph does not write {suffix[1:].upper()}",
             f"lcmtools graph --format dot | dot -T{suffix[1:]} -o {file}",
         )
     if suffix not in _SUFFIXES:

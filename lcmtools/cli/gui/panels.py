@@ -14,8 +14,8 @@ _limit = click.FloatRange(0.01)
 def all_panels(window: WindowChoice) -> None:
     """Open a window with all panels in the browser, until Ctrl-C.
 
-    The page is for this computer alone, unless --host opens it to others: then the addresses that
-    are printed hold a token, one for watching and one for commanding.
+    Only this computer can open the page, unless --host opens it to others; then the printed
+    addresses contain tokens, one for watching and one for commanding.
     """
     open_window(window)
 
@@ -37,13 +37,15 @@ def log(window: WindowChoice) -> None:
 @subcommand("steer", window_options)
 @examples("gui steer /husky0/desired_velocity", "gui steer /cmd_vel --max-linear 0.3")
 @argument("topic", metavar="TOPIC", completer="bus:topics")
-@option("--max-linear", "linear", type=_limit, default=1.0, help="Largest speed [m/s] (else 1).")
-@option("--max-angular", "angular", type=_limit, default=2.0, help="... [rad/s] (else 2).")
+@option("--max-linear", "linear", type=_limit, default=1.0, help="Maximum speed [m/s] (else 1).")
+@option(
+    "--max-angular", "angular", type=_limit, default=2.0, help="Maximum turn rate [rad/s] (else 2)."
+)
 def steer(window: WindowChoice, topic: str, linear: float, angular: float) -> None:
     """Steer a robot in the browser: joystick, sliders, keys, gamepad.
 
-    It drives while something is held, and stops when it is let go, when the page is hidden or
-    closed, and when the connection is lost. Messages are Twist, TwistStamped or like them.
+    The robot drives while a control is held, and stops when it is released, when the page is hidden
+    or closed, and when the connection is lost. Messages are Twist, TwistStamped or similar.
     """
     name = looking_names().resolve(topic)
     open_window(window, "steer", topic=name, linear=linear, angular=angular)
@@ -55,12 +57,12 @@ def steer(window: WindowChoice, topic: str, linear: float, angular: float) -> No
     "gui plot /joint_states/position --window 30s",
 )
 @argument("fields", metavar="TOPIC/FIELD...", nargs=-1, completer="messages:topics_and_fields")
-@option("--window", "length", type=duration, help="The seconds shown (else 10s; of a log all).")
+@option("--window", "length", type=duration, help="The time shown (else 10s, or a whole log).")
 def plot(window: WindowChoice, fields: tuple[str, ...], length: float | None) -> None:
     """Plot fields of messages over time in the browser.
 
-    An array is a curve for each element, a message one for each of its numbers. With --bag it is
-    the whole log, with a line where it is played.
+    An array gives a curve for each element, a message one for each of its numbers. With --bag the
+    whole log is shown, with a line at the current time.
     """
     open_window(window, "plot", fields=list(fields), window=length)
 
@@ -78,7 +80,7 @@ def image(window: WindowChoice, topic: str) -> None:
 def graph(window: WindowChoice) -> None:
     """Show the graph in the browser: nodes, topics, rates, and what wtf finds.
 
-    Findings are marked where they belong, and looked for every few seconds.
+    Findings are marked at the nodes and topics concerned, and updated every few seconds.
     """
     open_window(window, "graph")
 
@@ -88,7 +90,7 @@ def graph(window: WindowChoice) -> None:
 def world(window: WindowChoice) -> None:
     """Show the world in 3D in the browser: robots, laser, points, paths, maps, trails.
 
-    With the simulator it shows walls and objects too; robots and crates can be dragged, and time
-    paused. A click sends a pose.
+    If the simulator runs, walls and objects are shown too; robots and crates can be dragged, and
+    time can be paused. A click sends a pose.
     """
     open_window(window, "world")

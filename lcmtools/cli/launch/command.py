@@ -89,7 +89,7 @@ def command(
     query = next((name for name, value in named.items() if value is not None), question)
     if as_json and not query:
         known = "nodes, --args, --find-node, --show-args, --dump-params, --files, --dry-run, --list"
-        raise UsageError("--json needs a question", f"one of --{known}")
+        raise UsageError("--json needs an option that asks for data", f"one of --{known}")
     if query == "list":
         show(*list_answer(), as_json=as_json)
         return 0

@@ -28,7 +28,7 @@ def command(
     ends cleanly, as by SIGTERM, with exit code 0. Plain LCM programs cannot be ended.
     """
     if kill_all and nodes:
-        raise UsageError("--all takes no node's name", "leave out one of them")
+        raise UsageError("--all cannot be used with a node's name", "leave out one of them")
     if not (kill_all or nodes or sys.stdin.isatty()):  # no person can choose from a list
         raise click.MissingParameter(param_hint="'NODES...'", param_type="argument")
     with open_monitor("node_kill") as monitor:

@@ -9,7 +9,7 @@ from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.graph.model import Staleness
 from lcmtools.names import Pattern
 
-_HEADING = "Programs that are no nodes (seen on the bus):"
+_HEADING = "Programs that are not nodes (seen on the bus):"
 
 
 @subcommand("list", json_option, looking_options)

@@ -31,9 +31,9 @@ def command(
     if node is None and not ping_all:
         raise click.MissingParameter(param_hint="'NODE'", param_type="argument")
     if ping_all and node is not None:
-        raise UsageError("--all takes no node's name", "leave out one of them")
+        raise UsageError("--all cannot be used with a node's name", "leave out one of them")
     if ping_all and count is not None:
-        raise UsageError("-c does not go with --all", "every node is pinged once")
+        raise UsageError("-c cannot be used with --all", "every node is pinged once")
     with open_monitor("node_ping") as monitor:
         graph = monitor.settle(foreign=False)
         if node is None:

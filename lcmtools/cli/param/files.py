@@ -46,7 +46,9 @@ def _file_and_nodes(
     """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file."""
     files = [*([output] if output else []), *words[:-1]]
     if len(files) > 1:
-        raise UsageError("there is more than a file and a node", "see lcmtools param dump --help")
+        raise UsageError(
+            "too many arguments: expected a file and a node", "see lcmtools param dump --help"
+        )
     if not words:
         return output, living_nodes(graph, show_all=True)
     try:
@@ -69,7 +71,7 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
     file, name = _file_and_node(words)
     found = read_leaves(_read(file), "standard input" if file == "-" else file)
     if not found:
-        raise InvalidFile(f"{file} has no parameter in it", "for example kp: 0.5")
+        raise InvalidFile(f"{file} contains no parameters", "for example kp: 0.5")
     graph, client = look(timeout)
     node = require_parameters(find_node(graph, in_names(name))) if name else None
     nodes = [node] if node else [n for n in nodes_with_parameters(graph) if not n.stale]
@@ -84,7 +86,9 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
 def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:
     """The file and the node; ros2 writes the node first."""
     if len(words) > 2:  # noqa: PLR2004 - the two
-        raise UsageError("there is more than a file and a node", "see lcmtools param load --help")
+        raise UsageError(
+            "too many arguments: expected a file and a node", "see lcmtools param load --help"
+        )
     first, second = words if len(words) > 1 else (words[0], None)
     is_file = [word == "-" or Path(word).exists() for word in words]
     return (second, first) if second and is_file == [False, True] else (first, second)

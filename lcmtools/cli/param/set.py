@@ -33,7 +33,7 @@ def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
     if len(words) <= 1:
         raise UsageError("the value is missing", _EXAMPLE)
     if len(words) > 3:  # noqa: PLR2004 - node, name and value
-        raise UsageError("there are more words than a value", "put the value in quotes")
+        raise UsageError("there are more words after the value", "put the value in quotes")
     graph, client = look(timeout)
     target = named(graph, *words[:-1])
     texts = _texts(client, target, words[-1])

@@ -25,7 +25,7 @@ from lcmtools.packages.create import NewPackage, check, create
     "dependencies",
     multiple=True,
     metavar="PACKAGE...",
-    help="Message packages that it uses.",
+    help="Message packages that the package uses.",
     completer="messages:packages",
 )
 @option("--node", metavar="NAME", help="The node's name (else NAME_node).")

@@ -48,7 +48,7 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
     for word in words:
         topic, equals, text = word.rpartition("=")
         if not equals or not topic:
-            what = f"'{word}' is no topic and rate; write '/camera/**=5'"
+            what = f"'{word}' is not TOPIC=HZ; write '/camera/**=5'"
             raise click.BadParameter(what, param_hint="'--rate'")
         try:
             found[topic] = rate(text)
@@ -134,17 +134,17 @@ def _audience(host: str) -> str:
     try:
         address = ip_address(host)
     except ValueError:
-        return f"all who reach {host}"
+        return f"everyone who can reach {host}"
     if address.is_loopback:
-        return "programs of this computer"
+        return "programs on this computer"
     what = "all its addresses" if address.is_unspecified else host
-    return f"all who reach this computer at {what}, without a password"
+    return f"everyone who can reach this computer at {what}, without a password"
 
 
 def check_server(url: BusUrl, buses: Sequence[str]) -> None:
     """Refuse to serve what cannot be served, or more than a server."""
     if buses:
         hint = f"start another relay that joins {url} and {buses[0]}"
-        raise UsageError("--serve is a server and joins no bus", hint)
+        raise UsageError("--serve runs a server and does not join a bus", hint)
     if url.provider != "tcpq":
         raise UsageError(f"cannot serve {url}", "write --serve tcpq://:7700")

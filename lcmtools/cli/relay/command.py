@@ -29,12 +29,21 @@ from lcmtools.relay.rules import Rules, check_rules
 @flag("--one-way", help="Carry messages from the first bus to the second one only.")
 @option("--allow", multiple=True, metavar="TOPIC", help="Let only these pass; may be a pattern.")
 @option("--deny", multiple=True, metavar="TOPIC", help="Leave these out; may be a pattern.")
-@option("--rate", "rates", multiple=True, metavar="TOPIC=HZ", help="Pass at most so many.")
-@option("--newest", multiple=True, metavar="TOPIC", help="Only the newest waits for the line.")
-@option("--prefix-there", default="", metavar="NAME", help="Topics' namespace on the second bus.")
-@option("--name", default="", metavar="NAME", help="The relay's name as a node.")
-@option("--serve", metavar="URL", help="Be a tcpq server: tcpq://:7700 on this computer only.")
-@flag("--status", help="Show the relays on the bus, and end.")
+@option(
+    "--rate", "rates", multiple=True, metavar="TOPIC=HZ", help="Pass at most HZ messages a second."
+)
+@option(
+    "--newest",
+    multiple=True,
+    metavar="TOPIC",
+    help="Queue only the newest message for a slow line.",
+)
+@option(
+    "--prefix-there", default="", metavar="NAME", help="Namespace of the topics on the second bus."
+)
+@option("--name", default="", metavar="NAME", help="The name of the relay's node.")
+@option("--serve", metavar="URL", help="Run a tcpq server (tcpq://:7700: this computer only).")
+@flag("--status", help="Show the relays on the bus, and exit.")
 def command(
     buses: tuple[str, ...],
     *,
@@ -51,16 +60,16 @@ def command(
 ) -> None:
     """Carry messages between two buses, or serve LCM's provider tcpq, until Ctrl-C.
 
-    BUS is a URL or a domain's number; one alone is joined with the usual bus. Nodes of each bus are
-    seen on the other, with the bus that they are on; services, parameters and latched topics work.
+    BUS is a URL or a domain's number; with one BUS, the other is the default bus. Nodes of each bus
+    are seen on the other, marked with their own bus; services, parameters and latched topics work.
     TOPIC is a name, or a pattern in quotes, as on the first bus. Commands to actuators, /clock and
-    LCM's self tests pass only where --allow has their very name, so --allow '**' --allow /cmd_vel
-    lets all pass and this command. Of several relays that join the same buses the oldest one works,
-    and the others stand by.
+    LCM's self tests pass only if --allow gives their exact name: --allow '**' --allow /cmd_vel
+    passes all other topics and this command. If several relays join the same buses, the oldest one
+    works, and the others stand by.
 
-    --serve is a server for LCM's own programs of every language: LCM_DEFAULT_URL=tcpq://HOST:7700.
+    --serve runs a server for LCM programs of all languages: LCM_DEFAULT_URL=tcpq://HOST:7700.
     Without a host it listens on the loopback only; tcpq has no passwords. A client that reads too
-    slowly gets the newest messages, and delays nobody else.
+    slowly gets only the newest messages, and does not delay the others.
     """
     if status:
         show_status(as_json=as_json)

@@ -17,7 +17,7 @@ def show_status(*, as_json: bool) -> None:
     """Print the relays that are known on the bus."""
     with open_monitor("relay") as monitor:
         links = known_relays(monitor)
-        none = f"no relay is on {monitor.url}"
+        none = f"there is no relay on {monitor.url}"
     records = [{**asdict(link), "state": link.state.name.lower()} for link in links]
     show(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
 

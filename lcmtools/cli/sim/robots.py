@@ -77,7 +77,9 @@ def _read_pose(words: Sequence[str]) -> Pose:
     if len(words) > 3:  # noqa: PLR2004 - x, y, yaw
         raise UsageError(f"too many values: {' '.join(words)}", "write X Y YAW")
     if len(words) == 1:
-        raise UsageError(f"'{words[0]}' alone is no place", "write X Y YAW, for example 1 -2 90deg")
+        raise UsageError(
+            f"'{words[0]}' alone is not a place", "write X Y YAW, for example 1 -2 90deg"
+        )
     x, y, yaw = (*map(_number, words), *[0.0] * (3 - len(words)))
     pose = Pose()
     pose.position.x, pose.position.y = x, y

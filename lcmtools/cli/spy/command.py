@@ -65,7 +65,9 @@ def command(
     view = TableView(column, reverse, text)
     if not (once or as_json):
         if wait is not None:
-            raise UsageError("--wait goes with --once", "leave it out for the live view")
+            raise UsageError(
+                "--wait can only be used with --once", "leave it out for the live view"
+            )
         from lcmtools.cli.spy.live import watch
 
         return watch(selection, view)
@@ -82,7 +84,9 @@ def command(
         where = f" in {', '.join(topics)}" if topics else ""
         talk(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
     if any(row.lost for row in rows):
-        notify("loss is of a channel's senders: LCM numbers a sender's messages, not channels'")
+        notify(
+            "loss is that of a channel's senders: LCM numbers messages per sender, not per channel"
+        )
     for error in all_callback_errors(graph):
         notify(error)
     if programs := plain_listeners(graph, url):

@@ -44,7 +44,7 @@ _ALL_TOPICS = "**"
 @argument("words", metavar="TOPIC... [TYPE]", nargs=-1, completer="messages:topics_and_fields")
 @option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N messages.")
 @flag("-1", "--once", help="Stop after one message.")
-@option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
+@option("--timeout", type=duration, help="Exit with code 4 if no message comes in time.")
 @display_options
 @flag("-c", "--clear", help="Clear a terminal before each message.")
 @flag("-a", "--all", "all_topics", help="All topics of the log (with -b).")
@@ -73,7 +73,10 @@ def command(
     --json; pub accepts both without loss.
     """
     if shown["offset"] and chosen_log() is not None:
-        raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
+        raise UsageError(
+            "--offset is relative to the current time, which a log does not have",
+            "leave out --offset",
+        )
     topics, type_ = _topics_and_type(words, all_topics=all_topics)
     options = display(type_, **shown)
     prefix = clearing() if clear and options.form in ("text", "flow") else ""

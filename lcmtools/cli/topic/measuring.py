@@ -31,7 +31,7 @@ def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]
 
 
 measuring_options = together(
-    option("--timeout", type=duration, help="Exit with code 4 when none comes in time."),
+    option("--timeout", type=duration, help="Exit with code 4 if no message comes in time."),
     option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."),
     flag("--wall-time", help="Use real time even if a simulator publishes /clock."),
     json_option,
@@ -68,4 +68,4 @@ def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
     """Say on which topics a single message came, of which nothing can be measured."""
     for topic, window in windows.items():
         if window.total == 1:
-            notify(f"only one message came on {topic}: a {noun} takes two")
+            notify(f"only one message came on {topic}: a {noun} needs two")

@@ -59,9 +59,9 @@ def bw(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa:
 def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa: ANN401 - of ``measure``
     """Measure the delay from header stamp to arrival; report once a second until Ctrl-C.
 
-    Of messages without a header the field utime counts, microseconds since 1970 as usual in LCM.
-    Between two computers the offset of their clocks adds to the delay. Both times are simulated if
-    a simulator publishes /clock. A log is read at once.
+    For messages without a header, the field utime is used: microseconds since 1970, as usual in
+    LCM. Between two computers the offset of their clocks adds to the delay. Both times are
+    simulated if a simulator publishes /clock. A log is read at once.
     """
     windows = {topic: DelayWindow(window) for topic in topics}
     with open_monitor("delay", whole=True) as monitor:

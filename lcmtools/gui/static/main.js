@@ -42,7 +42,7 @@ document.body.append(
     element("span", { class: "space" }),
     textButton("add", "Add panel", openPanels),
     iconButton("link", "Copy the address of this arrangement", copyAddress),
-    iconButton("reset", "Arrange as at first", startAgain),
+    iconButton("reset", "Reset layout", startAgain),
     iconButton("theme", "Light or dark", changeTheme),
   ),
   trouble,
@@ -74,7 +74,7 @@ function first() {
 function startAgain() {
   layout.show(first());
   keep();
-  announce("arranged as at first");
+  announce("the layout is reset");
 }
 
 /** The name under which this view's arrangement is kept. */

@@ -72,7 +72,7 @@ def command(
 ) -> int:
     """Check programs against a lab: yours or, if there are none, the model answers.
 
-    Yours are given as COMMAND; without any, they are the nodes of your workspace by their names.
+    Yours are given as COMMAND; without any, the nodes of your workspace are used by their names.
     COMMAND is a command line in quotes. Each program runs in a simulation of its own, on a bus of
     its own; unless its command line has names of its own (:=), those of the lab are added to it.
     A viewer gets --save FILE, or the file's name in place of {picture}. The exit code is 1

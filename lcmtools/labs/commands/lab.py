@@ -76,7 +76,7 @@ def skeleton(
     It runs unchanged, with python; its first lines show the command.
     """
     if show_list and name:
-        raise UsageError("--list takes no skeleton's name", "leave out one of them")
+        raise UsageError("--list cannot be used with a skeleton's name", "leave out one of them")
     if show_list:
         show(list(NAMES), NAMES, as_json=as_json)
         return

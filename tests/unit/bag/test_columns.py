@@ -147,5 +147,7 @@ def test_a_type_without_fields_has_no_columns() -> None:
 
 
 def test_a_type_that_holds_itself_has_no_columns(odd: ModuleType) -> None:
-    with pytest.raises(DecodeError, match="odd/Tree holds itself, which columns cannot say"):
+    with pytest.raises(
+        DecodeError, match="odd/Tree contains itself, which columns cannot represent"
+    ):
         table(odd.Tree, [encode(odd.Tree())])

@@ -131,10 +131,10 @@ def test_rename_changes_announcements_too() -> None:
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["/a/number:=/chatter"], "two topics would be /chatter; rename the other one too"),
-        (["/b:=/c"], "no topic /b is in the log; lcmtools bag info shows them"),
-        (["/chater:=/c"], "no topic /chater is in the log; did you mean /chatter?"),
-        (["/a"], "'/a' is no rename; write OLD:=NEW, or /old/:=/new/"),
+        (["/a/number:=/chatter"], "two topics would be called /chatter; rename the other one too"),
+        (["/b:=/c"], "there is no topic /b in the log; lcmtools bag info shows them"),
+        (["/chater:=/c"], "there is no topic /chater in the log; did you mean /chatter?"),
+        (["/a"], "'/a' is not a rename; write OLD:=NEW, or /old/:=/new/"),
     ],
 )
 def test_wrong_renames(words: list[str], error: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -200,7 +200,7 @@ def test_fix_says_what_it_leaves_out(path: Path, capsys: pytest.CaptureFixture[s
     ]
     _bag("fix", "in.lcmlog", "out.lcmlog", "--force")
     out = capsys.readouterr().out
-    assert "left out in all: " in out
+    assert "left out in total: " in out
     assert f"bytes {places[500].start} to {places[503].start - 1}, after " in out
 
 

@@ -47,23 +47,23 @@ def test_a_log_that_keeps_its_contract(capsys: Captured) -> None:
         "    max_gap: 1.2\n  /r*:\n  /none:\n    max_messages: 0\n"
         "others: false\nmax_lost: 2\nmin_duration: 9\n"
     )
-    assert _check(contract, capsys) == (0, ["a.lcmlog keeps c.yaml"])
+    assert _check(contract, capsys) == (0, ["a.lcmlog meets c.yaml"])
 
 
 @pytest.mark.parametrize(
     ("contract", "text"),
     [
-        ("topics:\n  /speed:\n    min_rate: 20\n", "/speed: 8.99 Hz, at least 20.00 Hz is due"),
-        ("topics:\n  /speed:\n    max_rate: 5\n", "/speed: 8.99 Hz, at most 5.00 Hz is due"),
+        ("topics:\n  /speed:\n    min_rate: 20\n", "/speed: 8.99 Hz, at least 20.00 Hz required"),
+        ("topics:\n  /speed:\n    max_rate: 5\n", "/speed: 8.99 Hz, at most 5.00 Hz required"),
         (
             "topics:\n  /speed:\n    max_gap: 1\n",
-            "/speed: without a message for 1.1 s, at most 1 s is due",
+            "/speed: without a message for 1.1 s, at most 1 s required",
         ),
         (
             "topics:\n  /speed:\n    type: std_msgs/Int8\n",
             "/speed: the type is std_msgs/Float64, not std_msgs/Int8",
         ),
-        ("topics:\n  /none:\n", "/none: no message is there"),
+        ("topics:\n  /none:\n", "/none: there are no messages"),
     ],
 )
 def test_a_broken_term_is_named_with_its_line(contract: str, text: str, capsys: Captured) -> None:
@@ -75,9 +75,9 @@ def test_terms_of_the_whole_log(capsys: Captured) -> None:
     assert _check(contract, capsys) == (
         1,
         [
-            "FAIL 2 messages were lost, 1 may be",
-            "FAIL the log is 9.9 s, at least 60 s is due",
-            "FAIL /raw: the contract has no such topic",
+            "FAIL 2 messages were lost, at most 1 allowed",
+            "FAIL the log is 9.9 s, at least 60 s required",
+            "FAIL /raw: the contract does not have this topic",
         ],
     )
 
@@ -91,7 +91,7 @@ def test_terms_of_the_whole_log(capsys: Captured) -> None:
         ),
         ("topics:\n  /a:\n    min_rate: fast\n", "c.yaml:3: min_rate is not a number"),
         ("topics: 3\n", "c.yaml:1: not a mapping; write  topics:  and names below it"),
-        ("others: maybe\n", "c.yaml:1: others is true or false"),
+        ("others: maybe\n", "c.yaml:1: others must be true or false"),
     ],
 )
 def test_a_wrong_contract_is_refused(contract: str, error: str, capsys: Captured) -> None:

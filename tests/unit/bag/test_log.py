@@ -46,7 +46,7 @@ def test_a_log_gives_the_messages_of_topics_and_times(path: Path) -> None:
         assert found[0].time == _START + 10 * _SECOND
         found = list(log.messages("/s*", where="m.data > 97"))
         assert [arrival.message.data for arrival in found] == [98, 99]
-        with pytest.raises(UsageError, match="'yesterday' is no time"):
+        with pytest.raises(UsageError, match="'yesterday' is not a time"):
             log.messages("/speed", start="yesterday")
 
 
@@ -71,7 +71,7 @@ def test_a_topic_is_arrays(path: Path) -> None:
         assert found["data"].tolist() == list(range(10, 20))
         assert found["%time"].tolist() == [_START + n * _SECOND for n in range(10, 20)]
         assert len(log.to_numpy("speed")["data"]) == 100
-        with pytest.raises(LcmtoolsError, match=r"no message of /sped .*did you mean /speed"):
+        with pytest.raises(LcmtoolsError, match=r"no messages of /sped .*did you mean /speed"):
             log.to_numpy("/sped")
         with pytest.raises(DecodeError, match="too short for an LCM message"):
             log.to_numpy("RAW")

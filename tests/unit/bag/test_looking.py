@@ -96,7 +96,7 @@ def test_node_info_asks_nobody(look: Bag) -> None:
 def test_what_only_a_node_could_answer_is_refused(words: str, look: Bag) -> None:
     code, out, error = look(*words.split())
     assert (code, out) == (2, "")
-    assert error.endswith("nobody in a log can answer; leave out -b, for the nodes on the bus\n")
+    assert error.endswith("a log cannot answer; leave out -b to ask the nodes on the bus\n")
 
 
 def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
@@ -106,7 +106,7 @@ def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
     assert set(found) == {"loss", "not-finite"}
     assert "'PROBE' from probe.py (pid 7)" in json.dumps(found["not-finite"])
     assert "5 of 105" in json.dumps(found["loss"])
-    assert "of a log only messages are judged" in error
+    assert "in a log only messages are judged" in error
     code, _, error = look("wtf", "--rule", "link")
     assert (code, error) == (
         64,
@@ -121,7 +121,7 @@ def test_a_log_is_read_in_place_of_a_bus(look: Bag) -> None:
         "lcmtools list: -b reads a log in place of the bus; leave out --lcm-url and --domain\n"
     )
     assert look("spy")[2] == (
-        "lcmtools spy: the live view is of a bus; --once shows the channels of a log\n"
+        "lcmtools spy: the live view needs a bus; --once shows the channels of a log\n"
     )
 
 

@@ -128,17 +128,29 @@ def test_damaged_bytes_are_passed_over(log: Log, tmp_path: Path) -> None:
         (
             choice(topics=["/a/xx"]),
             LcmtoolsError,
-            "no topic /a/xx is in the log; did you mean /a/x?",
+            "there is no topic /a/xx in the log; did you mean /a/x?",
         ),
-        (choice(topics=["/q*"]), LcmtoolsError, "no topic /q* is in the log; lcmtools bag info"),
+        (
+            choice(topics=["/q*"]),
+            LcmtoolsError,
+            "there is no topic /q* in the log; lcmtools bag info",
+        ),
         (
             choice(exclude=["/a/xx"]),
             LcmtoolsError,
-            "no topic /a/xx is in the log; did you mean /a/x?",
+            "there is no topic /a/xx in the log; did you mean /a/x?",
         ),
-        (choice(["/a/xx:=/c"]), LcmtoolsError, "no topic /a/xx is in the log; did you mean /a/x?"),
-        (choice(topics=[NODE_CHANNEL]), LcmtoolsError, f"no topic {NODE_CHANNEL} is in the log"),
-        (choice(exclude=["**"]), LcmtoolsError, "is left to play; name other topics"),
+        (
+            choice(["/a/xx:=/c"]),
+            LcmtoolsError,
+            "there is no topic /a/xx in the log; did you mean /a/x?",
+        ),
+        (
+            choice(topics=[NODE_CHANNEL]),
+            LcmtoolsError,
+            f"there is no topic {NODE_CHANNEL} in the log",
+        ),
+        (choice(exclude=["**"]), LcmtoolsError, "are left to play; select other topics"),
         (choice([f"__ns:=/{'n' * 60}"]), InvalidName, "LCM channels have at most 63"),
         (choice(["/b:=1"]), InvalidName, "'1' is not a legal name"),
     ],
@@ -173,7 +185,7 @@ def test_a_long_log_without_an_index_is_read_with_a_word(
     assert said == []
     monkeypatch.setattr("lcmtools.bag.playlist._SLOW_BYTES", 10)
     Playlist([path], Choice(), said.append).close()
-    assert said == [f"reading {path}; with an index, of lcmtools bag reindex, it is at once"]
+    assert said == [f"reading {path}; with an index (lcmtools bag reindex) this is instant"]
 
 
 def test_the_latest_message_of_each_topic_before_a_time(log: Log) -> None:

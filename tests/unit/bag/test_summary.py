@@ -157,7 +157,7 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["bag", "info", str(path)]) == 0
     text = capsys.readouterr().out
     assert "in 5 messages" in text
-    assert "belong to no message" in text
+    assert "do not belong to any message" in text
     assert "\x1b" not in text
     assert main(["bag", "info", str(path), "--json"]) == 0
     path.write_text("hello\n" * 100)
@@ -180,14 +180,14 @@ def test_a_log_whose_times_go_back_is_said_to_be(
     (tmp_path / "a.log").write_bytes(data)
     for _ in range(2):  # by the log, and by its index
         assert (
-            "order:     times go back, by 7 s at most; lcmtools bag sort"
+            "order:     times go back, by up to 7 s; lcmtools bag sort"
             in said("bag", "info", log)[0]
         )
         (record,) = json.loads(said("bag", "info", log, "--json")[0])
         assert record["disorder"] == 7.0
         notes: list[str] = []
         Playlist([log], Choice(), notes.append).close()
-        assert notes == [f"the times of {log} go back; lcmtools bag sort puts them in order"]
+        assert notes == [f"the times of {log} go back; lcmtools bag sort sorts them"]
         assert "go back; lcmtools bag sort" in said("hz", "-b", log, "A")[1]
         said("bag", "reindex", log)
     said("bag", "sort", log, ordered)

@@ -71,7 +71,7 @@ def test_a_time_of_the_day_may_be_after_midnight() -> None:
     ],
 )
 def test_what_is_no_time_is_refused(text: str) -> None:
-    with pytest.raises(UsageError, match=r"is no time.*write 10s, end-1m"):
+    with pytest.raises(UsageError, match=r"is not a time.*write 10s, end-1m"):
         parse_time(text)
 
 
@@ -92,9 +92,9 @@ def test_a_window_lies_within_the_log() -> None:
 @pytest.mark.parametrize(
     ("start", "end", "what"),
     [
-        ("91", None, "the start, 91, is behind the end of the log; the log is 90.0 s long"),
+        ("91", None, "the start, 91, is after the end of the log; the log is 90.0 s long"),
         (None, "-91", "the end, -91, is before the start of the log; the log is 90.0 s long"),
-        ("20", "10", "the start, 20, is behind the end, 10; the log is 90.0 s long"),
+        ("20", "10", "the start, 20, is after the end, 10; the log is 90.0 s long"),
     ],
 )
 def test_a_window_without_anything_of_the_log_is_refused(

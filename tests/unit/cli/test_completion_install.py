@@ -93,7 +93,7 @@ def test_the_shell_is_the_one_named_else_the_users_own() -> None:
     assert shell_named(None, {"SHELL": "/usr/bin/fish"}) == "fish"
     with pytest.raises(UsageError, match="no completion for tcsh"):
         shell_named(None, {"SHELL": "/bin/tcsh"})
-    with pytest.raises(UsageError, match="SHELL names no shell"):
+    with pytest.raises(UsageError, match="SHELL does not name a shell"):
         shell_named(None, {})
 
 

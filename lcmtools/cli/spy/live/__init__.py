@@ -14,7 +14,7 @@ from lcmtools.observe.channels import ChannelSelection
 def watch(selection: ChannelSelection, view: TableView) -> int:
     """Show the channels until the person leaves; return the exit code."""
     if chosen_log() is not None:
-        raise UsageError("the live view is of a bus", "--once shows the channels of a log")
+        raise UsageError("the live view needs a bus", "--once shows the channels of a log")
     if not (sys.stdin.isatty() and sys.stderr.isatty() and clearing()):
         raise UsageError("spy needs a terminal", "--once prints the table")
     with needing_extra("tui", "spy needs", " (--once does without)"):
