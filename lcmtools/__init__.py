@@ -1,7 +1,7 @@
 """A command line, a node library and robot labs for LCM.
 
-The public names of the node API are here, and ``observe`` and ``publish``. They are imported when
-first used: the command line starts without them.
+The public names of the node API, ``observe`` and ``publish`` are available here. Each is imported
+when it is first used, so that the command line starts without them.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The outside: the lcm package and its sharp edges, the tap on a multicast group, processes.
+"""The outside world: the lcm package and its pitfalls, the tap on a multicast group, processes.
 
-The only package that opens sockets. It carries payloads without their meaning.
+The only package that opens sockets. It carries payloads without knowing their meaning.
 """

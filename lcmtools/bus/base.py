@@ -7,21 +7,21 @@ from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 
 Handler = Callable[[bytes, int], None]
-"""Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
+"""Called with a payload and its time of arrival [ns since 1970]; must be quick."""
 
 
 class Bus(Protocol):
     """A connection to a bus."""
 
     on_outage: Callable[[str], None]
-    """Called, on the thread that receives, when the connection is lost, and when it is back."""
+    """Called on the receiving thread when the connection is lost and when it is restored."""
 
     on_received: Callable[[], None]
-    """Called when another thread than those that ``wait``, or not only one, has called handlers."""
+    """Called after handlers have run, unless on the only thread that calls ``wait``."""
 
     @property
     def ports(self) -> list[int]:
-        """UDP ports that messages come from besides the one of announcements."""
+        """The UDP ports that messages are sent from, in addition to the announcements' port."""
 
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
@@ -31,41 +31,41 @@ class Bus(Protocol):
         Args:
             channel: The channel.
             payload: Fingerprint and encoded struct, or any other bytes.
-            type_name: The type "package/Name", for a bus whose keys name it; "" if unknown.
-            latched: It is state, that may be late; on Zenoh other messages are dropped then.
+            type_name: The type "package/Name", for a bus whose keys contain it; "" if unknown.
+            latched: It is state, which may arrive late; on Zenoh, other late messages are dropped.
         """
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
-        """Send those of these messages that cost less together, perhaps in another order.
+        """Send those of these messages that cost less if sent together, perhaps in another order.
 
-        Returns the places of the others, which are to be sent one by one. Safe from any thread.
+        Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
 
     def subscribe(self, channel: str, handler: Handler) -> None:
-        """Call ``handler``, on the thread that receives, for each message on the channel."""
+        """Call ``handler``, on the receiving thread, for each message on the channel."""
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
-        """Wait until an event is set, or messages came, for ``timeout`` seconds at most; clear it.
+        """Wait at most ``timeout`` seconds for an event or messages; clear the event.
 
-        The calling thread may receive meanwhile; it is to come back soon, or to call ``hand_over``.
-        Returns now and then before anything has come.
+        The calling thread may receive meanwhile; it should come back soon, or call ``hand_over``.
+        Returns now and then although nothing has come.
         """
 
     def hand_over(self) -> None:
-        """Receive without the threads that have called ``wait``, which do something long."""
+        """Receive without the threads that called ``wait``, because they will be busy for long."""
 
     def close(self) -> None:
         """Send waiting messages and leave the bus."""
 
     def leave_to_parent(self) -> None:
-        """Refuse all use in a forked process, which has no thread that receives; free nothing."""
+        """Refuse all use in a forked process, which has no receiving thread; free nothing."""
 
 
 def refusal(*, is_of_parent: bool) -> BusError:
-    """Return the error of a bus that has been closed, or left to the parent of a forked process."""
+    """Return the error for a bus that is closed, or that belongs to a forked process's parent."""
     if is_of_parent:
         remedy = "call lcmtools.init() in the forked process and make its nodes there"
         return BusError("the bus belongs to the parent process", remedy)

@@ -1,8 +1,8 @@
-"""The kernel's filter before the sockets of an LCM instance.
+"""The kernel's filter on the sockets of an LCM instance.
 
-liblcm's thread would wake for each datagram of the bus, its own process's included, to find that
-nobody has subscribed to its channel: for a node that sends fast, that is a third of what sending
-costs. On other systems than Linux it does.
+Without it, liblcm's thread would wake for each datagram of the bus, even for its own process's,
+only to find that nobody subscribes to its channel: for a node that sends at a high rate, this is a
+third of the cost of sending. On systems other than Linux there is no filter.
 """
 
 import socket
@@ -11,13 +11,14 @@ from collections.abc import Collection, Iterable
 from lcmtools.bus.kernel import ANNOUNCED, SUBSCRIBED, attach, detach, mark
 from lcmtools.bus.socket_filter import ENDING_BYTES, these_channels, these_endings, well_formed
 
-_MOST = 50  # channels, or endings, that a datagram is compared with
+_MOST = 50  # at most that a datagram is compared with: channels, or endings of their names
 
 
 class ChannelFilter:
-    """Malformed datagrams are dropped, and from the first ``let_pass`` on channels, too.
+    """Drops malformed datagrams and, from the first ``let_pass``, those of other channels.
 
-    It is before sockets on which the instance receives, or duplicates; ``close`` closes them.
+    It is attached to the instance's receiving sockets or duplicates of them, which ``close``
+    closes.
     """
 
     def __init__(self, sockets: Iterable[socket.socket]) -> None:
@@ -25,17 +26,17 @@ class ChannelFilter:
         for one in self._sockets:
             attach(one, well_formed())
             mark(one, ANNOUNCED)
-        # of several, others may belong to an instance that another thread has just made
+        # if there are several, some may belong to an instance that another thread just made
         self._is_narrow = len(self._sockets) == 1
         self._endings: Collection[bytes] = ()
-        """Of channels that pass, if they are told apart by these alone."""
+        """The endings of channels that pass, if the filter compares only the endings."""
 
     def passes(self, channel: str) -> bool:
-        """Return whether a channel passes already: a fleet has thousands of one ending."""
+        """Return whether a channel passes already: a fleet has thousands with the same ending."""
         return not self._is_narrow or _ending(channel) in self._endings
 
     def let_pass(self, channels: Collection[str]) -> None:
-        """Let only these channels pass, and large messages; others, too, where these are many."""
+        """Let only these channels and large messages pass; if they are many, also some others."""
         if not self._is_narrow:
             return
         (one,) = self._sockets
@@ -52,7 +53,7 @@ class ChannelFilter:
         mark(one, SUBSCRIBED)
 
     def close(self) -> None:
-        """Let go of the sockets."""
+        """Close the sockets."""
         self._is_narrow = False
         while self._sockets:
             self._sockets.pop().close()

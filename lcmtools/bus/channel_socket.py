@@ -1,7 +1,7 @@
 """A socket that receives one channel, whose messages wait in the kernel until they are read.
 
 Waking up for each message costs far more than reading many at once. A filter in the kernel (Linux
-only) accepts nothing but the channel. It is for small messages that may be read a little later: if
+only) accepts nothing but the channel. Meant for small messages that may be read a little later: if
 the socket's buffer fills up between two reads, the newest are lost.
 """
 
@@ -20,22 +20,22 @@ from lcmtools.wire.datagram import (
     SHORT_HEADER_BYTES,
 )
 
-_NUMBER_OFFSET = 16  # of a fragment's number
+_NUMBER_OFFSET = 16  # offset of a fragment's number
 _MAX_DATAGRAM = 65536
-_MOST_AT_ONCE = 4096  # messages: a flood must not occupy the reader
+_MOST_AT_ONCE = 4096  # messages: a flood must not keep the reader busy
 
 
 class ChannelSocket:
     """The messages of one channel of a multicast bus, from now on; for one thread at a time.
 
     Raises:
-        BusError: The group cannot be joined, or this system has no such filter.
+        BusError: The group cannot be joined, or this system has no such filters.
     """
 
     def __init__(self, url: BusUrl, channel: str) -> None:
         self._name = channel.encode() + b"\0"
         self.has_large = False
-        """True once a message came in several fragments: those are not received here."""
+        """True once a message came in several fragments, which are not received here."""
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._receiver = receiving_socket(url)
         self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
@@ -51,7 +51,7 @@ class ChannelSocket:
         """Return waiting payloads with their receive times [ns since 1970]; never blocks."""
         taken: list[tuple[bytes, int]] = []
         start = SHORT_HEADER_BYTES + len(self._name)
-        with contextlib.suppress(OSError):  # BlockingIOError: that was all
+        with contextlib.suppress(OSError):  # BlockingIOError: no more are waiting
             for _ in range(_MOST_AT_ONCE):
                 size, ancillary, *_ = self._receiver.recvmsg_into([self._buffer], ANCILLARY_BYTES)
                 data = bytes(self._buffer[:size])
@@ -63,7 +63,7 @@ class ChannelSocket:
         return taken
 
     def wait(self, seconds: float) -> bool:
-        """Wait for a message, so long at most; return False if none came."""
+        """Wait for a message, ``seconds`` at most; return False if none came."""
         return bool(self._poll.poll(1000 * seconds))
 
     def close(self) -> None:

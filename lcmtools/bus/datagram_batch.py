@@ -1,7 +1,7 @@
-"""Taking many datagrams from a socket with one call, recvmmsg(2) of Linux.
+"""Receiving many datagrams from a socket with one call, Linux's recvmmsg(2).
 
-One by one, the call and Python's objects for the ancillary data and the address take longer than
-all that is done with a datagram.
+One by one, the calls and Python's objects for ancillary data and addresses take longer than all
+further work on the datagrams.
 """
 
 import ctypes
@@ -19,16 +19,16 @@ _SLOTS = 64  # datagrams that are taken with one call
 _LARGEST = 65536  # bytes of a datagram
 _PART = struct.Struct("@PN")  # struct iovec
 _HEADER = struct.Struct("@PIPNPNi4xI4x")  # struct mmsghdr
-_SIZE = 56  # the place in it of the datagram's size
+_SIZE = 56  # offset of the datagram's size in it
 _ADDRESS_BYTES = 16  # struct sockaddr_in
-# behind the address are two messages of cmsg(3), the arrival's time and the time to live; their
-# heads, of length, level and type, are left out here
+# the address is followed by two messages of cmsg(3), the time of arrival and the time to live; this
+# skips their headers (length, level and type)
 _FACTS = struct.Struct("@Q8x16xqq16xi4x")
-_KINDS = {  # see kernel.request_arrival; by the place among a slot's words of eight bytes
+_KINDS = {  # see kernel.request_arrival; by index among a slot's eight-byte words
     place: struct.unpack("@Q", struct.pack("@ii", *kind))[0]
     for place, kind in {3: (socket.SOL_SOCKET, 35), 7: (socket.IPPROTO_IP, socket.IP_TTL)}.items()
 }
-_MOST_SENDERS = 1000  # that are remembered
+_MOST_SENDERS = 1000  # senders that are remembered
 IS_POSSIBLE = sys.platform == "linux" and _HEADER.size == _SIZE + 8
 
 
@@ -57,10 +57,10 @@ class DatagramBatch:
         self._words = memoryview(self._facts).cast("Q")
 
     def take(self, most: int) -> Iterator[Datagram]:
-        """Yield those that have arrived, about so many at most; each is gone before the next.
+        """Yield arrived datagrams, about ``most`` at most; each is gone before the next.
 
         Raises:
-            OSError: As of recvmsg(2).
+            OSError: As for recvmsg(2).
         """
         for _ in range(0, most, _SLOTS):
             count = self._receive()

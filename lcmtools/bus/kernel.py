@@ -1,7 +1,7 @@
-"""The kernel's part: options of sockets, and Linux's table of all UDP sockets.
+"""The kernel's interface: options of sockets, and Linux's table of all UDP sockets.
 
-Everything here has a fallback for systems other than Linux, where nothing is filtered, and the
-answer to a question is None or empty. Processes are in ``processes``.
+Everything here has a fallback for systems other than Linux: nothing is filtered, and answers are
+None or empty. Processes are in ``processes``.
 """
 
 import contextlib
@@ -23,8 +23,8 @@ ANNOUNCED = 0x5C
 """Mark of a socket whose subscriptions are announced, or that only observes.
 
 The subscriptions of lcmtools' nodes and commands are announced; those of a plain LCM program are
-unknown. A process may be both, so the socket is marked: by its type of service, which means nothing
-on a socket that never sends, and which the kernel shows every user. The values are for local use
+unknown. As a process may be both, the socket is marked, by its type of service, which has no effect
+on a socket that never sends and which the kernel shows to every user. The values are for local use
 (RFC 2474, 6: code points that end in 11).
 """
 SELECTIVE = 0x4C
@@ -33,22 +33,22 @@ SELECTIVE = 0x4C
 The kernel counts what a filter drops and what a full buffer drops together.
 """
 SUBSCRIBED = 0x6C
-"""Mark of an announced socket whose filter drops the channels that its node does not subscribe."""
+"""Mark of an announced socket whose filter drops channels that its node does not subscribe to."""
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
 _SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 27, 55, 12
 _UDP_SEGMENT, _TCP_INFO = 103, 11  # linux/udp.h, linux/tcp.h
-_MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
+_MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # indices of its numbers (linux/sock_diag.h)
 IS_LINUX = sys.platform == "linux"
-# the option for receive times, their kind of ancillary data, its seconds and fraction, and the
+# the option for receive times, the kind of its ancillary data, their seconds and fraction, and the
 # fraction's unit [ns]: SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
 _STAMP_OPTION, _STAMP_KIND, _STAMP, _STAMP_UNIT = (
     (35, 35, struct.Struct("@qq"), 1) if IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
 )
 
 _LITTLE_BYTES = 1 << 16
-_RETRANSMITS = 2  # a place in struct tcp_info (linux/tcp.h): times without an answer
+_RETRANSMITS = 2  # index in struct tcp_info (linux/tcp.h): retransmissions without an answer
 _PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
 _NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
 _REQUEST_DUMP = 0x301  # NLM_F_REQUEST | NLM_F_DUMP
@@ -63,9 +63,9 @@ _TIMEOUT = 0.2  # [s]
 
 
 def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
-    """Let a connection break when the other computer has received nothing for so long (tcp(7)).
+    """Let a connection break if its peer has not acknowledged data for ``seconds`` (tcp(7)).
 
-    What waits for it is dropped with it. Where a system has no such time, it waits for minutes.
+    Data waiting for it are dropped too. A system without this option waits for minutes.
     """
     keep_little_waiting(connection)
     if hasattr(socket, "TCP_USER_TIMEOUT"):
@@ -74,10 +74,10 @@ def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
 
 
 def keep_little_waiting(connection: socket.socket) -> None:
-    """Let a connection take no more than the line takes at once, and little besides.
+    """Let the kernel buffer little more of a connection's data than the line can take at once.
 
-    What waits in the program can still be dropped; what the kernel has taken arrives, and leaves
-    without waiting for the answer to what was sent before (Nagle's algorithm).
+    Data that wait in the program can still be dropped; data in the kernel will arrive. They leave
+    without waiting for the acknowledgement of earlier data (without Nagle's algorithm).
     """
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if hasattr(socket, "TCP_NOTSENT_LOWAT"):
@@ -85,7 +85,7 @@ def keep_little_waiting(connection: socket.socket) -> None:
 
 
 def is_unanswered(connection: socket.socket) -> bool:
-    """Return whether what was sent had to be sent again, and is still not received there."""
+    """Return whether data had to be retransmitted and are still not acknowledged."""
     if not IS_LINUX:
         return False
     return connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, 8)[_RETRANSMITS] > 0
@@ -94,14 +94,14 @@ def is_unanswered(connection: socket.socket) -> bool:
 def share_port(receiver: socket.socket) -> None:
     """Let other sockets receive from the same group and port, as liblcm does."""
     receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    if not IS_LINUX:  # macOS and BSD want both
+    if not IS_LINUX:  # macOS and BSD need both
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
 def request_arrival(receiver: socket.socket) -> bool:
     """Request each datagram's receive time and time to live as ancillary data (ip(7)).
 
-    Return False where the system gives no receive time.
+    Return False if the system gives no receive time.
     """
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
@@ -114,7 +114,7 @@ def request_arrival(receiver: socket.socket) -> bool:
 def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
     """Return the kernel's receive time [ns since 1970] and the time to live.
 
-    The present where the kernel gives no time; None where it gives no time to live.
+    The current time if the kernel gives no time; None if it gives no time to live.
     """
     received, ttl = 0, None
     for level, kind, data in ancillary:
@@ -134,26 +134,26 @@ def cuts_datagrams(sender: socket.socket) -> bool:
 
 
 def send_cut(sender: socket.socket, datagrams: Sequence[bytes], address: tuple[str, int]) -> None:
-    """Send datagrams of one size, 64 and 65 kB at most, with one call (UDP_SEGMENT, udp(7)).
+    """Send datagrams of one size, at most 64 and 65 kB, with one call (UDP_SEGMENT, udp(7)).
 
-    Through the system they go as one, which the receivers' sockets cut: that costs a fraction of
-    the way of each.
+    The system passes them on as one, which is cut at the receivers' sockets: this costs a fraction
+    of sending each alone.
 
     Raises:
-        OSError: None was sent; perhaps the network takes each alone.
+        OSError: None was sent; sent one by one, they may be accepted.
     """
     cut = socket.IPPROTO_UDP, _UDP_SEGMENT, struct.pack("@H", len(datagrams[0]))
     sender.sendmsg([b"".join(datagrams)], [cut], 0, address)
 
 
 def mark(receiver: socket.socket, value: int) -> None:
-    """Mark a socket that receives and never sends; unmarked it counts as a plain program's."""
+    """Mark a socket that receives and never sends; an unmarked one counts as a plain program's."""
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, value)
 
 
 def attach(receiver: socket.socket, program: FilterProgram) -> bool:
-    """Attach a filter to a socket; return False where the system has no filters."""
+    """Attach a filter to a socket; return False if the system has no filters."""
     if not IS_LINUX:
         return False
     rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
@@ -167,7 +167,7 @@ def attach(receiver: socket.socket, program: FilterProgram) -> bool:
 
 
 def detach(receiver: socket.socket) -> None:
-    """Take a socket's filter away, if it has one."""
+    """Remove a socket's filter, if it has one."""
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
 
@@ -181,13 +181,13 @@ def dropped(receiver: socket.socket) -> int | None:
 
 
 def receive_buffer_bytes() -> int:
-    """Return the largest receive buffer wanted that this system grants without asking root."""
+    """Return the largest useful receive buffer that this system grants to every user."""
     size = _WANTED_BUFFER_BYTES
     with contextlib.suppress(OSError, ValueError):
         return min(size, int(Path("/proc/sys/net/core/rmem_max").read_text()))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         while True:
-            with contextlib.suppress(OSError):  # macOS refuses what is too large
+            with contextlib.suppress(OSError):  # macOS refuses too large a buffer
                 probe.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
                 return size
             size //= 2
@@ -202,7 +202,7 @@ def open_descriptors() -> set[int]:
 
 
 def own_network() -> int:
-    """Return the number of this thread's network namespace; 0 where the system has none."""
+    """Return the number of this thread's network namespace; 0 if the system has none."""
     try:
         return Path("/proc/thread-self/ns/net").stat().st_ino
     except OSError:
@@ -210,9 +210,9 @@ def own_network() -> int:
 
 
 def computer_id() -> int:
-    """Return a number of 32 bits for this computer's run, and for its network namespace.
+    """Return a 32-bit number for this computer since its boot, and its network namespace.
 
-    Programs with the same number share processes and the loopback; containers have their own.
+    Programs with the same number share processes and loopback; containers differ.
     """
     try:
         run = Path("/proc/sys/kernel/random/boot_id").read_bytes()
@@ -235,8 +235,8 @@ def receive_buffers() -> dict[int, int]:
 def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
     """Return the interfaces on which a process's socket has joined a multicast group.
 
-    Empty where the system does not tell: it takes a copy of the socket, which root may have, and
-    where Yama allows it also the process's user (pidfd_getfd(2)).
+    Empty if the system does not tell: it needs a copy of the socket, which root may get and, if
+    Yama allows it, the process's user (pidfd_getfd(2)).
     """
     import ctypes
 
@@ -253,7 +253,7 @@ def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
         if copy < 0:
             return ()
         for index, name in socket.if_nameindex():
-            # struct group_filter, which getsockopt reads; it fails where there is no membership
+            # struct group_filter, which getsockopt reads; it fails without a membership
             address = struct.pack("=HH4s", socket.AF_INET, 0, socket.inet_aton(group))
             query = ctypes.create_string_buffer(struct.pack("@Ixxxx128sII", index, address, 0, 0))
             size = ctypes.c_uint(len(query) - 1)
@@ -264,16 +264,16 @@ def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
 
 
 def marked_sockets(*marks: int) -> frozenset[int]:
-    """Return the inodes of the sockets with one of these marks; with all of them, lcmtools' own."""
+    """Return the inodes of the sockets with one of these marks; all marks: lcmtools' own."""
     return frozenset(
         inode for inode, value in _attributes(_TYPE_OF_SERVICE) if value and value[0] in marks
     )
 
 
 def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, bytes]]:
-    """Yield the inode and the attribute of every UDP socket of this network that has it.
+    """Yield inode and attribute of every UDP socket of this network namespace that has it.
 
-    One request by sock_diag(7), answered with every socket; any user may send it.
+    One sock_diag(7) request, which any user may send, is answered with all sockets.
     """
     if sys.platform != "linux":
         return
@@ -295,7 +295,7 @@ def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, 
 
 
 def _records(data: bytes, header: struct.Struct, start: int = 0) -> Iterator[tuple[int, bytes]]:
-    """Yield kind and body of netlink's messages or attributes, whose headers begin alike."""
+    """Yield kind and body of netlink's messages or attributes, whose headers begin equally."""
     while start + header.size <= len(data):
         size, kind, *_ = header.unpack_from(data, start)
         if size < header.size:

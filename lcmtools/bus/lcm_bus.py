@@ -1,8 +1,8 @@
 """The bus of nodes: an LCM instance, and the thread that receives.
 
 Subscribing, unsubscribing and receiving happen on the thread that has the right to receive. It
-drains the library at once, into queues of the subscribers that keep the newest messages. Threads
-that publish or subscribe are kept apart where liblcm does not do so.
+drains the library at once into the subscribers' queues, which keep the newest messages. Publishing
+and subscribing threads are serialized where liblcm does not do so.
 """
 
 import contextlib
@@ -23,23 +23,23 @@ from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
 _LENDABLE = ("udpm", "mpudpm", "memq")
-"""Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
+"""Providers whose messages any thread may wait for; others end or lose their connection."""
 _BATCH = 100  # messages handled before a request to subscribe is served
-_FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth takes
-_AT_ONCE = 0.00005  # [s] in which a wait for messages that have arrived before is over
-_GAP = 5  # [ms] between the messages of a stream, at most
-_LONGEST_BURST = 10  # times so many at once; who gets more of them has too slow callbacks
-_CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
-_REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
+_FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth holds
+_AT_ONCE = 0.00005  # [s] at most that a wait takes if messages have arrived before
+_GAP = 5  # [ms] at most between the messages of a stream
+_LONGEST_BURST = 10  # full batches in a row; if there are more, callbacks are too slow
+_CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke while sending
+_REQUEST_TIMEOUT = 15.0  # [s]; more than liblcm's own ten seconds
 
 
 class LcmBus:
-    """A connection with a receiving thread of its own.
+    """A connection with its own receiving thread.
 
-    Publishing is safe from any thread. Handlers run on the thread that receives and must be quick.
+    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick.
 
     Raises:
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
 
     def __init__(self, url: BusUrl) -> None:
@@ -53,10 +53,10 @@ class LcmBus:
             url, self._subscribe_all, lambda text, _trouble: self.on_outage(text)
         )
         self._can_break = url.provider == "tcpq"
-        self._broken: Instance | None = None  # as found in sending
-        self._has_ended = False  # as a log does
+        self._broken: Instance | None = None  # the instance that broke while sending
+        self._has_ended = False  # True once a log has ended
         self._is_streaming = False  # a message has come soon after the one before
-        self._burst = 0  # times that many messages waited, one after the other
+        self._burst = 0  # times in a row that many messages waited
         self._paced = PacedSender(url) if url.is_multicast else None
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._requesting = threading.Lock()
@@ -67,16 +67,16 @@ class LcmBus:
 
     @property
     def ports(self) -> list[int]:
-        """UDP ports that this instance sends from besides LCM's own (for large messages)."""
+        """The UDP ports that this instance sends from, except LCM's own (for large messages)."""
         return [self._paced.port] if self._paced else []
 
     def publish(
         self,
         channel: str,
         payload: bytes,
-        type_name: str = "",  # noqa: ARG002 - a channel of LCM names no type, as in ``Bus``
+        type_name: str = "",  # noqa: ARG002 - for ``Bus``: LCM's channels name no type
         *,
-        latched: bool = False,  # noqa: ARG002 - nor does it tell a message that may be late
+        latched: bool = False,  # noqa: ARG002 - nor do they mark messages that may be late
     ) -> None:
         """Send one message; a large one goes out as paced fragments, after this returns.
 
@@ -92,7 +92,7 @@ class LcmBus:
             paced.send(channel, payload)
             return
         try:
-            if paced:  # liblcm has a lock of its own where it sends datagrams
+            if paced:  # liblcm locks itself when it sends datagrams
                 instance.publish(channel, payload)
             else:
                 with self._sending:
@@ -102,7 +102,7 @@ class LcmBus:
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
-        """Send those of these messages that need few calls together (see ``Bus``)."""
+        """Send those of these messages that cost less if sent together (see ``Bus``)."""
         return self._paced.send_together(messages) if self._paced else range(len(messages))
 
     def subscribe(self, channel: str, handler: Handler) -> None:
@@ -117,7 +117,7 @@ class LcmBus:
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
-        with contextlib.suppress(BusError):  # a closed bus delivers nothing any more
+        with contextlib.suppress(BusError):  # a closed bus delivers nothing anyway
             self._on_receiver(lambda: self._unsubscribe(channel, handler))
 
     def close(self) -> None:
@@ -215,10 +215,10 @@ class LcmBus:
             handler(payload, now)
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
-        """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
+        """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
         if self._closed or not self._receiving.is_lendable:
             wakeup.wait(timeout)
-        elif self._receiving.lead():  # else, work for this thread may have come a moment ago
+        elif self._receiving.lead():  # if not, work for this thread may just have come
             try:
                 self._receive(wakeup, timeout)
             except (BusError, OSError, ValueError):  # a signal handler has closed the bus
@@ -244,7 +244,7 @@ class LcmBus:
         if messages in readable:
             waited = time.monotonic() - start
             self._is_streaming = _AT_ONCE < waited < _GAP / 1000
-            if waited > _AT_ONCE:  # the callback need not wait for a second look
+            if waited > _AT_ONCE:  # a single new message: no need to look for more
                 instance.handle()
                 self._burst = 0
             else:
@@ -258,25 +258,25 @@ class LcmBus:
             wakeup.clear()
 
     def _receive_next(self, instance: Instance) -> bool:
-        """Wait for the next message of a stream within liblcm, where no event wakes it.
+        """Wait for the next message of a stream within liblcm, where no event can wake this thread.
 
-        That is one system call less before the callback, an eighth of the way from process to
-        process; an event waits for the next message, or for the gap that ends a stream. Returns
-        False if no message came.
+        This saves one system call before the callback, an eighth of the latency between processes.
+        An event waits for the next message, or for the gap that ends a stream. Returns False if no
+        message came.
         """
         start = time.monotonic()
         try:
             has_come = instance.handle_timeout(_GAP) > 0
-        except OSError:  # a signal; its handler runs before the next wait
+        except OSError:  # a signal came; its handler runs before the next wait
             has_come = False
         self._is_streaming = has_come and time.monotonic() - start > _AT_ONCE
         return has_come
 
     def _handle_burst(self, instance: Instance) -> None:
-        """Deliver few messages at a time: callbacks run in between, and their queues have room.
+        """Deliver few messages at a time: callbacks run in between, and the queues do not overflow.
 
-        Where bursts do not end, the callbacks are too slow for the messages: then all that wait are
-        delivered at once, and the queues keep the newest.
+        If a burst does not end, the callbacks are too slow for the messages: then all waiting
+        messages are delivered at once, and the queues keep the newest.
         """
         handled = self._handle(instance, _FEW if self._burst < _LONGEST_BURST else _BATCH)
         self._burst = self._burst + 1 if handled and handled >= _FEW else 0
@@ -286,10 +286,10 @@ class LcmBus:
         while not self._closed:
             if not self._receiving.follow(lambda: self._closed or not self._requests.empty()):
                 with self._receiving:
-                    if self._closed:  # the wake-up may have been that of the thread before
+                    if self._closed:  # the wake-up may have been meant for the previous thread
                         break
                     self._turn(None if self._has_ended else self._connection.instance)
-        self._serve_requests()  # those made while it closed
+        self._serve_requests()  # requests made while it closed
 
     def _turn(self, instance: Instance | None) -> None:
         """Wait for messages, requests and attempts to connect, and handle them."""
@@ -308,7 +308,7 @@ class LcmBus:
         if works and not (self._can_break and self._broken is instance):
             return
         if not self._can_break:
-            self._has_ended = True  # requests are served still
+            self._has_ended = True  # requests are still served
         elif not self._closed:
             with self._sending:
                 self._subscriptions.clear()
@@ -316,14 +316,14 @@ class LcmBus:
             self._connection.lose()
 
     def _wait(self, instance: Instance | None) -> tuple[bool, list[int]]:
-        """Return whether the connection works, and the descriptors that can be read, if any."""
+        """Return whether the connection works, and the readable descriptors."""
         try:
             wake = self._receiving.wakeup.fileno()
             if instance is None:
                 return True, select.select([wake], [], [], self._connection.left())[0]
             longest = _CHECK_PERIOD if self._can_break else None
             return True, select.select([wake, instance.fileno()], [], [], longest)[0]
-        except (OSError, ValueError):  # closed by the publishing thread, when it broke
+        except (OSError, ValueError):  # closed by a publishing thread when the connection broke
             return False, []
 
     def _serve_requests(self) -> None:

@@ -1,4 +1,4 @@
-"""Observing all messages of a bus that is no multicast group; see ``observe.sources.Observer``."""
+"""Observing all messages of a bus without multicast; see ``observe.sources.Observer``."""
 
 import contextlib
 import select
@@ -14,10 +14,10 @@ from lcmtools.wire.sequence import Sequence
 
 
 class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
-    """An observer of a bus that is no multicast group: an ordinary subscription to everything.
+    """An observer of a bus that is not a multicast group: an ordinary subscription to everything.
 
-    It has the tap's interface and less information: neither senders nor sequence numbers. So
-    programs that do not answer show by their messages alone.
+    It has the tap's interface but less information: no senders and no sequence numbers. Programs
+    that do not answer probes are therefore known only by their messages.
 
     Raises:
         BusError: The bus cannot be reached.
@@ -79,7 +79,7 @@ class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
         try:
             if select.select([connection.instance.fileno()], [], [], max(0.0, timeout))[0]:
                 connection.instance.handle_timeout(0)
-        except (OSError, ValueError):  # at its end, or closed by liblcm when sending failed
+        except (OSError, ValueError):  # it has ended, or liblcm closed it when sending failed
             connection.lose()
         packets, self._packets = self._packets, []
         return packets

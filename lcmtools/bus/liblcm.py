@@ -1,19 +1,19 @@
-"""The lcm package, and its sharp edges. The only module that imports it.
+"""The lcm package and its pitfalls. The only module that imports it.
 
-The binding's pitfalls, and the way around each:
+The binding's pitfalls, and how each is avoided:
 
-- ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
-  returns None: the bus is checked before (``lcmtools.bus.preflight``).
+- ``subscribe`` freezes the whole process for ten seconds if multicast does not work, and then
+  returns None: the bus is checked first (``lcmtools.bus.preflight``).
 - A datagram that ends within its channel's name makes liblcm read another message's bytes from the
   same buffer, and the process may die: on Linux a filter in the kernel drops malformed datagrams.
-- ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
-- ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
+- ``.*`` on udpm can crash on a malformed datagram: never used on udpm, the tap is used instead.
+- ``handle_timeout`` crashes with file descriptors of 1024 and above: these are refused first.
 - ``handle`` turns Ctrl-C into OSError: the caller waits in ``select`` instead.
 - A tcpq connection that breaks is closed by the first thread that notices, and its subscriptions
-  are gone: ``Connection`` makes a new instance, and subscribes again.
-- Channel names are regular expressions, and a queue keeps the oldest messages; ``unsubscribe``
-  while another thread handles crashes, and on tcpq two threads that publish or subscribe at once
-  mix up their bytes: see ``lcmtools.bus.lcm_bus``.
+  are lost: ``Connection`` makes a new instance and subscribes again.
+- Channel names are regular expressions, and a queue keeps the oldest messages. ``unsubscribe``
+  crashes while another thread handles messages, and on tcpq, two threads that publish or subscribe
+  at once mix up their bytes: see ``lcmtools.bus.lcm_bus``.
 """
 
 import contextlib
@@ -33,7 +33,7 @@ from lcmtools.errors import BusError, MissingExtra
 
 try:
     import lcm
-except ImportError as error:  # its wheel needs a library that is not on every server
+except ImportError as error:  # its wheel needs GLib, which not every server has
     raise MissingExtra(
         f"the Python package lcm cannot be loaded: {error.__context__ or error}",
         "it needs GLib: apt install libglib2.0-0 (Debian, Ubuntu), dnf install glib2 (Fedora)",
@@ -41,19 +41,19 @@ except ImportError as error:  # its wheel needs a library that is not on every s
 
 Instance = lcm.LCM
 Subscription = lcm.LCMSubscription
-QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
-_LATE = 1.0  # [s] that a server may receive nothing of what is sent to it
-_FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before an attempt to connect again
+QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python is not running
+_LATE = 1.0  # [s] that a server may leave sent data unacknowledged
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before attempts to reconnect
 
 
 class Connection:
-    """An LCM instance; one to a server (tcpq) that is lost is made again when the server is back.
+    """An LCM instance; a lost one to a server (tcpq) is made again when the server is back.
 
-    For one thread, but ``instance`` may be read by any.
+    For use by one thread, but ``instance`` may be read by any.
 
-    ``subscribe`` makes the subscriptions of an instance: of the first one, and of each new one;
-    ``on_outage`` is called when the connection is lost or back, with a text and the present
-    trouble, "" for none.
+    ``subscribe`` makes the subscriptions of an instance: of the first one and of each new one;
+    ``on_outage`` is called when the connection is lost or restored, with a text and the current
+    problem, "" for none.
 
     Raises:
         BusError: The bus cannot be reached.
@@ -70,14 +70,14 @@ class Connection:
         self._on_outage = on_outage
         self._pause = _FIRST_PAUSE
         self._due = math.inf  # time of the next attempt
-        instance, self.filter = open_lcm(url)  # the filter before its sockets
+        instance, self.filter = open_lcm(url)  # the filter on its sockets
         subscribe(instance)
-        # None when the connection is lost, or a log has ended.
+        # None if the connection is lost, or a log has ended.
         self.instance: Instance | None = instance
 
     @property
     def is_lost(self) -> bool:
-        """True while the server is tried again."""
+        """True while it tries to reconnect."""
         return self._due < math.inf
 
     def left(self) -> float | None:
@@ -85,17 +85,17 @@ class Connection:
         return max(0.0, self._due - time.monotonic()) if self.is_lost else None
 
     def close(self) -> None:
-        """Let go of the instance."""
+        """Release the instance."""
         self.instance, self._due = None, math.inf
         self.filter.close()
 
     def leave_to_parent(self) -> None:
-        """Let go of the instance in a forked process; freed, it would wait for its thread."""
+        """Release the instance in a forked process, unfreed: freeing would wait for its thread."""
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.instance))
         self.instance = None
 
     def lose(self) -> None:
-        """Let go of an instance that broke, or of a log that has ended."""
+        """Release an instance whose connection broke or whose log has ended."""
         self.instance = None
         if self._url.provider == "tcpq":
             self._pause = _FIRST_PAUSE
@@ -104,7 +104,7 @@ class Connection:
             self._on_outage(text, text)
 
     def try_again(self) -> None:
-        """Try to connect again; each attempt waits twice as long as the one before."""
+        """Try to connect again; the pause before the next attempt doubles each time."""
         try:
             instance, self.filter = open_lcm(self._url)
             self._subscribe(instance)
@@ -117,12 +117,12 @@ class Connection:
 
 
 def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:
-    """Make an LCM instance, after checking for conditions that make liblcm hang or print.
+    """Make an LCM instance, after checking for conditions in which liblcm would hang or print.
 
-    With it, the filter before the sockets on which it receives.
+    Also returns the filter on its receiving sockets.
 
     Raises:
-        BusError: The bus cannot be reached, with what to do.
+        BusError: The bus cannot be reached; the error says what to do.
     """
     check_bus(url)
     if url.provider in ("udpm", "mpudpm"):
@@ -132,7 +132,7 @@ def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:
     known = open_descriptors()
     try:
         instance = lcm.LCM(str(url))
-        instance.fileno()  # only now are the receiving sockets made
+        instance.fileno()  # this creates the receiving sockets
         if url.provider == "tcpq":
             with socket.socket(fileno=os.dup(instance.fileno())) as connection:
                 drop_what_is_late(connection, _LATE)
@@ -143,8 +143,8 @@ def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:
 
 
 def _listeners(url: BusUrl, descriptors: set[int]) -> Iterator[socket.socket]:
-    """Yield duplicates of those of these descriptors that listen to the bus."""
-    # chosen before the first duplicate, which may get the number of one that is closed meanwhile
+    """Yield duplicates of the descriptors that listen to the bus."""
+    # listed first: a duplicate may get the number of a descriptor that is closed meanwhile
     for descriptor in [one for one in descriptors if _is_socket(one)]:
         with contextlib.suppress(OSError):  # closed meanwhile
             # a duplicate, because closing the Python object must not close liblcm's socket

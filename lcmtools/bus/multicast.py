@@ -1,7 +1,7 @@
-"""UDP multicast sockets as LCM uses them, and whether multicast works here at all.
+"""UDP multicast sockets as LCM uses them, and checks of whether multicast works here.
 
-liblcm finds out that multicast does not work by freezing the whole process for ten seconds; the
-check here takes a millisecond where it works and under half a second where it does not.
+liblcm detects that multicast does not work by freezing the whole process for ten seconds; the check
+here takes a millisecond if it works and under half a second if it does not.
 """
 
 import contextlib
@@ -35,9 +35,9 @@ def sending_socket(url: BusUrl) -> socket.socket:
 
 
 def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socket.socket:
-    """Return a socket that receives from the group beside others, as liblcm's receivers do.
+    """Return a socket that receives from the group shared with others, as liblcm's receivers do.
 
-    It has ``program`` as its filter from the beginning, where the system has filters.
+    It has ``program`` as its filter from the beginning, if the system has filters.
 
     Raises:
         BusError: The group cannot be joined.
@@ -60,17 +60,17 @@ def check_multicast(url: BusUrl) -> None:
     """Make sure that a datagram sent to the group comes back to this host.
 
     Raises:
-        BusError: With what to type. It takes under half a second to find out.
+        BusError: It does not; the error says what to type. This takes under half a second.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
-        probe.connect((url.host, url.port))  # sends nothing: is there a route?
+        probe.connect((url.host, url.port))  # sends nothing, but fails without a route
     with receiving_socket(url) as receiver, sending_socket(url) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         check_loopback(url, sender, receiver)
 
 
 def check_sending(url: BusUrl) -> None:
-    """Send LCM's self test with the bus's own ttl; it need not arrive.
+    """Send LCM's self test with the bus's own TTL; it need not arrive.
 
     Raises:
         BusError: The system does not send it.
@@ -80,7 +80,7 @@ def check_sending(url: BusUrl) -> None:
 
 
 def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
-    """Send LCM's self test and see that it comes back; BusError if it does not."""
+    """Send LCM's self test and check that it comes back; BusError if it does not."""
     deadline = time.monotonic() + _LOOPBACK_TIMEOUT
     with _explained(url):
         while (left := deadline - time.monotonic()) > 0:
@@ -94,7 +94,7 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
 
 
 def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> bool:
-    """Return whether our own datagram arrives; other traffic is ignored."""
+    """Return whether this process's own datagram arrives; other traffic is ignored."""
     deadline = time.monotonic() + timeout
     while (left := deadline - time.monotonic()) > 0:
         if not select.select([receiver], [], [], left)[0]:
@@ -107,7 +107,7 @@ def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> b
 
 @contextlib.contextmanager
 def _explained(url: BusUrl) -> Iterator[None]:
-    """Raise an error of the system as a BusError, in the words of a bus's user."""
+    """Raise a system error as a BusError, explained to the user of a bus."""
     where = f"{url.host}:{url.port}"
     try:
         yield
@@ -115,7 +115,7 @@ def _explained(url: BusUrl) -> Iterator[None]:
         what, hint = f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more"
         if error.errno in _NO_ROUTE:
             what, hint = f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}"
-            if url.ttl:  # a route to lo would keep messages here, also once there is a network
+            if url.ttl:  # a route to lo would keep messages here even when there is a network later
                 hint = f"connect the network, or lead a route to its interface: {_NETWORK_ROUTE}"
         elif error.errno in (errno.EPERM, errno.EACCES):
             what = f"sending to {where} is forbidden ({error.strerror})"

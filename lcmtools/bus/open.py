@@ -1,14 +1,14 @@
-"""The choice of the code for a bus, by its URL. Nothing above needs to know which one it is."""
+"""The choice of a bus's implementation by its URL. Nothing above needs to know it."""
 
 from lcmtools.bus.base import Bus
 from lcmtools.bus.url import BusUrl
 
 
 def open_bus(url: BusUrl) -> Bus:
-    """Return a connection of nodes to a bus.
+    """Return a connection to a bus, for nodes.
 
     Raises:
-        BusError: It cannot be reached, with what to do.
+        BusError: It cannot be reached; the error says what to do.
         MissingExtra: The package for it is not installed.
     """
     if url.provider == "zenoh":

@@ -1,7 +1,7 @@
-"""Messages that wait for a network that is slower than their publishers, on a thread of their own.
+"""Messages that wait for a network that is slower than their publishers, sent by a separate thread.
 
-Of each topic up to 64 kB wait, or one message: of commands hundreds, of images the newest. The
-oldest make room, so that no publisher waits and none of them is sent late.
+Up to 64 kB of each topic wait, or one message: hundreds of commands, but only the newest image. The
+oldest make room, so that no publisher waits and no old messages are sent.
 """
 
 import threading
@@ -9,13 +9,13 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-MOST_WAITING_BYTES = 64_000  # bytes of a topic's messages that wait; one message may always
+MOST_WAITING_BYTES = 64_000  # bytes of a topic's waiting messages; a single one may always wait
 
 _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
 class Outgoing(NamedTuple):
-    """A message on its way: its key, its payload, and what goes beside it."""
+    """A message on its way: its key, payload and attachment."""
 
     key: str
     payload: bytes
@@ -24,14 +24,14 @@ class Outgoing(NamedTuple):
 
 
 class Outbox:
-    """Messages that wait, sent one after another, each topic in its turn.
+    """Waiting messages, which are sent one after another, each topic in its turn.
 
-    ``put`` sends a message; it may take long, and raises nothing.
+    ``put`` sends a message; it may take long, and must not raise.
     """
 
     def __init__(self, put: Callable[[Outgoing], None]) -> None:
         self._put = put
-        self.dropped = 0  # messages that made room for newer ones of their topic
+        self.dropped = 0  # messages dropped to make room for newer ones of their topic
         self._waiting: dict[str, deque[Outgoing]] = {}
         self._sending = ""  # the key of the message that is being sent
         self._changed = threading.Condition()
@@ -39,7 +39,7 @@ class Outbox:
         self._thread: threading.Thread | None = None
 
     def add(self, message: Outgoing) -> None:
-        """Queue a message; the oldest ones of its topic make room."""
+        """Queue a message; drop the oldest of its topic if there is no room."""
         with self._changed:
             if self._thread is None and not self._closed:
                 self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
@@ -61,7 +61,7 @@ class Outbox:
             self._changed.wait_for(lambda: self._closed or not self.has_waiting(key))
 
     def close(self) -> None:
-        """Send what waits, for half a second at most."""
+        """Send the waiting messages, for half a second at most."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

@@ -1,11 +1,12 @@
-"""Sending large messages so that they arrive, and many small ones with few calls.
+"""Sending large messages such that they arrive, and many small ones with few calls.
 
 liblcm sends all fragments of a message in one burst, and with a system's stock receive buffers
-nothing above 190 kB gets through. Here the fragments go out in the same wire format, with a pause
-after each that lets receivers empty their buffers. A plain LCM program receives them as it is.
+nothing above 190 kB gets through. Here the fragments have the same wire format, but each is
+followed by a pause in which receivers can empty their buffers. A plain LCM program needs no
+changes.
 
-Small ones of one size, as a fleet has them, pass through the system together: one by one, that
-takes longer than computing them.
+Small messages of one size, as a fleet sends them, pass through the system together: one by one,
+this takes longer than computing them.
 """
 
 import contextlib
@@ -23,26 +24,26 @@ from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams, short
 PACED_ABOVE_BYTES = 120_000  # payloads up to this size fit stock receive buffers in one burst
 
 MAX_WAITING_BYTES = 64 << 20
-"""A publisher that is faster than the pace waits once this much is queued."""
+"""Once this much is queued, a publisher that is faster than the pace has to wait."""
 
 _PAUSE = 0.0002  # [s] after each fragment; three fragments fit stock buffers (212 992 bytes)
 _MOST_TOGETHER = 32  # messages; a stock receive buffer holds three times as many
-_MOST_BYTES_TOGETHER = 65_000  # on their way they are one datagram
+_MOST_BYTES_TOGETHER = 65_000  # on their way they form one datagram
 _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
 class PacedSender:
-    """Sends large messages on a thread of its own, in the order given, from a port of its own."""
+    """Sends large messages in the given order, on its own thread and from its own port."""
 
     def __init__(self, url: BusUrl) -> None:
         self._address = (url.host, url.port)
         self._socket = sending_socket(url)
-        self._socket.bind(("", 0))  # so that the port is known before the first message
+        self._socket.bind(("", 0))  # to know the port before the first message
         self._cuts = cuts_datagrams(self._socket)
         self._seqno = 0
         self._waiting: deque[tuple[str, bytes]] = deque()
         self.channels: Counter[str] = Counter()
-        """The channels of messages that wait or are being sent: none may overtake them."""
+        """The channels of messages that wait or are being sent, which others must not overtake."""
         self._waiting_bytes = 0
         self._changed = threading.Condition()
         self._closed = False
@@ -54,7 +55,7 @@ class PacedSender:
         return int(self._socket.getsockname()[1])
 
     def send(self, channel: str, payload: bytes) -> None:
-        """Queue one message. Waits only while MAX_WAITING_BYTES are queued already.
+        """Queue one message. Waits only while MAX_WAITING_BYTES are queued.
 
         Raises:
             BusError: The message is larger than LCM's receivers accept, or the sender is closed.
@@ -76,9 +77,9 @@ class PacedSender:
             self._changed.notify_all()
 
     def send_together(self, messages: Sequence[tuple[str, bytes]]) -> list[int]:
-        """Send messages that are short and of one size with one call, in their order.
+        """Send short messages with one call for each group of the same size, in their order.
 
-        Returns the places of those that are to be sent otherwise.
+        Returns the indices of the messages that must be sent in another way.
         """
         sizes: dict[int, list[int]] = {}
         for place, (channel, payload) in enumerate(messages):
@@ -95,7 +96,7 @@ class PacedSender:
     def _send_alike(self, messages: Sequence[tuple[str, bytes]]) -> bool:
         """Send short messages of one size with one call; return False if none could be sent."""
         with self._changed:
-            # a large one that is being sent has the newest number
+            # a large message that is being sent has the latest number
             if not self._cuts or self._waiting or self._closed:
                 return False
             numbered = enumerate(messages, self._seqno + 1)
@@ -126,13 +127,13 @@ class PacedSender:
             self._send_now(channel, payload)
             with self._changed:
                 self._waiting.popleft()
-                self.channels -= Counter([channel])  # only now; it keeps none without messages
+                self.channels -= Counter([channel])  # only now; removes a channel without messages
                 self._waiting_bytes -= len(payload)
                 self._changed.notify_all()
 
     def _send_now(self, channel: str, payload: bytes) -> None:
         self._seqno += 1
-        # a message that cannot leave is lost, as any datagram may be; the next one is tried again
+        # a message that cannot be sent is lost, as any datagram may be; the next one is tried
         with contextlib.suppress(OSError):
             for datagram in datagrams(self._seqno, channel, payload):
                 self._socket.sendto(datagram, self._address)

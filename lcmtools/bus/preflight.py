@@ -1,4 +1,4 @@
-"""Checks before liblcm or Zenoh is called, of conditions that make it hang, crash or print.
+"""Checks, before liblcm or Zenoh is called, for conditions that make it hang, crash or print.
 
 Must not import lcm or zenoh.
 """
@@ -15,16 +15,16 @@ from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
 
 _SELECT_LIMIT = 1024
-_CONNECT_TIMEOUT = 3.5  # [s]; what a full line loses of it is sent again after 1 s and 3 s
+_CONNECT_TIMEOUT = 3.5  # [s]; TCP retransmits lost packets of it after 1 s and 3 s
 _ANSWER_TIMEOUT = 5.0  # [s]; a busy server may take its time
 _PERIOD = 0.2  # [s] between two checks
 
 
 def check_bus(url: BusUrl) -> None:
-    """Make sure that the bus can be used. It takes some seconds where a server does not answer.
+    """Make sure that the bus can be used. This takes some seconds if a server does not answer.
 
     Raises:
-        BusError: It cannot, with what to do.
+        BusError: It cannot; the error says what to do.
     """
     _check_descriptors()
     if url.provider in ("udpm", "mpudpm"):
@@ -32,7 +32,7 @@ def check_bus(url: BusUrl) -> None:
     elif url.provider == "tcpq":
         _check_server(url)
     elif url.provider == "zenoh":
-        from lcmtools.bus.zenoh_check import check_place  # most buses are no Zenoh
+        from lcmtools.bus.zenoh_check import check_place  # most buses are not Zenoh
 
         check_place(url.place)
     elif url.provider == "file":
@@ -40,7 +40,7 @@ def check_bus(url: BusUrl) -> None:
 
 
 def wait_for_bus(url: BusUrl, notify: Callable[[str], None]) -> None:
-    """Wait until the bus can be used, as nodes may start before a computer's network is up.
+    """Wait until the bus can be used, because nodes may start before the computer's network is up.
 
     Calls ``notify`` with the first problem.
     """
@@ -59,7 +59,7 @@ def _problem(url: BusUrl) -> BusError | None:
 
 
 def _check_descriptors() -> None:
-    """``select`` takes file descriptors below 1024 only; a bus needs about ten."""
+    """Check that about ten file descriptors are left below 1024, the limit of ``select``."""
     with Path(os.devnull).open("rb") as lowest_free:
         if lowest_free.fileno() > _SELECT_LIMIT - 20:
             raise BusError(
@@ -69,7 +69,7 @@ def _check_descriptors() -> None:
 
 
 def _check_server(url: BusUrl) -> None:
-    """Greet the server: liblcm waits without end for one that says nothing, and stops Python."""
+    """Check that the server answers: liblcm waits for a silent one forever, and blocks Python."""
     from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
 
     try:

@@ -1,7 +1,7 @@
-"""The process behind a UDP port: the socket table and the processes of this computer.
+"""The process that uses a UDP port, from the socket table and this computer's processes.
 
-By proc(5). On other systems, and for other users' processes, the answer is "not known", never a
-guess; whether a process runs is known everywhere.
+Uses proc(5). On other systems, and for other users' processes, the answer is "not known", never a
+guess; only whether a process runs is always known.
 """
 
 import contextlib
@@ -20,11 +20,11 @@ from typing import NamedTuple
 from lcmtools.bus.kernel import computer_id
 
 _PROC = Path("/proc")
-_LCM_MARK = b"LCM_SELF_TEST"  # a program that is linked with liblcm statically has this in it
-_SOCKET_TABLES = (_PROC / "net" / "udp", _PROC / "net" / "udp6")  # Java's are in the second
-_ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that receive IPv4, too
+_LCM_MARK = b"LCM_SELF_TEST"  # is in programs that are statically linked with liblcm
+_SOCKET_TABLES = (_PROC / "net" / "udp", _PROC / "net" / "udp6")  # Java's sockets are in the second
+_ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that also receive IPv4
 
-_SESSION_DIGITS = 16  # of a session of Zenoh, whose first half is its computer's number
+_SESSION_DIGITS = 16  # digits of a Zenoh session's id; its first half is its computer's number
 _INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
 """The beginnings of the names of programs whose first argument is a script."""
 _CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})  # Java's options with a value
@@ -37,8 +37,8 @@ class UdpSocket(NamedTuple):
     port: int
     inode: int  # the socket's identity
     uid: int
-    drops: int  # datagrams that did not fit into its buffer
-    queued_bytes: int = 0  # waiting datagrams, with the kernel's overhead
+    drops: int  # datagrams dropped because its buffer was full
+    queued_bytes: int = 0  # bytes of waiting datagrams, with the kernel's overhead
 
 
 class Process(NamedTuple):
@@ -46,19 +46,19 @@ class Process(NamedTuple):
 
     pid: int
     command: str  # its command line
-    start_ticks: int = 0  # its start, in clock ticks since boot: with the pid, its identity
+    start_ticks: int = 0  # its start [clock ticks since boot]; with the pid, its identity
 
     def called(self, most: int) -> str:
-        """Return the command line in so many characters.
+        """Return the command line in ``most`` characters.
 
-        First the program, and the script that an interpreter runs, lose their folders, and Java its
-        options; then words at the end are left out. Arguments are not changed.
+        To shorten it, the program and an interpreter's script first lose their folders, and Java
+        its options; then words at the end are left out. Arguments are not changed.
         """
         if len(self.command) <= most:
             return self.command
         program, *arguments = self.command.split(" ")
         program = program.rpartition("/")[2] or program
-        if program == "java":  # its options come first, and tell nothing of what it runs
+        if program == "java":  # its options come first, and do not show what it runs
             pairs = pairwise(["", *arguments])
             arguments = [word for before, word in pairs if before not in _CLASS_PATHS]
         place = next((n for n, word in enumerate(arguments) if not word.startswith("-")), None)
@@ -74,21 +74,21 @@ class Process(NamedTuple):
 
 
 class Usage(NamedTuple):
-    """A process's use of this computer."""
+    """A process's use of the computer's resources."""
 
     uid: int
     start_time: int  # nanoseconds since 1970, to a hundredth of a second
-    memory_bytes: int  # physical
-    processor_time: float  # so far, all threads together [s]
+    memory_bytes: int  # physical memory
+    processor_time: float  # CPU time of all threads so far [s]
 
 
 def sockets_are_known() -> bool:
-    """Return whether this system lists its UDP sockets, and with them the processes behind."""
+    """Return whether this system lists its UDP sockets, and which processes have them."""
     return _SOCKET_TABLES[0].exists()
 
 
 def udp_sockets() -> list[UdpSocket]:
-    """Return all UDP sockets of this network namespace; empty where that is not known."""
+    """Return all UDP sockets of this network namespace; empty if unknown."""
     found = []
     for table in _SOCKET_TABLES:
         with contextlib.suppress(OSError):
@@ -98,24 +98,24 @@ def udp_sockets() -> list[UdpSocket]:
 
 
 class PossibleSenders(NamedTuple):
-    """The possible senders from a local UDP port."""
+    """The processes that may send from a local UDP port."""
 
-    candidates: tuple[Process, ...]  # the known ones, sorted by pid
-    are_all: bool = True  # there can be no others
+    candidates: tuple[Process, ...]  # known processes, sorted by pid
+    are_all: bool = True  # True if there can be no others
 
     @property
     def only(self) -> Process | None:
-        """The only possible one; None if there are others."""
+        """The only possible sender; None if there may be others."""
         return self.candidates[0] if self.are_all and len(self.candidates) == 1 else None
 
 
 def senders_from(
     port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]
 ) -> PossibleSenders:
-    """Return the possible senders from a port, by the socket table and the holders of inodes.
+    """Return the possible senders from a port, from the socket table and the holders of inodes.
 
-    On the bus's own port, which listeners share, Java sends too. It binds that to any address, and
-    liblcm, which does not send from there, to the group's.
+    On the bus's own port, which listeners share, only Java sends: it binds the port to any address,
+    whereas liblcm, which does not send from there, binds it to the group's.
     """
     able = [r for r in rows if r.port == port and not IPv4Address(r.address).is_multicast]
     found = {holders[row.inode] for row in able if row.inode in holders}
@@ -124,7 +124,7 @@ def senders_from(
 
 
 def owners(inodes: Iterable[int]) -> dict[int, Process]:
-    """Return the process that holds each socket, of those that this user may look into."""
+    """Return the process that holds each socket, of those that this user may inspect."""
     targets = {f"socket:[{inode}]": inode for inode in inodes}
     found: dict[int, Process] = {}
     process_at = cache(process_of)
@@ -137,7 +137,7 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
 def process_of(pid: int) -> Process | None:
     """Return the process with this pid; None if there is none (a zombie has ended).
 
-    Without proc(5) its command and its start are not known.
+    Without proc(5), its command and start are unknown.
     """
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
@@ -151,7 +151,7 @@ def process_of(pid: int) -> Process | None:
 
 
 def is_stopped(pid: int) -> bool:
-    """Return whether a process does nothing until it is continued, as after Ctrl-Z."""
+    """Return whether a process is stopped until it is continued, as after Ctrl-Z."""
     try:
         return _status(pid)[0] in ("T", "t")
     except OSError:
@@ -163,13 +163,13 @@ def _takes_signals(pid: int) -> bool:
         os.kill(pid, 0)
     except ProcessLookupError:
         return False
-    except PermissionError:  # another user's
+    except PermissionError:  # another user's process
         return True
     return True
 
 
 def usage_of(pid: int) -> Usage | None:
-    """Return a process's use of this computer; None where it is unknown."""
+    """Return a process's use of resources; None if unknown."""
     try:
         fields = _status(pid)
         uptime = float((_PROC / "uptime").read_text().split()[0])
@@ -192,7 +192,7 @@ def _status(pid: int) -> list[str]:
 
 
 def is_local(address: str) -> bool:
-    """Return whether an IPv4 address, or a session of Zenoh, is one of this computer's."""
+    """Return whether an IPv4 address, or a Zenoh session, belongs to this computer."""
     if len(address) == _SESSION_DIGITS and "." not in address:
         return address.startswith(f"{computer_id():08x}")
     if address == "0.0.0.0" or address.startswith("127."):  # noqa: S104 - a comparison
@@ -208,11 +208,11 @@ def is_local(address: str) -> bool:
 def silent_senders(
     group: str, group_port: int, seen_ports: set[int], known_pids: set[int]
 ) -> set[int]:
-    """Return the ports of programs here that may publish to the group and have not done so yet.
+    """Return the ports of programs here that may publish to the group but have not done so yet.
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
-    Candidates are such sockets of processes that use liblcm; a process that listens on other buses
-    only is none. ``known_pids`` are processes whose publications are known otherwise (announced
+    Candidates are such sockets of processes that use liblcm, except processes that listen only on
+    other buses. ``known_pids`` are processes whose publications are known in another way (announced
     nodes).
     """
     if not _is_joined(group):
@@ -225,7 +225,7 @@ def silent_senders(
         and row.port not in seen_ports
         and os.getuid() in (0, row.uid)
     ]
-    if not silent:  # the owners of sockets take a look at every file that is open
+    if not silent:  # finding the owners means inspecting every open file
         return set()
     holders = owners(row.inode for row in rows)
     known = known_pids | {os.getpid()} | _listening_elsewhere(rows, holders, group_port)
@@ -241,7 +241,7 @@ def silent_senders(
 def _listening_elsewhere(
     rows: Iterable[UdpSocket], holders: Mapping[int, Process], group_port: int
 ) -> set[int]:
-    """Return the processes that listen to multicast groups, and to none on this port."""
+    """Return the processes that listen to multicast groups, but to none on this port."""
     ports: dict[int, set[int]] = {}
     for row in rows:
         if row.inode in holders and IPv4Address(row.address).is_multicast:
@@ -250,7 +250,7 @@ def _listening_elsewhere(
 
 
 def uses_lcm(pid: int) -> bool:
-    """Return whether the process has liblcm or its Python binding loaded, or is linked with it."""
+    """Return whether the process has liblcm or its Python binding loaded, or linked in."""
     try:
         maps = (_PROC / str(pid) / "maps").read_bytes()
     except OSError:
@@ -279,7 +279,7 @@ def _is_joined(group: str) -> bool:
 
 
 def _parse_row(columns: list[str]) -> UdpSocket | None:
-    """Return the socket of a row; None where it is for IPv6 only."""
+    """Return the socket of a row; None if it is for IPv6 only."""
     address, port = columns[1].split(":")
     if len(address) == len(_ANY_V6) and address != _ANY_V6 and address[:24] != _MAPPED_V6:
         return None
@@ -294,9 +294,9 @@ def _parse_row(columns: list[str]) -> UdpSocket | None:
 
 
 def _open_files() -> Iterator[tuple[int, str]]:
-    """Yield processes with the targets of their descriptors; none of other users' processes."""
-    # by strings: thousands of Paths would take most of the time
-    with contextlib.suppress(OSError):  # no such system
+    """Yield pids with the targets of their descriptors, except other users' processes."""
+    # strings are used because thousands of Paths would take most of the time
+    with contextlib.suppress(OSError):  # a system without proc(5)
         for pid in filter(str.isdigit, os.listdir(_PROC)):  # noqa: PTH208
             folder = f"{_PROC}/{pid}/fd"
             with contextlib.suppress(OSError):  # another user's, or ended meanwhile

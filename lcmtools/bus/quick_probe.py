@@ -1,4 +1,4 @@
-"""A quick probe of a bus: its graph within some hundredths of a second, for shell completion.
+"""A quick probe of a bus, which gets its graph within hundredths of a second, for shell completion.
 
 The constructor sends the probe, and the answers wait in the socket until ``graph`` reads them. On
 Linux a filter in the kernel keeps only the head of other messages, so that a bus full of images
@@ -17,7 +17,7 @@ from lcmtools.bus.socket_filter import whole_on
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 
-if TYPE_CHECKING:  # imported while the answers are on their way
+if TYPE_CHECKING:  # at run time imported later, while answers are on their way
     from lcmtools.graph.builder import GraphBuilder
     from lcmtools.graph.model import Graph
 
@@ -28,8 +28,8 @@ PROBE = b"LC02\0\0\0\0" + PROBE_CHANNEL.encode() + b"\0" + PROBE_PAYLOAD
 
 A constant, because importing the encoder takes longer than the answers.
 """
-AT_LEAST = 0.03  # time that nodes have to answer [s], three times what they need
-AT_MOST = 0.08  # time that a node known to run has [s]: on a busy computer it may be late
+AT_LEAST = 0.03  # time that nodes have to answer [s], three times as long as they need
+AT_MOST = 0.08  # the same for a node that is known to run [s]: on a busy computer it may be late
 _QUIET = 0.012  # [s] without an announcement after which the answers count as complete
 _MAX_DATAGRAM = 65536
 
@@ -37,10 +37,10 @@ _MAX_DATAGRAM = 65536
 class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     """A request to the nodes of a multicast bus, sent by the constructor.
 
-    By default it requests all nodes' announcements; the answers come on a channel.
+    By default it requests all nodes' announcements; answers arrive on a channel.
 
     Raises:
-        BusError: The bus is no multicast, or cannot be reached.
+        BusError: The bus is not multicast, or cannot be reached.
     """
 
     def __init__(
@@ -71,10 +71,10 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     def graph(
         self, missing: Callable[[Container[str]], Iterable[object]] = lambda _: ()
     ) -> "Graph":
-        """Return the graph by the answers so far, complete where nodes answer in time.
+        """Return the graph from the answers so far; it is complete if nodes answer in time.
 
-        ``missing`` gives the nodes known to run, but for those with these ids, which have answered;
-        they are awaited for up to AT_MOST.
+        ``missing`` returns the nodes known to run, except those with the given ids, which have
+        answered; they are awaited for up to AT_MOST.
         """
         from lcmtools.graph.builder import GraphBuilder
 
@@ -84,22 +84,22 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
             if found := self._read(builder, min(_QUIET, latest - now)):
                 answered |= found
                 soonest = max(soonest, time.monotonic() + _QUIET)
-        self._read(builder, 0.0)  # if this process was held up, more has come
+        self._read(builder, 0.0)  # if this process was delayed, more has come
         return builder.snapshot(time.time_ns())
 
     def replies(self, channel: str, seconds: float) -> Iterator[bytes]:
-        """Yield the payloads that come on a channel within so many seconds of the request."""
+        """Yield the payloads that come on a channel within ``seconds`` of the request."""
         from lcmtools.wire.datagram import ShortMessage, parse
 
         deadline = self._sent + seconds
-        # if this process was held up, what has come meanwhile still counts
+        # if this process was delayed, payloads that came meanwhile still count
         while select.select([self._receiver], [], [], max(0.0, deadline - time.monotonic()))[0]:
             message = parse(self._receiver.recv(_MAX_DATAGRAM))
             if isinstance(message, ShortMessage) and message.channel == channel:
                 yield message.payload
 
     def _read(self, builder: "GraphBuilder", timeout: float) -> set[str]:
-        """Read all waiting datagrams, or heads of them; return the ids of announced nodes."""
+        """Read all waiting datagrams, or their heads; return the ids of announced nodes."""
         if not select.select([self._receiver], [], [], timeout)[0]:
             return set()
         from lcmtools.wire.packet import Sender

@@ -1,10 +1,10 @@
-"""The sockets that an observer receives a multicast group's datagrams with.
+"""The sockets with which an observer receives a multicast group's datagrams.
 
-Linux grants a socket 208 KiB and counts twice that, which six fragments of a large message fill;
-liblcm sends all of a message at once. An observer that must lose nothing takes several sockets,
-each with a buffer of its own: some for a share of the short messages each, the others for a share
-of the fragments, by filters in the kernel. Each datagram costs its sender a little for each socket,
-so there are no more than messages need.
+Linux grants a socket 208 KiB and counts twice that, which six fragments of a large message fill,
+but liblcm sends all fragments at once. An observer that must lose nothing uses several sockets,
+each with its own buffer: filters in the kernel give some a share of the short messages each, and
+the others a share of the fragments each. Each datagram costs its sender a little for each socket,
+so there are no more than necessary.
 """
 
 import select
@@ -20,30 +20,30 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.wire.datagram import FRAGMENT_MAX, SHORT_MESSAGE_MAX
 from lcmtools.wire.packet import Packet
 
-_FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with the kernel's own
+_FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with the kernel's overhead
 _SHORT_ROOM, _MOST_GROWTH = 900, 1.5
-"""The same of a short message, beside so many times its size: it takes up to a power of two."""
+"""A short message's overhead, and the factor of its size, which is rounded to powers of two."""
 _PAYLOAD: Callable[[Packet], bytes] = itemgetter(1)
 _MOST_SHARES = 8
-_SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages where a buffer has fewer bytes
-_WANTED, _NEEDED = 32, 2  # messages of the largest kind for which there is, or must be, room
+_SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages if a buffer has fewer bytes
+_WANTED, _NEEDED = 32, 2  # largest messages for which there should be, and must be, room
 
 
 class Receivers:
-    """The sockets of one observer; one at first."""
+    """The sockets of one observer, initially one."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
         self.sockets = [receiving_socket(url)]
-        # the system gives each datagram's receive time
+        # true if the system gives each datagram's receive time
         self.has_times = self._prepare(self.sockets[0])
         self._granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
-        self.short = self.sockets[:]  # those for short messages, the first of all
+        self.short = self.sockets[:]  # sockets for short messages, at first the one for all
         self._shares = self._message_bytes = 0
-        # messages that arrived before are left out: they may have come twice, or not at all
+        # messages from before this time are ignored: they may have come twice, or not at all
         self.since = 0
-        # two messages as large as the largest so far fit into the buffers together
+        # true if two messages as large as the largest so far fit into the buffers together
         self.has_room = False
         self._poll = select.poll()
         self._poll.register(self.sockets[0], select.POLLIN)
@@ -54,12 +54,12 @@ class Receivers:
             receiver.close()
 
     def ready(self, timeout: float) -> list[socket.socket]:
-        """Wait up to ``timeout`` [s] for a datagram; return the sockets that have any."""
+        """Wait up to ``timeout`` [s] for a datagram; return the sockets that have one."""
         found = {number for number, _ in self._poll.poll(timeout * 1000)}
         return [one for one in self.sockets if one.fileno() in found] if found else []
 
     def filled_by(self, packets: Sequence[Packet]) -> float:
-        """Return the part of a socket's buffer that the short messages among these take, about."""
+        """Return roughly which part of a socket's buffer the short messages among these take."""
         short = sum(map(len, map(_PAYLOAD, packets)))
         if short > SHORT_MESSAGE_MAX:
             sizes = map(len, map(_PAYLOAD, packets))
@@ -68,10 +68,10 @@ class Receivers:
         return taken / (self._granted * len(self.short))
 
     def make_room(self, message_bytes: int) -> None:
-        """Have room for messages of such a size; more sockets than needed are never closed.
+        """Make room for messages of this size; sockets that are no longer needed are kept.
 
         Raises:
-            BusError: A socket cannot be made.
+            BusError: A socket cannot be created.
         """
         if message_bytes <= self._message_bytes:
             return
@@ -84,17 +84,17 @@ class Receivers:
         self.has_room = self._shares * self._room >= _NEEDED * fragments
 
     def _divide(self, shares: int) -> None:
-        """Divide the fragments into so many shares, and the first time short messages too."""
+        """Divide the fragments into shares; the first time, also the short messages."""
         if not IS_LINUX:
             return
         shorts = _SHORT_SHARES if self._granted < _SMALL else 1
-        while len(self.sockets) < shorts + shares:  # they receive nothing yet
+        while len(self.sockets) < shorts + shares:  # new ones receive nothing yet
             receiver = receiving_socket(self._url, nothing())
             self._prepare(receiver)
             self.sockets.append(receiver)
             self._poll.register(receiver, select.POLLIN)
         self.short, large = self.sockets[:shorts], self.sockets[shorts:]
-        # in this order a datagram may come twice, which makes no message of fragments twice
+        # in this order fragments may come twice, but never a whole message
         for share, receiver in reversed([*enumerate(large)]):
             attach(receiver, fragments_only(share, shares))
         if not self._shares:

@@ -1,8 +1,8 @@
-"""The right to receive from a bus, which one thread at a time has: leader and follower.
+"""The right to receive from a bus, which one thread has at a time: leader and follower.
 
-A bus has a thread of its own, and lends the right to a thread that waits for messages: what arrives
-is handled where its callback runs, without a switch of threads on the way. While that thread is
-away, in a callback for example, the bus's own thread waits for a moment, and then receives again.
+A bus has its own thread, and lends the right to a thread that waits for messages: messages are then
+handled where their callbacks run, without a switch of threads. While that thread is away, for
+example in a callback, the bus's own thread waits for a moment and then receives again.
 """
 
 import threading
@@ -10,22 +10,22 @@ from collections.abc import Callable
 
 from lcmtools.bus.wakeup import WakeupEvent
 
-_PATIENCE = 0.05  # [s] for which a thread that has received may be away; at most twice as long
-_LONGEST_TURN = 1.0  # [s] for which closing waits for a thread that receives
+_PATIENCE = 0.05  # [s] that a thread that has received may be away; up to twice as long happens
+_LONGEST_TURN = 1.0  # [s] that closing waits for a receiving thread
 
 
 class Receiving:
     """The right to receive; a context manager for the bus's own thread."""
 
     def __init__(self, *, is_lendable: bool) -> None:
-        self.is_lendable = is_lendable  # other threads may receive
+        self.is_lendable = is_lendable  # True if other threads may receive
         self.thread = 0  # the thread that receives now; 0 for none
         self.wakeup = WakeupEvent()  # wakes that thread, or the next one
         self._wakeup_of_own = WakeupEvent()
         self._lock = threading.Lock()  # held by the thread that receives
         self._is_leader_here = False
-        self._is_asleep = False  # the bus's own thread, until the leader leaves
-        self._turns = self._seen = 0  # of leaders; those that the bus's own thread has seen
+        self._is_asleep = False  # True if the bus's own thread sleeps until the leader leaves
+        self._turns = self._seen = 0  # turns of leaders; those that the bus's own thread knows
 
     def __enter__(self) -> None:
         """Receive on the bus's own thread."""
@@ -33,14 +33,14 @@ class Receiving:
         self.thread = threading.get_ident()
 
     def __exit__(self, *_: object) -> None:
-        """Receive no more."""
+        """Stop receiving."""
         self.thread = 0
         self._lock.release()
 
     def lead(self) -> bool:
-        """Take the right on a thread that waits for messages, until ``leave``; return success."""
+        """Take the right for the calling thread, until ``leave``; return False if there is none."""
         if self._is_leader_here:
-            self.is_lendable = False  # several threads wait, and each must hear of its messages
+            self.is_lendable = False  # several threads wait: the bus's own must serve all
             self.wake()
             return False
         self._is_leader_here = True
@@ -48,15 +48,15 @@ class Receiving:
             self.wakeup.set()
             try:
                 self._lock.acquire()
-            except BaseException:  # Ctrl-C
+            except BaseException:  # for example Ctrl-C
                 self._is_leader_here = False
                 raise
-            self._is_leader_here = True  # again: it may have been another leader that left
+            self._is_leader_here = True  # set again: another leader may have left meanwhile
         self.thread = threading.get_ident()
         return True
 
     def leave(self) -> None:
-        """Give back what ``lead`` took; the thread is trusted to come back soon."""
+        """Return the right; the thread is trusted to come back soon."""
         self.thread = 0
         self._turns += 1
         self._is_leader_here = False
@@ -65,18 +65,18 @@ class Receiving:
             self._wakeup_of_own.set()
 
     def hand_over(self) -> None:
-        """Trust no thread that is away to come back soon."""
+        """Stop trusting that a thread that is away comes back soon."""
         if not self._is_leader_here:
             self._seen = self._turns
             self._wakeup_of_own.set()
 
     def follow(self, has_work: Callable[[], bool]) -> bool:
-        """Wait on the bus's own thread while another receives, or is soon to do so again.
+        """Wait on the bus's own thread while another receives or will soon do so again.
 
-        Returns False if its own thread is to receive: nobody else does, or there is work for it,
+        Returns False if the bus's own thread must receive: no other does, or there is work for it,
         such as a request that came just as the other one left.
         """
-        if self._is_leader_trusted() and not has_work():  # it need not wake this one again
+        if self._is_leader_trusted() and not has_work():  # its next turn need not wake this thread
             self._seen = self._turns
             self._wakeup_of_own.wait(_PATIENCE)
         elif self._is_leader_here:
@@ -87,13 +87,13 @@ class Receiving:
         return self._is_leader_here or (self._is_leader_trusted() and not has_work())
 
     def wake(self) -> None:
-        """Wake the thread that receives, and the bus's own one."""
+        """Wake the receiving thread and the bus's own thread."""
         self.wakeup.set()
         self._wakeup_of_own.set()
 
     def close(self) -> None:
-        """Free the descriptors, once no thread waits any more."""
-        # a signal handler may close the bus on the very thread that receives
+        """Free the descriptors, once no thread waits."""
+        # a signal handler may close the bus on the receiving thread itself
         is_here = self.thread == threading.get_ident()
         is_taken = not is_here and self._lock.acquire(timeout=_LONGEST_TURN)
         self.wakeup.close()
@@ -102,5 +102,5 @@ class Receiving:
             self._lock.release()
 
     def _is_leader_trusted(self) -> bool:
-        """Return whether a leader has come and gone since the bus's own thread has looked."""
+        """Return whether a leader has come and gone since the bus's own thread last looked."""
         return self.is_lendable and self._turns != self._seen

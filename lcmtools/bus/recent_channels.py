@@ -1,7 +1,7 @@
 """Channels of the last minute, remembered from one completion to the next.
 
-Nodes answer a probe. A program that knows nothing of lcmtools has to publish while a completion
-listens, which it seldom does at 1 Hz; the next completion still offers its channel.
+Nodes answer a probe. Any other program shows only if it publishes while a completion listens, which
+is unlikely at 1 Hz; with this, the next completion still offers its channel.
 """
 
 import contextlib

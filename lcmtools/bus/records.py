@@ -1,7 +1,7 @@
-"""Records of the nodes that run on this computer, so that one that was killed is not forgotten.
+"""Records of the nodes that run on this computer, so that killed nodes are noticed.
 
-A node that ends says goodbye on the bus; one that is killed cannot. Each node keeps a small file
-while it lives; a file whose node does not answer shows its end. The files belong to one user.
+A node that ends says goodbye on the bus; a killed one cannot. Each node keeps a small file while it
+lives; if its node does not answer, a file shows that it ended. The files belong to one user.
 """
 
 import contextlib
@@ -24,7 +24,7 @@ class NodeRecords:
         self._folders = [base / "nodes" / url.file_name for base in _base_folders(environment)]
 
     def write(self, node: Node) -> None:
-        """Write a node's record, if there is room, in place of those of dead nodes of its name."""
+        """Write a node's record, if there is room, and remove those of dead nodes of its name."""
         for dead in self.read():
             if dead.name == node.name and dead.stale is Staleness.ENDED:
                 self.remove(dead.id)
@@ -60,8 +60,8 @@ class NodeRecords:
     def read(self, but: Container[str] = ()) -> Iterator[Node]:
         """Yield the nodes with a record, each with its staleness if it does not answer.
 
-        A node in another network of this computer, as containers have their own, is on another bus.
-        Nodes with an id in ``but`` are left out, unread.
+        A node in another network namespace of this computer, for example in a container, is on
+        another bus. Nodes with an id in ``but`` are left out, unread.
         """
         for record in self._records(but):
             with contextlib.suppress(ValueError, KeyError, TypeError):
@@ -84,7 +84,7 @@ class NodeRecords:
         return next((one for one in alive if one.name == node.name and one.pid != node.pid), None)
 
     def topics(self, identifiers: Container[str], role: Role) -> set[str]:
-        """Return the topics that nodes of these ids published, or subscribed to."""
+        """Return the topics that nodes with these ids published or subscribed to."""
         found: set[str] = set()
         for record in self._records():
             topics = record.get("publishes" if role is Role.PUBLISHER else "subscribes")
@@ -103,7 +103,7 @@ class NodeRecords:
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:
-    """Return the folders of records, the one to write to first: the user's runtime folder, /tmp."""
+    """Return the folders of records, first the one to write to: the user's runtime folder, /tmp."""
     shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
     runtime = environment.get("XDG_RUNTIME_DIR")
     if runtime and Path(runtime).is_dir():

@@ -1,7 +1,7 @@
 """Programs of socket filters, which the Linux kernel runs (classic BPF); see ``kernel.attach``.
 
 A filter sees each datagram, with its UDP header, before it is queued. It returns the number of
-bytes to keep, UDP header included: 0 drops the datagram, and so does a load from beyond its end.
+bytes to keep, UDP header included. 0 drops the datagram; so does a load from beyond its end.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -30,9 +30,9 @@ _SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAG
 _SEQNO = _UDP_HEADER + 4
 _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
 _SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
-_PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # and of its channel, where it is the first
-_HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint behind the longest channel
-ENDING_BYTES = 4  # of the endings in ``these_endings``
+_PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # in the first fragment, where the channel begins
+_HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint after the longest channel
+ENDING_BYTES = 4  # length of the endings in ``these_endings``
 _LOADS = {4: _LOAD_WORD, 2: _LOAD_HALF, 1: _LOAD_BYTE}
 
 
@@ -50,20 +50,20 @@ _ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
 
 
 def well_formed() -> FilterProgram:
-    """Accept what ``lcmtools.wire.datagram.parse`` accepts, but for an empty channel name."""
+    """Accept what ``lcmtools.wire.datagram.parse`` accepts, except an empty channel name."""
     return _by_kind([*_find_channel_end(_CHANNEL), _ACCEPT])
 
 
 def these_channels(channels: Iterable[str]) -> FilterProgram:
-    """Accept what ``well_formed`` accepts, but of short messages only those on these channels."""
+    """Accept what ``well_formed`` accepts, but short messages only on these channels."""
     names = (channel.encode() + b"\0" for channel in channels)
-    # shorter names first: no datagram ends before the bytes that it is compared with
+    # shorter names first, so that no datagram ends before the bytes it is compared with
     tests = (step for name in sorted(names, key=len) for step in _accept_name(name))
     return _by_kind([*tests, _DROP])
 
 
 def these_endings(endings: Collection[bytes]) -> FilterProgram:
-    """Accept what ``well_formed`` accepts, but of short messages only on channels that end so.
+    """Accept what ``well_formed`` accepts, but short messages only on channels with these endings.
 
     The endings have four bytes each.
     """
@@ -78,7 +78,7 @@ def these_endings(endings: Collection[bytes]) -> FilterProgram:
 def heads_only(but_up_to: int = 0) -> FilterProgram:
     """Drop all fragments but the first; malformed datagrams pass.
 
-    Of messages up to a size [byte] all fragments pass.
+    All fragments of messages up to ``but_up_to`` bytes pass.
     """
     return [
         Instruction(_LOAD_LENGTH),
@@ -95,9 +95,9 @@ def heads_only(but_up_to: int = 0) -> FilterProgram:
 
 
 def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
-    """Accept the short messages of one share, from 0: every so manieth of each sender.
+    """Accept the short messages of one share (from 0): every ``shares``-th of each sender.
 
-    Malformed datagrams are of the first share. The number of shares is a power of two.
+    Malformed datagrams belong to the first share. The number of shares is a power of two.
     """
     return [
         Instruction(_LOAD_LENGTH),
@@ -117,7 +117,7 @@ def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
 
 
 def fragments_only(share: int, shares: int) -> FilterProgram:
-    """Accept the fragments of one share, from 0: every so manieth of each message.
+    """Accept the fragments of one share (from 0): every ``shares``-th of each message.
 
     The number of shares is a power of two.
     """
@@ -138,7 +138,7 @@ def nothing() -> FilterProgram:
 
 
 def one_channel(channel: str) -> FilterProgram:
-    """Accept one channel's messages, and of large ones the first fragment."""
+    """Accept one channel's short messages, and the first fragments of its large ones."""
     name = channel.encode() + b"\0"
     short = [*_is_at(_CHANNEL, name), _ACCEPT]
     return [
@@ -154,9 +154,9 @@ def one_channel(channel: str) -> FilterProgram:
 
 
 def whole_on(prefix: str) -> FilterProgram:
-    """Accept short messages whole whose channel begins so; of other messages only the head.
+    """Accept short messages whole if their channel begins so; of other messages only the head.
 
-    Of the prefix the first four bytes count.
+    Only the first four bytes of the prefix count.
     """
     start = int.from_bytes(prefix.encode()[:4].ljust(4, b"\0"), "big")
     return [
@@ -187,10 +187,10 @@ def _by_kind(short: FilterProgram) -> FilterProgram:
 
 
 def _accept_name(name: bytes) -> Sequence[Instruction]:
-    """Accept a short message with this name, its NUL included; go on behind with others."""
+    """Accept a short message with this name, its NUL included; other datagrams go on after it."""
     tests: list[Instruction] = [_ACCEPT]
     position = 0
-    while position < len(name):  # the last bytes are compared first: first ones are often alike
+    while position < len(name):  # the last bytes are compared first: the first ones are often equal
         size = next(size for size in _LOADS if size <= len(name) - position)
         expected = int.from_bytes(name[position : position + size], "big")
         tests.insert(0, Instruction(_JUMP_EQUAL, expected, 0, len(tests)))
@@ -200,7 +200,7 @@ def _accept_name(name: bytes) -> Sequence[Instruction]:
 
 
 def _is_at(position: int, expected: bytes) -> Iterator[Instruction]:
-    """Go on where these bytes stand at a position; drop other datagrams."""
+    """Go on if a datagram has these bytes at a position; drop others."""
     while expected:
         size = next(size for size in _LOADS if size <= len(expected))
         yield Instruction(_LOADS[size], position)
@@ -210,7 +210,7 @@ def _is_at(position: int, expected: bytes) -> Iterator[Instruction]:
 
 
 def _find_channel_end(start: int) -> Iterator[Instruction]:
-    """Find the NUL behind a name of 1 to 63 bytes; go on with X = the bytes of both."""
+    """Find the NUL after a name of 1 to 63 bytes; go on with X = the length of both."""
     yield Instruction(_LOAD_BYTE, start)
     yield Instruction(_JUMP_EQUAL, 0, 0, 1)
     yield _DROP
@@ -223,7 +223,7 @@ def _find_channel_end(start: int) -> Iterator[Instruction]:
 
 
 def _check_fragment() -> Iterator[Instruction]:
-    """Accept a fragment whose number is below their count and which lies within its message."""
+    """Accept a fragment whose number is below the count and that lies within its message."""
     channel = list(_find_channel_end(_PAYLOAD))
     yield Instruction(_LOAD_HALF, _COUNT)
     yield Instruction(_TO_X)

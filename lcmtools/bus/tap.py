@@ -1,11 +1,11 @@
 """The tap: a passive observer of a multicast group's datagrams.
 
-It joins the group beside its members and sees every sender, a program without lcmtools too. It
+It joins the group like its members and sees every sender, including programs without lcmtools. It
 decodes nothing, and no datagram makes it fail.
 
-By default it takes the heads of large messages only: their first datagram has channel, type, size
-and number, and on Linux a filter in the kernel drops the others, so that a bus full of images costs
-next to nothing to watch.
+By default it reads only the heads of large messages: the first datagram has channel, type, size and
+number, and on Linux a filter in the kernel drops the others, so that watching a bus full of images
+costs almost nothing.
 """
 
 import contextlib
@@ -33,15 +33,15 @@ if TYPE_CHECKING:
     from lcmtools.bus.datagram_batch import DatagramBatch
 
 _MAX_DATAGRAM = 65536
-_BATCH = 2048  # datagrams taken in one turn
+_BATCH = 2048  # datagrams read in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
-"""After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
-_OF_A_NAP = _BATCH // 2  # messages that may come meanwhile
-_FILLED, _LITTLE = 0.5, 0.01  # the part of the kernel's buffer that they may take; a small part
-LONG_NAP = 0.1  # a nap of who counts messages [s]: the kernel notes their times
-_DEAF_NAP = 0.04  # [s]: longer ones end with a request of who looks for nodes, and waits 0.05 s
+"""After this many turns that waited less than this time [s], turns begin with a nap [s]."""
+_OF_A_NAP = _BATCH // 2  # messages that may come during a nap
+_FILLED, _LITTLE = 0.5, 0.01  # part of the kernel's buffer that they may fill; the least counted
+LONG_NAP = 0.1  # a nap for counting messages [s]: the kernel notes their times
+_DEAF_NAP = 0.04  # [s]: a longer nap ends with a probe, whose sender waits 0.05 s for nodes
 
-_AT_FIRST = 1_000_000  # bytes of a large message for which there is room before the first one comes
+_AT_FIRST = 1_000_000  # bytes of a large message that has room even before the first one comes
 _TIME: Callable[[Datagram], int] = itemgetter(2)
 
 
@@ -50,19 +50,19 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
     Args:
         url: The bus.
-        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
-        in_kernel: Let the kernel drop other fragments, where it can; the results are the same
-            without.
-        always_whole: Channels that begin so come whole nevertheless.
-        spread: Receive with several sockets where large messages would not fit into the buffer of
-            one (see ``Receivers``); for who wants all of them.
+        whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
+        in_kernel: Let the kernel drop other fragments, if it can; without, the results are the
+            same.
+        always_whole: Prefixes of channels whose messages are assembled anyway.
+        spread: Receive with several sockets if large messages would not fit into the buffer of one
+            (see ``Receivers``); for observers that need all of them.
 
     Attributes:
         longest_nap: The time [s] that messages of a stream may wait, to be read together.
-        malformed, sequences, ttls: As of ``Reader``.
+        malformed, sequences, ttls: As in ``Reader``.
 
     Raises:
-        BusError: Multicast does not work here, with what to type.
+        BusError: Multicast does not work here; the error says what to type.
     """
 
     is_live, is_log, is_awaiting, has_strangers = True, False, False, False
@@ -87,7 +87,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self.longest_nap = 0.0 if whole else _NAP
         self._nap = _NAP
         self._wants_whole = whole or bool(always_whole)
-        self._passing = 0  # bytes of the messages of which the filter lets all fragments pass
+        self._passing = 0  # size of messages up to which the filter lets all fragments pass [byte]
         first = self._receivers.sockets[0]
         self._filtered = not whole and in_kernel and attach(first, heads_only())
         self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
@@ -114,39 +114,39 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
     @property
     def port(self) -> int:
-        """The UDP port that ``send`` sends from; 0 before the first."""
+        """The UDP port that ``send`` sends from; 0 before the first message."""
         return int(self._sender.getsockname()[1])
 
     @property
     def numbered(self) -> dict[Sender, Sequence]:
-        """The sequences that show loss: not those of ports that several programs share.
+        """The sequences that show losses; not those of ports that several programs share.
 
-        Programs in Java do, and their numbers are mixed.
+        Programs in Java share ports, and their numbers are mixed.
         """
         return {
             sender: sequence
-            for sender, sequence in tuple(self.sequences.items())  # one may be added meanwhile
+            for sender, sequence in tuple(self.sequences.items())  # may grow meanwhile
             if sender.port != self._address[1] and not sequence.is_shared
         }
 
     def want_whole(self, channels: tuple[str, ...]) -> None:
-        """Let the large messages of other channels come whole, as ``always_whole``."""
+        """Assemble the large messages of these channels instead, as ``always_whole``."""
         self._reader.want_whole((PROTOCOL_PREFIX, *channels))
 
     def bind(self) -> None:
-        """Take the port that ``send`` sends from now, before the first message."""
+        """Bind the port that ``send`` sends from, before the first message."""
         self._sender.bind(("", 0))
 
     def drops(self) -> int | None:
         """Return the number of datagrams lost here because they were not read fast enough.
 
-        None where it is unknown, or counts those that the filter drops.
+        None if it is unknown, or includes datagrams that the filter drops.
         """
         sockets = self._receivers.sockets
         return None if self._filtered or len(sockets) > 1 else dropped(sockets[0])
 
     def send(self, channel: str, payload: bytes) -> None:
-        """Publish one message, as an LCM instance of its own.
+        """Publish one message, like a separate LCM instance.
 
         Raises:
             BusError: The system does not send it.
@@ -181,7 +181,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         return packets
 
     def _sleep(self, seconds: float) -> None:
-        """Take a nap; a long one ends when somebody requests nodes to announce themselves."""
+        """Take a nap; a long one ends when a program requests nodes to announce themselves."""
         if seconds > _DEAF_NAP and self._requests is None:
             from lcmtools.bus.channel_socket import ChannelSocket
             from lcmtools.graph.protocol import PROBE_CHANNEL
@@ -193,13 +193,13 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if self._requests is None:
             time.sleep(seconds)
         elif self._requests.wait(seconds):
-            self._requests.take()  # the request comes to the tap's own socket, too
+            self._requests.take()  # the request also arrives at the tap's own socket
 
     def _read(self) -> list[Packet]:
-        """Return what has arrived, from several sockets in the order of its arrival.
+        """Return what has arrived; from several sockets, in order of arrival.
 
-        What arrives while they are read stays for the next turn: before it, something may have
-        come to a socket that was read already.
+        Datagrams that arrive while sockets are read wait for the next turn: an earlier one may have
+        arrived at a socket that was read already.
         """
         receivers = self._receivers
         if len(receivers.sockets) == 1:
@@ -215,12 +215,12 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         first = bisect_left(arrived, receivers.since, key=_TIME)
         last = bisect_right(arrived, until, key=_TIME)
         self._held = arrived[last:]
-        if until == now:  # nothing of before is left; the clock may be set back later
+        if until == now:  # nothing older is left; the clock may be set back later
             receivers.since = 0
         return self._reader.read_all(arrived[first:last])
 
     def _attend_large(self) -> None:
-        """Let the next large messages, as large as those that came, pass and have room."""
+        """Let further messages as large as the largest so far pass the filter, and make room."""
         needed = self._reader.largest_whole
         if self._filtered and needed > self._passing:
             self._passing = needed
@@ -229,11 +229,11 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             self._receivers.make_room(needed)
 
     def _datagrams(self, receiver: socket.socket) -> Iterable[Datagram]:
-        """Take what has arrived."""
+        """Read the datagrams that have arrived."""
         batch = self._batches.get(receiver)
-        is_short = receiver in self._receivers.short  # large ones fit no cache together
+        is_short = receiver in self._receivers.short  # a batch of large ones fits no cache
         if is_short and not batch and self._turns >= _STREAM and self._receivers.has_times:
-            from lcmtools.bus import datagram_batch  # most commands end before they need it
+            from lcmtools.bus import datagram_batch  # late: most commands end before they need it
 
             if datagram_batch.IS_POSSIBLE:
                 batch = self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
@@ -247,10 +247,10 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
                 yield bytes(buffer[:size]), Sender(*address), *arrival(ancillary)
 
     def _is_streaming(self) -> bool:
-        """Return whether turns follow each other at once, so that a nap pays.
+        """Return whether turns follow each other so closely that a nap pays.
 
-        Never with large messages that are wanted whole and would fill the kernel's buffer, nor
-        where a message's receive time is that of its reading.
+        Never if large messages are assembled and would fill the kernel's buffer, or if a message's
+        receive time is the time of reading it.
         """
         receivers = self._receivers
         is_tight = self._wants_whole and self._reader.largest_whole > 0 and not receivers.has_room

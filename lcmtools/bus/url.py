@@ -1,6 +1,6 @@
-"""LCM URLs, read as liblcm reads them, those of Zenoh, and the choice of the bus.
+"""LCM URLs, read as liblcm reads them, Zenoh URLs, and the choice of the bus.
 
-Pure text. Stricter than liblcm in one way: a group without a port is an error, where liblcm takes
+Only text. Stricter than liblcm in one way: a group without a port is an error, whereas liblcm uses
 port 0 and hangs for ten seconds.
 """
 
@@ -13,7 +13,7 @@ from lcmtools.errors import InvalidUrl, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.settings import NO_FILE, UserFile
 
-if TYPE_CHECKING:  # other buses do without
+if TYPE_CHECKING:  # other buses do not need it
     from lcmtools.bus.zenoh_url import ZenohPlace
 
 DEFAULT_GROUP = "239.255.76.67"
@@ -22,7 +22,7 @@ DEFAULT_SERVER = "127.0.0.1"
 SERVER_PORT = 7700
 MAX_DOMAIN = 232  # the largest domain, as in ROS 2; ports stay below the ephemeral range
 
-_DIGITS = 10  # of a number that makes sense in a URL; Python refuses to read thousands of them
+_DIGITS = 10  # at most in a sensible number in a URL; Python refuses to read thousands
 _PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file", "zenoh")
 _OPTIONS = {
     "udpm": ("ttl", "recv_buf_size", "transmit_only"),
@@ -48,14 +48,14 @@ class BusUrl(NamedTuple):
 
     @property
     def place(self) -> "ZenohPlace":
-        """The parts of a URL of Zenoh."""
+        """The parts of a Zenoh URL."""
         from lcmtools.bus.zenoh_url import parse_place
 
         return parse_place(str(self), self.network, self.options)
 
     @property
     def file_name(self) -> str:
-        """A name for files of this bus; the same for different URLs of one bus where possible."""
+        """A name for files of this bus; if possible, the same for different URLs of one bus."""
         if self.provider != "zenoh":
             return f"{self.provider}-{self.host}-{self.port}"
         place = self.place
@@ -64,16 +64,16 @@ class BusUrl(NamedTuple):
 
     @property
     def ttl(self) -> int:
-        """Hops that datagrams may travel: 0 stays on this host. liblcm keeps 8 bits."""
+        """The hops that datagrams may travel; 0 stays on this host. liblcm keeps 8 bits."""
         return int(self.options.get("ttl", "0")) & 0xFF
 
     def with_option(self, key: str, value: str) -> "BusUrl":
-        """Return the same bus with one option more, unless it is there already."""
+        """Return the same bus with one more option, unless it is there already."""
         options = {key: value, **self.options}
         return BusUrl(self.provider, self.network, options, self.host, self.port)
 
     def __str__(self) -> str:
-        """Return the URL as liblcm takes it."""
+        """Return the URL as liblcm accepts it."""
         options = "&".join(f"{key}={value}" for key, value in self.options.items())
         network = f"{self.host}:{self.port}" if self.host else self.network
         return f"{self.provider}://{network}" + (f"?{options}" if options else "")
@@ -84,13 +84,13 @@ def choose_url(
 ) -> tuple[BusUrl, str]:
     """Return the chosen bus, and the source of the choice.
 
-    In this order: the URL given ("--lcm-url"), the domain given ("--domain"), LCM_DEFAULT_URL,
-    LCMTOOLS_DOMAIN, the URL and the domain of the user's file (its line), LCM's default
+    In this order: the given URL ("--lcm-url"), the given domain ("--domain"), LCM_DEFAULT_URL,
+    LCMTOOLS_DOMAIN, the URL and the domain in the user's file (its line), LCM's default
     ("default"). An empty value counts as not given, as in liblcm.
 
     Raises:
         InvalidUrl: The URL is wrong.
-        UsageError: The domain is no number from 0 to 232.
+        UsageError: The domain is not a number from 0 to 232.
     """
     candidates = (
         (url, "--lcm-url", parse_url),
@@ -120,7 +120,7 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     """Read an LCM URL (``provider://network?key=value&key=value``) from a source.
 
     Raises:
-        InvalidUrl: It is wrong, with the right form.
+        InvalidUrl: It is wrong; the error shows the right form.
     """
     provider, separator, rest = text.partition("://")
     if not separator or provider not in _PROVIDERS:
@@ -130,7 +130,7 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
         )
     network, *option_parts = rest.split("?")
     pairs = (part.partition("=") for part in "&".join(option_parts).split("&") if part)
-    options = {key: value for key, _, value in pairs}  # unknown ones too: liblcm ignores them
+    options = {key: value for key, _, value in pairs}  # also unknown ones, which liblcm ignores
     where = f"{source} '{text}'"
     for key in ("ttl", "recv_buf_size", "nports"):
         if not _is_number(value := options.get(key, "0")):
@@ -149,7 +149,7 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
 
 
 def misread_options(url: BusUrl) -> Iterator[str]:
-    """Yield a sentence for each option that liblcm ignores or reads in another way."""
+    """Yield a sentence for each option that liblcm ignores or interprets differently."""
     known = _known_options(url.provider)
     for key, value in url.options.items():
         if key not in known:

@@ -1,6 +1,6 @@
-"""The bus of nodes on Zenoh: handlers for what a session receives.
+"""The bus of nodes on Zenoh: calling handlers for the messages that a session receives.
 
-Zenoh's own threads queue what arrives; a thread that waits for messages, or else the bus's own one,
+Zenoh's own threads queue messages; a thread that waits for messages, or else the bus's own thread,
 calls the handlers (see ``bus.receiving``).
 """
 
@@ -16,15 +16,15 @@ from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh_session import ZenohSession
 from lcmtools.names import check_channel
 
-_FEW, _BATCH = 10, 100  # messages handled before callbacks run; where these are too slow
-_LONGEST_BURST = 10  # times so many at once
+_FEW, _BATCH = 10, 100  # messages handled before callbacks run; the same if these are too slow
+_LONGEST_BURST = 10  # full batches in a row, after which callbacks count as too slow
 
 
 class ZenohBus:
-    """A session of Zenoh with a receiving thread of its own; see ``Bus``.
+    """A Zenoh session with its own receiving thread; see ``Bus``.
 
     Raises:
-        BusError: The bus cannot be reached, with what to do.
+        BusError: The bus cannot be reached; the error says what to do.
         MissingExtra: Zenoh is not installed.
     """
 
@@ -87,10 +87,10 @@ class ZenohBus:
                     self._session.unsubscribe(channel)
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
-        """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
+        """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
         if self._closed or not self._receiving.is_lendable:
             wakeup.wait(timeout)
-        elif self._receiving.lead():  # else, work for this thread may have come a moment ago
+        elif self._receiving.lead():  # if not, work for this thread may just have come
             try:
                 self._receive([wakeup, self._receiving.wakeup], timeout)
                 if not self._receiving.is_lendable:
@@ -114,7 +114,7 @@ class ZenohBus:
         self._session.close()
 
     def leave_to_parent(self) -> None:
-        """Refuse all use in a forked process; see ``Bus``. The session takes care of itself."""
+        """Refuse all use in a forked process; see ``Bus``. The session handles forks itself."""
         self._closed = self._is_of_parent = True
 
     def _run(self) -> None:
@@ -122,7 +122,7 @@ class ZenohBus:
         while not self._closed:
             if not self._receiving.follow(lambda: self._closed):
                 with self._receiving:
-                    if self._closed:  # the wake-up may have been that of the thread before
+                    if self._closed:  # the wake-up may have been meant for the previous thread
                         break
                     self._receive([self._receiving.wakeup], None)
                     self.on_received()
@@ -140,10 +140,10 @@ class ZenohBus:
             events[descriptor].clear()
 
     def _deliver(self) -> None:
-        """Deliver few messages at a time: callbacks run in between, and their queues have room.
+        """Deliver few messages at a time: callbacks run in between, and the queues do not overflow.
 
-        Where bursts do not end, the callbacks are too slow for the messages: then all that wait are
-        delivered at once, and the queues keep the newest.
+        If a burst does not end, the callbacks are too slow for the messages: then all waiting
+        messages are delivered at once, and the queues keep the newest.
         """
         packets = self._session.take(_FEW if self._burst < _LONGEST_BURST else _BATCH)
         self._burst = self._burst + 1 if len(packets) >= _FEW else 0

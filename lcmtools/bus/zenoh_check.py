@@ -1,4 +1,4 @@
-"""Reasons why a session of Zenoh cannot open, which Zenoh itself does not tell.
+"""Reasons why a Zenoh session cannot open, which Zenoh itself does not report.
 
 Must not import Zenoh.
 """
@@ -16,10 +16,10 @@ _PAGE = "docs/networks.md shows a configuration file"
 
 
 def check_place(place: ZenohPlace) -> None:
-    """Make sure that a session may open there. It takes under a second to find out.
+    """Make sure that a session can be opened there. This takes under a second.
 
     Raises:
-        BusError: It cannot, with what to do.
+        BusError: It cannot; the error says what to do.
     """
     if place.file:
         what = f"cannot read Zenoh's configuration '{place.file}'"
@@ -34,8 +34,8 @@ def check_place(place: ZenohPlace) -> None:
 def refusal(address: Address, user: str, certificate: str | None) -> BusError:
     """Return the likely reason why no session opens with a host that can be reached.
 
-    ``user`` is the name that it was told, "" for none; ``certificate`` the file of the certificates
-    that are trusted, "" for the system's, None for a connection without TLS.
+    ``user`` is the user name of the session, "" for none; ``certificate`` is the file of trusted
+    certificates, "" for the system's, None for a connection without TLS.
     """
     if certificate is not None and (trouble := _tls_trouble(address, certificate)):
         return trouble

@@ -1,6 +1,6 @@
-"""The configuration of a Zenoh session, by a URL. Pure values.
+"""The configuration of a Zenoh session, from a URL. Pure values.
 
-A session listens on this computer's loopback alone, unless the URL names an address or a network.
+A session listens only on this computer's loopback, unless the URL has an address or a network.
 """
 
 import sys
@@ -10,18 +10,18 @@ from lcmtools.bus.zenoh_url import LOOPBACK, ZenohPlace
 
 _LOOPBACK_INTERFACE = "lo0" if sys.platform == "darwin" else "lo"
 _MARK = "6c636d746f6f6c73"  # "lcmtools": the first half of the ids of its sessions
-_DELAY_MS = 300  # for who is alone; others answer within milliseconds, on a busy computer later
+_DELAY_MS = 300  # wait if no other program answers; others answer in milliseconds, if busy later
 _US = 1_000_000
-_LEASE_MS = 4000  # of silence, after which a connection counts as lost
+_LEASE_MS = 4000  # after this silence a connection counts as lost
 
 
 def is_own(session: str) -> bool:
-    """Return whether a session's id is that of a program of lcmtools."""
+    """Return whether a session's id belongs to a program of lcmtools."""
     return session.startswith(_MARK)
 
 
 def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
-    """Return the settings of a session, by their path in Zenoh's configuration."""
+    """Return the settings of a session, by their paths in Zenoh's configuration."""
     name = {"id": f"{_MARK}{identifier:016x}"}
     if place.file:
         return name
@@ -47,13 +47,13 @@ def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
         "mode": "peer",
         "connect/endpoints": [f"tcp/{host}" for host in place.hosts],
         "listen/endpoints": listen,
-        # of several programs with one address, the first listens; the next does when it has ended
+        # if several programs have one address, the first listens; when it ends, the next does
         "listen/exit_on_failure": False,
         "listen/timeout_ms": -1,
         "scouting/multicast/enabled": not place.hosts,
         "scouting/multicast/interface": _LOOPBACK_INTERFACE if is_here else place.interface,
         "scouting/multicast/address": place.group,
-        # a program that is on the network as well would tell of others there
+        # else a program that is also on the network would report others there
         "scouting/gossip/enabled": not is_here or bool(place.hosts),
         "scouting/delay": _DELAY_MS,
     }

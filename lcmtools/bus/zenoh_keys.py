@@ -1,11 +1,12 @@
-"""Keys of Zenoh for channels of LCM, one for each. Pure text.
+"""Zenoh keys for LCM channels, one for each. Only text.
 
 A channel's key is its name below a prefix, percent-encoded where Zenoh has rules of its own: the
-slash of "/odometry" would make an empty part, "#", "?", "$" and "*" have a meaning, and a part that
-begins with "@" hides from patterns. Other slashes stay, so that "lcm/%2Fhusky0/**" is a pattern.
+slash of "/odometry" would make an empty part; "#", "?", "$" and "*" have a meaning; and a part that
+begins with "@" is hidden from patterns. Other slashes stay, so that "lcm/%2Fhusky0/**" is a
+pattern.
 
-Below the prefix "dimos" keys are those of dimos: "dimos/cmd_vel/geometry_msgs.Twist" is the topic
-/cmd_vel with the type of its messages. A channel without a leading slash has the part "%" there.
+Below the prefix "dimos", keys are those of dimos: "dimos/cmd_vel/geometry_msgs.Twist" is the topic
+/cmd_vel with the type of its messages. There, a channel without a leading slash has the part "%".
 """
 
 import re
@@ -18,7 +19,7 @@ TYPED_PREFIX = "dimos"
 
 _EDGE_SLASH = re.compile(r"^/|/$|(?<=/)/")
 _TYPE = re.compile(r"[A-Za-z_]\w*\.[A-Za-z_]\w*", re.ASCII)
-_RELATIVE = "%"  # the part that no encoded name is
+_RELATIVE = "%"  # a part that cannot be an encoded name
 _LEGAL_PREFIX = re.compile(r"[A-Za-z0-9_.~-]+(/[A-Za-z0-9_.~-]+)*")
 
 
@@ -36,7 +37,7 @@ class Keys(NamedTuple):
 
     @property
     def is_typed(self) -> bool:
-        """True if the keys name the types of the messages, as those of dimos do."""
+        """True if the keys name the types of the messages, as in dimos."""
         return self.prefix.partition("/")[0] == TYPED_PREFIX
 
     def key(self, channel: str, type_name: str = "") -> str:
@@ -44,7 +45,7 @@ class Keys(NamedTuple):
         return _key(self, channel, type_name)
 
     def patterns(self, channel: str) -> tuple[str, ...]:
-        """Return the patterns of the keys that a channel's messages may come on."""
+        """Return the patterns of the keys on which a channel's messages may arrive."""
         key = self.key(channel)
         return (key, f"{key}/*") if self.is_typed else (key,)
 
@@ -70,7 +71,7 @@ def _key(keys: Keys, channel: str, type_name: str) -> str:
     is_global = channel.startswith("/") and channel != "/"
     name, start = (channel[1:], "") if is_global else (channel, f"{_RELATIVE}/")
     *before, last = _EDGE_SLASH.sub("%2F", _quoted(name)).split("/")
-    if _TYPE.fullmatch(last):  # it would be read as a type
+    if _TYPE.fullmatch(last):  # the last part would be read as a type
         last = last.replace(".", "%2E")
     suffix = type_name.replace("/", ".")
     ending = (suffix,) if _TYPE.fullmatch(suffix) else ()

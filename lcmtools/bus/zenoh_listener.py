@@ -1,4 +1,4 @@
-"""Observing all messages of a bus of Zenoh; see ``observe.sources.Observer``."""
+"""Observing all messages of a Zenoh bus; see ``observe.sources.Observer``."""
 
 import contextlib
 import select
@@ -14,7 +14,7 @@ from lcmtools.wire.stamp import Origin
 
 
 class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
-    """An observer of a bus of Zenoh: a subscription to everything, with who sent what.
+    """An observer of a Zenoh bus: a subscription to everything, with the senders of messages.
 
     ``on_outage`` is that of ``ZenohSession``.
 
@@ -31,9 +31,9 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
     ) -> None:
         self._session = ZenohSession(url, on_outage)
         self._closed = False
-        # This listener, as the sender of what it sends.
+        # This listener as the sender of its own messages.
         self.sender = Sender(f"{self._session.id:016x}", 0)
-        # Each sender's sequence of numbers, which shows its losses.
+        # Each sender's sequence numbers, which show its losses.
         self.numbered: dict[Sender, Sequence] = {}
         self._session.subscribe(None)
 
@@ -53,13 +53,13 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
 
     @property
     def has_strangers(self) -> bool:
-        """True if programs may send that do not answer probes."""
+        """True if programs that do not answer probes may publish."""
         return self._session.has_strangers
 
     def send(
         self, channel: str, payload: bytes, origin: Origin | None = None, *, latched: bool = False
     ) -> None:
-        """Publish one message, with its first sender if it came from another bus.
+        """Publish one message, with its original sender if it came from another bus.
 
         Raises:
             BusError: It cannot be sent.

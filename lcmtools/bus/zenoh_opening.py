@@ -1,6 +1,6 @@
-"""Opening a session of Zenoh, and what to do if that fails.
+"""Opening a Zenoh session, and what to do if that fails.
 
-A session knows the first of several others when it opens: it waits until no more appear.
+When a session opens, it knows only the first of the others; this waits until no more appear.
 """
 
 import json
@@ -16,20 +16,20 @@ from lcmtools.bus.zenoh_url import Address, locator_address
 from lcmtools.errors import BusError, needing_extra
 
 with needing_extra("zenoh", "a bus of Zenoh needs"):
-    import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which needs it as well
+    import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which also needs it
 
 _IMPORTED_BY = os.getpid()
-_STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at most
+_STILL, _SETTLED = 0.02, 0.5  # [s] to wait after the last program that appears; at most in all
 _CODE_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
 _JSON_FAULT = re.compile(r'msg: "(?P<text>.*?)", location.*line: (?P<line>\d+)', re.DOTALL)
 _SYNTAX_FAULT = re.compile(r"--> (?P<line>\d+):.*= (?P<text>.*)", re.DOTALL)
 
 
 def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
-    """Return a new session, and whether all that it sends goes through one router or program.
+    """Return a new session, and whether all its messages go through one router or program.
 
     Raises:
-        BusError: The bus cannot be reached, with what to do.
+        BusError: The bus cannot be reached; the error says what to do.
     """
     if os.getpid() != _IMPORTED_BY:
         raise BusError(
@@ -49,7 +49,7 @@ def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
 
 
 def reason_of(error: Exception) -> str:
-    """Return Zenoh's own words in one line, without the places in its code."""
+    """Return Zenoh's own words as one line, without places in its code."""
     text = _CODE_PLACE.sub("", str(error))
     if said := _JSON_FAULT.search(text) or _SYNTAX_FAULT.search(text):
         text = f"line {said['line']}: {said['text']}"
@@ -69,7 +69,7 @@ def _config(url: BusUrl, identifier: int) -> zenoh.Config:
 
 
 def _fault(url: BusUrl, config: zenoh.Config, error: Exception, *, is_client: bool) -> BusError:
-    """Return the error to raise for one of Zenoh's, which tells little."""
+    """Return the error to raise in place of Zenoh's, which says little."""
     if not is_client:
         return BusError(f"Zenoh cannot open {url}: {reason_of(error)}")
     address = _host_of(config)
@@ -91,7 +91,7 @@ def _host_of(config: zenoh.Config) -> Address | None:
 
 
 def _login_of(config: zenoh.Config) -> tuple[str, str | None]:
-    """Return the user that a configuration names, and its certificates where it uses TLS."""
+    """Return the user in a configuration and, if it uses TLS, its certificates."""
     user = json.loads(config.get_json("transport/auth/usrpwd/user"))
     if '"tls/' not in config.get_json("connect/endpoints"):
         return user or "", None
@@ -100,12 +100,12 @@ def _login_of(config: zenoh.Config) -> tuple[str, str | None]:
 
 
 def _await_others(session: zenoh.Session) -> None:
-    """Wait until no more programs appear: the first tells of the others."""
+    """Wait until no more programs appear: the first one reports the others."""
     start = changed = time.monotonic()
     known = 0
     while (now := time.monotonic()) - changed < _STILL and now - start < _SETTLED:
         if (count := len(session.info.peers_zid())) != known:
             known, changed = count, now
         if not known:
-            return  # alone: opening has waited already
+            return  # no other programs: opening has already waited for them
         time.sleep(0.002)

@@ -1,13 +1,13 @@
-"""A session of Zenoh, and its sharp edges. With ``zenoh_opening``, all that imports its package.
+"""A Zenoh session and its pitfalls. Only this and ``zenoh_opening`` import Zenoh's package.
 
-- A message to a program that does not read waits; after a second, Zenoh lets go of that program,
-  which connects again when it reads again.
+- A message to a program that does not read waits; after a second, Zenoh disconnects that program,
+  which reconnects when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit. A forked process
   can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
-- A message is sent at once, or waits for room: see ``bus.outbox`` for those that come meanwhile.
-- A line that was cut carries on where it stood: what has waited for it is taken out on arrival.
-- What is under way when a session closes is lost: it waits until the others have it.
-- Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
+- A message is sent at once, or waits for room: see ``bus.outbox`` for messages that come meanwhile.
+- After an interruption, a connection resumes: messages that waited for it are dropped on arrival.
+- Messages still under way when a session closes are lost: closing waits until the others have them.
+- Callbacks run on Zenoh's own threads, which must not wait: messages are queued at once.
 - Replies with the same key are merged unless that is switched off.
 """
 
@@ -49,42 +49,42 @@ _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
 _FLUSH_TIMEOUT = 1.0  # [s]
-_RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a question that needs no answer but its end
+_RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a query that needs no reply, only to end
 _MOST_SENDERS = 10_000
-_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # nobody sets it
-_SLOW = 0.01  # [s]: a message that took so long to send had to wait for the network
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # a clock that cannot be set
+_SLOW = 0.01  # [s]: a message that took longer to send had to wait for the network
 
 
 class ZenohSession:
-    """A connection to a bus of Zenoh, for one thread that takes what arrives.
+    """A connection to a Zenoh bus, from which one thread takes messages.
 
-    ``on_outage`` is called by ``take`` when the connection to a router is lost or back, with a text
-    and the present trouble, "" for none.
+    ``on_outage`` is called by ``take`` when the connection to a router is lost or restored, with a
+    text and the current problem, "" for none.
 
     Raises:
-        BusError: The bus cannot be reached, with what to do.
+        BusError: The bus cannot be reached; the error says what to do.
         MissingExtra: Zenoh is not installed.
     """
 
     def __init__(self, url: BusUrl, on_outage: Callable[[str, str], None]) -> None:
         self._url, self._place = url, url.place
         self._on_outage = on_outage
-        self._outages: deque[bool] = deque()  # that began, and that ended
+        self._outages: deque[bool] = deque()  # True for one that began, False for one that ended
         self._keys = self._place.keys
-        # The session's id, 64 bits: the computer's number before a random one.
+        # The session's id, 64 bits: the computer's number, then a random one.
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
-        self.dropped = 0  # messages that came late, or were not taken in time, the oldest first
+        self.dropped = 0  # messages that came late, or the oldest if they were not taken in time
         self._numbers = itertools.count(1)
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._lateness: dict[int, Lateness] = {}
         self._bytes = 0
-        self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
-        self._answers = 0  # requests whose answers are awaited
+        self._counting = threading.Lock()  # for Zenoh's threads, one for each connection
+        self._answers = 0  # pending requests
         self._answered: set[str] = set()  # the sessions that answered the last one
         self._retained = Retained()
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
         self._large_keys: set[str] = set()
-        self._is_slow = False  # the network, for small messages
+        self._is_slow = False  # True if small messages have to wait for the network
         self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_large)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session, is_client = open_session(url, self.id)
@@ -101,12 +101,12 @@ class ZenohSession:
         self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
 
     def fileno(self) -> int:
-        """Return the descriptor that can be read while something has arrived."""
+        """Return the descriptor, which is readable while there are messages to take."""
         return self._wakeup.fileno()
 
     @property
     def is_awaiting(self) -> bool:
-        """True while answers to a probe may still come; sessions found since then are asked."""
+        """True while answers to a probe may still come; ask sessions found since the last one."""
         own = filter(is_own, map(str, self._session.info.peers_zid()))
         if not self._answers and not self._answered.issuperset(own):
             self._ask()
@@ -114,7 +114,7 @@ class ZenohSession:
 
     @property
     def has_strangers(self) -> bool:
-        """True if it is connected with programs that are not lcmtools', or with a router."""
+        """True if it is connected with a router, or with programs that are not lcmtools'."""
         info = self._session.info
         return any(not is_own(str(zid)) for zid in (*info.peers_zid(), *info.routers_zid()))
 
@@ -138,7 +138,7 @@ class ZenohSession:
         key = self._keys.key(channel, type_name)
         if len(payload) > MOST_WAITING_BYTES:
             self._large_keys.add(key)
-        is_large = key in self._large_keys  # of which the newest alone waits: it is never old
+        is_large = key in self._large_keys  # only the newest of these waits, so none is outdated
         now = 0 if latched or is_large else time.clock_gettime_ns(_CLOCK)
         stamp = encode_stamp(self.id, next(self._numbers), now, origin)
         message = Outgoing(key, payload, stamp, is_large)
@@ -163,10 +163,10 @@ class ZenohSession:
         """Undo ``subscribe``."""
         for subscriber in self._subscribers.pop(channel, ()):
             with contextlib.suppress(zenoh.ZError):
-                subscriber.undeclare()  # type: ignore[no-untyped-call] # of the package
+                subscriber.undeclare()  # type: ignore[no-untyped-call] # untyped in the package
 
     def take(self, most: int = _MOST_WAITING) -> list[Packet]:
-        """Return what has arrived, so many messages at most, without waiting."""
+        """Return the messages that have arrived, ``most`` at most, without waiting."""
         self._wakeup.clear()
         while self._outages:
             self._tell_outage(is_lost=self._outages.popleft())
@@ -178,7 +178,7 @@ class ZenohSession:
         return [packet for one in taken if (packet := self._packet(*one))]
 
     def close(self) -> None:
-        """Send what waits, and leave the bus."""
+        """Send waiting messages, and leave the bus."""
         atexit.unregister(self.close)
         self._small.close()
         self._large.close()
@@ -188,9 +188,9 @@ class ZenohSession:
         self._wakeup.close()
 
     def _await_receivers(self) -> None:
-        """Wait until other sessions have received what was sent: closing would take it back.
+        """Wait until other sessions have received what was sent: closing would discard it.
 
-        The question follows the messages, of which large ones leave last.
+        The query follows the messages, of which large ones leave last.
         """
         answered = threading.Event()
         handler = zenoh.handlers.Callback(_ignore, answered.set, indirect=False)
@@ -216,7 +216,7 @@ class ZenohSession:
             self._on_outage(f"the connection to {self._url} is back", "")
 
     def _put(self, message: Outgoing) -> None:
-        """Send a message: a small one waits for room, and then the next ones in the outbox."""
+        """Send a message: a small one waits for room; later ones then go to the outbox."""
         publisher = self._publishers.get((message.key, message.is_large))
         if publisher is None:
             publisher = self._publishers[message.key, message.is_large] = self._declare(message)
@@ -226,23 +226,23 @@ class ZenohSession:
             self._is_slow = time.monotonic() - start > _SLOW
 
     def _put_large(self, message: Outgoing) -> None:
-        """Send a large message behind the small ones of its topic that wait still."""
+        """Send a large message after the small ones of its topic that still wait."""
         self._small.await_sent(message.key)
         self._put_quietly(message)
 
     def _put_quietly(self, message: Outgoing) -> None:
-        with contextlib.suppress(zenoh.ZError):  # closed
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._put(message)
 
     def _declare(self, message: Outgoing) -> zenoh.Publisher:
-        """Return a publisher; large messages let small ones of other topics overtake them."""
+        """Return a publisher; small messages may overtake large ones of other topics."""
         priority = zenoh.Priority.DATA_LOW if message.is_large else zenoh.Priority.DATA
         return self._session.declare_publisher(
             message.key, congestion_control=zenoh.CongestionControl.BLOCK, priority=priority
         )
 
     def _ask(self) -> None:
-        """Request the announcements that other sessions keep: all that there are come at once."""
+        """Request the announcements that other sessions keep, which arrive at once."""
         self._answered.clear()
         self._answers += 1
         self._session.get(
@@ -263,14 +263,14 @@ class ZenohSession:
         self._wakeup.set()
 
     def _answer(self, query: zenoh.Query) -> None:
-        """Send the announcements of this session's nodes to who has come later."""
-        query.reply_err(b"")  # an answer that has none of them
+        """Reply with the announcements of this session's nodes to a session that came later."""
+        query.reply_err(b"")  # a reply even if there are none
         stamp = encode_stamp(self.id, 0)
         for payload in self._retained.payloads(time.monotonic()):
             query.reply(query.key_expr, payload, attachment=stamp)
 
     def _arrive(self, sample: zenoh.Sample, *, is_reply: bool = False) -> None:
-        """Queue a message, on a thread of Zenoh's; the oldest make room."""
+        """Queue a message, on a Zenoh thread; drop the oldest if there is no room."""
         arrived = sample, time.time_ns(), time.clock_gettime_ns(_CLOCK), is_reply
         with self._counting:
             self._arrived.append(arrived)
@@ -310,7 +310,7 @@ class ZenohSession:
         )
 
     def _is_late(self, stamp: Stamp, arrival: int) -> bool:
-        """Return whether a message has waited on its way, as while the line was cut."""
+        """Return whether a message was held up on its way, as by an interrupted connection."""
         if not stamp.time:
             return False
         lateness = self._lateness.get(stamp.sender)
@@ -322,16 +322,16 @@ class ZenohSession:
 
 
 def _leave_to_parent(session: ZenohSession | None) -> None:
-    """Never close, nor free, a parent's session in a forked process: that would wait for ever."""
+    """Never close or free a parent's session in a forked process: that would hang."""
     if session is not None:
         atexit.unregister(session.close)
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(session))
 
 
 def _ignore(_: object) -> None:
-    """Answer nothing, as a question ends when it has been asked; take no answer."""
+    """Do nothing: a query ends without a reply, and a reply is not needed."""
 
 
 def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
-    """Return a handler that is called on Zenoh's own thread, without a queue and a thread more."""
+    """Return a handler that is called on Zenoh's own thread, without another queue and thread."""
     return zenoh.handlers.Callback(callback, indirect=False)

@@ -1,13 +1,13 @@
-"""URLs of Zenoh: which programs a session finds, and where it listens. Pure text.
+"""Zenoh URLs: which programs a session finds, and where it listens. Only text.
 
     zenoh://                       all programs of this computer, which find each other
     zenoh://HOST:7447,HOST2:7447   through a router or program there: the first that answers
-    zenoh://224.0.0.224:7450       all that look for others at this multicast group
+    zenoh://224.0.0.224:7450       all programs that look for others at this multicast group
     zenoh:///etc/zenoh.json5       as a configuration file of Zenoh says
 
 Options: ``prefix`` of the keys; ``listen``, an address at which others may connect; ``interface``,
 the network on which to look for others, and whose programs may connect; ``patience``, the seconds
-after which a program that does not read is let go.
+after which a program that does not read is disconnected.
 """
 
 import re
@@ -19,10 +19,10 @@ from lcmtools.bus.zenoh_keys import DEFAULT_PREFIX, Keys, is_legal_prefix
 from lcmtools.errors import InvalidUrl
 
 DEFAULT_PORT = 7447  # the port of Zenoh's routers
-SCOUTING_GROUP = "224.0.0.224:7446"  # the group at which Zenoh's programs look for others
+SCOUTING_GROUP = "224.0.0.224:7446"  # the multicast group at which Zenoh programs look for others
 OPTIONS = ("prefix", "listen", "interface", "patience")
 LOOPBACK = "loopback"
-_DIGITS = 4  # of a number of seconds that makes sense
+_DIGITS = 4  # at most in a sensible number of seconds
 
 _ADDRESS = re.compile(r"(?P<host>\[[0-9a-fA-F:.]+\]|[^:\[\]/\s]+)(?::(?P<port>\d{1,5}))?")
 _EXAMPLE = f"write 'zenoh://', 'zenoh://HOST:{DEFAULT_PORT}' or 'zenoh:///path/to/config.json5'"
@@ -43,18 +43,18 @@ class Address(NamedTuple):
             return False
 
     def __str__(self) -> str:
-        """Return both, as they are written."""
+        """Return both as they are written in a URL."""
         return f"{self.host}:{self.port}"
 
 
 class ZenohPlace(NamedTuple):
-    """The parts of a URL of Zenoh."""
+    """The parts of a Zenoh URL."""
 
     hosts: tuple[Address, ...] = ()  # the routers or programs to connect to; () to look for others
     group: str = SCOUTING_GROUP  # the multicast group at which to look for others
-    file: str = ""  # the configuration file, which then says all of this; "" for none
-    listen: Address | None = None  # the address at which others may connect besides; None for none
-    # The network on which to look for others; "loopback" for this computer alone.
+    file: str = ""  # the configuration file, which replaces all the others; "" for none
+    listen: Address | None = None  # another address at which others may connect; None for none
+    # The network on which to look for others; "loopback" for this computer only.
     interface: str = LOOPBACK
     keys: Keys = Keys()  # the keys of the channels
     patience: int = 1  # the time [s] that a program which does not read may hold up others
@@ -69,7 +69,7 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
     """Read the parts of a URL; ``where`` is the URL and its source, for errors.
 
     Raises:
-        InvalidUrl: It is wrong, with the right form.
+        InvalidUrl: It is wrong; the error shows the right form.
     """
     prefix = options.get("prefix", DEFAULT_PREFIX)
     if not is_legal_prefix(prefix):
@@ -92,7 +92,7 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
 
 
 def locator_address(locator: str) -> Address | None:
-    """Return the host and port of a locator of Zenoh ("tls/robot:7447"); None without one."""
+    """Return the host and port of a Zenoh locator ("tls/robot:7447"); None if it has none."""
     found = _ADDRESS.fullmatch(re.split("[?#]", locator)[0].partition("/")[2])
     return Address(found["host"], int(found["port"] or DEFAULT_PORT)) if found else None
 

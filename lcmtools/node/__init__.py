@@ -1,5 +1,5 @@
-"""Nodes, the parts of a robot's program. The shape is rclpy's; the bus below is LCM.
+"""Nodes, the units that a robot's programs consist of. The API is rclpy's; the bus is LCM.
 
-Callbacks run on the thread that spins; messages are received and the node is announced on threads
-of its own, so a slow callback delays neither.
+Callbacks run on the thread that spins. Separate threads receive messages and announce the node, so
+a slow callback delays neither.
 """

@@ -21,14 +21,14 @@ from lcmtools.graph.protocol import (
 )
 
 _CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
-_SHARE = 0.9  # of a period after which counters count as those of the next one
-_REST = 10  # changes wait so many times as long as announcing took: it may take a tenth of the time
+_SHARE = 0.9  # of a period, after which the counters for the rates are replaced
+_REST = 10  # rest for this many times the CPU time of announcing, which takes a tenth at most
 
 
 class Announcer:
     """Announces nodes from a thread of its own, so that a busy node stays visible.
 
-    ``describe`` returns the present description of every node of this process.
+    ``describe`` returns the current description of every node of this process.
     """
 
     def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:
@@ -43,7 +43,7 @@ class Announcer:
         self._nonce = 0
         self._closed = False
         self._sending = threading.Lock()
-        # the endpoints as they were announced a period ago or two, to count their rates
+        # the endpoints as they were one or two periods ago, to compute their rates
         self._before: dict[object, Endpoint] = {}
         self._latest: dict[object, Endpoint] = {}
         self._next_count = 0.0
@@ -54,7 +54,7 @@ class Announcer:
     def announce_soon(self) -> None:
         """Announce all nodes in a moment, because one has changed; return at once.
 
-        Nodes with hundreds of endpoints rest in between.
+        If announcing takes long, as for hundreds of endpoints, the next change waits longer.
         """
         with self._changed:
             self._is_behind = True
@@ -62,16 +62,16 @@ class Announcer:
             self._changed.notify()
 
     def announce_changes(self) -> None:
-        """Announce all nodes now if one has changed: messages sent next come after it.
+        """Announce all nodes now if one has changed, ahead of any message that is sent next.
 
-        A simulator needs the subscriptions before a request to step.
+        A simulator must know the subscriptions before it is asked to step.
         """
         with self._sending:
             if self._is_behind:
                 self._send_all()
 
     def say_goodbye(self, node: Node) -> None:
-        """Announce that a node ends; its last announcement."""
+        """Announce for the last time that a node exists, and that it ends."""
         with self._sending:
             self._send(Announcement(node, leaving=True))
 
@@ -102,7 +102,7 @@ class Announcer:
         answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
         with self._changed:
             self._nonce = probe.nonce or self._nonce
-            # who requests twice fears that one answer may be lost
+            # a second probe is sent in case an answer is lost: it gets an answer of its own
             self._owes_another = self._answer_due < math.inf
             self._answer_due = min(self._answer_due, answer)
             self._changed.notify()
@@ -119,7 +119,7 @@ class Announcer:
                 self._answer_due = began + ANSWER_SPREAD if self._owes_another else math.inf
                 self._owes_another = False
                 nonce, self._nonce = self._nonce, 0
-            work_began = time.thread_time()  # a busy computer makes no node a large one
+            work_began = time.thread_time()  # CPU time: on a busy computer no node seems large
             with self._sending:
                 self._send_all(nonce)
             worked = time.thread_time() - work_began
@@ -130,7 +130,7 @@ class Announcer:
         return min(self._answer_due, max(self._due, self._rested)) - time.monotonic()
 
     def _send_all(self, nonce: int = 0, target: str = "") -> None:
-        # with the lock held, so that no node is described before its goodbye and sent after it
+        # called with the lock held, so that no node is announced again after its goodbye
         if not target:
             self._is_behind = False  # before describing: a change from now on sets it again
         nodes = self._describe()
@@ -151,7 +151,7 @@ class Announcer:
         return node._replace(endpoints=tuple(rated))
 
     def _send(self, announcement: Announcement) -> None:
-        # a failure is repaired by the announcement a second later; a closing bus takes none
+        # a lost announcement is made up for by the next, a second later; a closing bus takes none
         payload = encode_announcement(announcement.sent_at(time.time_ns()))
         with contextlib.suppress(BusError):
             self._bus.publish(NODE_CHANNEL, payload)

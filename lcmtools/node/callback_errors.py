@@ -25,7 +25,7 @@ _PROGRAMS = _PACKAGE / "labs"  # programs as users write them
 
 @dataclass(slots=True)
 class _Seen:
-    due: float  # of the next line about it, on the monotonic clock [s]
+    due: float  # of the next log line, on the monotonic clock [s]
     pause: float = _FIRST_PAUSE
     message: str = ""
     last_time: int = 0
@@ -36,8 +36,8 @@ class _Seen:
 class CallbackErrors:
     """The exceptions of one node's callbacks.
 
-    Each different error comes into the node's log once with its traceback, then as a line with its
-    count, at growing intervals. ``announce`` is called with each different one.
+    Each different error is logged once with its traceback, then as a line with its count, at
+    growing intervals. ``announce`` is called for each error that differs from those before.
     """
 
     def __init__(self, logger: Logger, announce: Callable[[], None]) -> None:
@@ -67,7 +67,7 @@ class CallbackErrors:
             self._report(key, seen)
 
     def report(self) -> None:
-        """Log how often each error was raised since its last line; the end of the node."""
+        """Log how often each error was raised since its last line; called when the node ends."""
         for key, seen in tuple(self._seen.items()):
             if seen.count > seen.reported:
                 self._report(key, seen)
@@ -97,13 +97,14 @@ def _words(callback: str) -> str:
 def place_of(error: BaseException, function: object) -> Place:
     """Return the place of an exception: the innermost one in the user's own code.
 
-    Of one that lcmtools raises about the function, of what it returned for example, its beginning.
+    If lcmtools raised it about the function, for example about its return value, the place is where
+    the function begins.
     """
     tb = error.__traceback__
     frames = [(f.f_code.co_filename, n, f.f_code.co_name) for f, n in traceback.walk_tb(tb)]
     outside = [frame for frame in frames if not _is_lcmtools(frame[0])]
     own = [frame for frame in outside if not frame[0].startswith(_library_folders())]
-    # of an installed package, its callback: it may call other packages
+    # if only packages are involved, the callback's frame: it may call other packages
     found = own[-1:] or outside[:1]
     if not found and (code := getattr(function, "__code__", None)):
         found = [(code.co_filename, code.co_firstlineno, code.co_name)]
@@ -126,7 +127,7 @@ def _is_lcmtools(file: str) -> bool:
 
 @cache
 def _library_folders() -> tuple[str, ...]:
-    import sysconfig  # with the first exception only
+    import sysconfig  # slow to import, and seldom needed
 
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     return ("<frozen", *(f"{sysconfig.get_path(name)}{os.sep}" for name in names))

@@ -1,7 +1,7 @@
 """The callbacks that the spinning thread runs: of subscriptions, services and timers.
 
-Exceptions of user code end here, in ``CallbackErrors``. A node's name and announcements are not
-known here.
+Exceptions of user code are caught here and passed to ``CallbackErrors``. A node's name and its
+announcements are not known here.
 """
 
 import time
@@ -32,18 +32,18 @@ class Callbacks:
         self.services: list[Service[Message, Message]] = []
         self.timers: list[Timer] = []
         self.clock: Clock = SystemClock()
-        """The node's clock; timers follow it where it is simulated time."""
+        """The node's clock; timers use it only if it gives simulated time."""
         self.spinning_thread: int | None = None
-        """The thread on which ``spin`` runs them now."""
+        """The thread on which ``spin`` is running them; None if there is none."""
         self._timed = Stopwatch()
         self._logger = logger
         self._errors = errors
         self._go_on = go_on
         self._cleared = False
-        self._ready: deque[Callable[[], None]] = deque()  # one for each that waits, as they came
+        self._ready: deque[Callable[[], None]] = deque()  # in order of arrival
 
     def on_ready(self, run: Callable[[SourceT], None], source: SourceT) -> Callable[[], None]:
-        """Return what the source of a message or a request is to call when one more waits."""
+        """Return the function that a source calls whenever one more message or request waits."""
         return partial(self._ready.append, partial(run, source))
 
     def clear(self) -> None:
@@ -56,7 +56,7 @@ class Callbacks:
 
     def run_ready(self) -> bool:
         """Run every callback that is ready; return whether there was one."""
-        has_run, left = False, len(self._ready)  # timers come before what arrives meanwhile
+        has_run, left = False, len(self._ready)  # timers run before what arrives meanwhile
         while left and self._ready:
             try:
                 run = self._ready.popleft()
@@ -68,7 +68,7 @@ class Callbacks:
         return self._run_timers() or has_run if self.timers else has_run
 
     def time(self) -> int:
-        """Return the timers' time [ns]: simulated, or else of a monotonic clock."""
+        """Return the timers' time [ns]: simulated time, or else a monotonic clock's."""
         if isinstance(self.clock, ManualClock):
             return self.clock.now()
         return time.monotonic_ns()
@@ -80,7 +80,7 @@ class Callbacks:
         return self._timed.busy() + sum(stopwatch.busy() for stopwatch in stopwatches)
 
     def time_to_timer(self, *others: Timer) -> float | None:
-        """Return the time until the next timer [s], one of ``others`` too.
+        """Return the time until the next timer [s], ``others`` included.
 
         None if only a message can bring work.
         """
@@ -93,7 +93,7 @@ class Callbacks:
     def deliver(self, subscription: Subscription) -> None:
         """Run the callback of the oldest waiting message."""
         payload = subscription.take()
-        if payload is None:  # destroyed meanwhile
+        if payload is None:  # the subscription was destroyed meanwhile
             return
         with subscription.stopwatch:
             try:
@@ -123,7 +123,7 @@ class Callbacks:
         has_run = False
         for timer in tuple(self.timers):
             now = self.time()
-            # one of them may have ended the node or the program
+            # an earlier timer may have ended the node or the program
             if self._go_on() and not self._cleared and timer.is_due(now):
                 timer.advance(now)
                 has_run = True
@@ -137,5 +137,5 @@ class Callbacks:
     def _note(self, name: str, error: Exception, callback: Callable[..., object]) -> None:
         """Log and count an exception of user code."""
         if isinstance(error, LcmtoolsError) and not self._go_on():
-            return  # no fault: the program ends, and its calls with it
+            return  # not a fault: a call failed because the program is ending
         self._errors.add(name, error, callback)

@@ -1,7 +1,7 @@
-"""Wrong uses of the Python API, each explained in one line: what was expected, what came.
+"""Checks for wrong uses of the Python API, each explained in one line: the expected, the actual.
 
-Belongs here: looking at arguments, and the words. Must not know nodes, the bus or the log. Each
-check raises a UsageError that says what to write.
+Belongs here: checking arguments, and the texts of the errors. Must not know nodes, the bus or the
+log. Each check raises a UsageError that says what to write.
 """
 
 import inspect
@@ -28,19 +28,19 @@ _ROS_SPELLINGS = {
     "set_parameter": "node.set_parameters([lcmtools.Parameter('name', value)])",
     **dict.fromkeys(("get_topic_names_and_types", "get_node_names"), "node.graph()"),
 }
-"""Methods of ROS's nodes that a newcomer calls, with what takes their place."""
+"""Methods of ROS nodes that a newcomer may call, and their replacements here."""
 _LONGEST_USUAL_PERIOD = 60.0  # [s]; a longer one is more often meant in milliseconds
 
 
 def check_text(call: str, what: str, value: object) -> None:
-    """Make sure that a name is a text."""
+    """Make sure that a name is a string."""
     if not isinstance(value, str):
         hint = "the callback comes after it" if inspect.isroutine(value) else ""
         raise UsageError(f"{call}: the {what} is a text, got {described(value)}", hint)
 
 
 def check_endpoint(call: str, kinds: Sequence[object], topic: object, depth: object) -> None:
-    """Make sure that these are message classes, a topic, and the depth of a queue."""
+    """Make sure that these are message classes, a topic and the depth of a queue."""
     for kind in kinds:
         if not (isinstance(kind, type) and is_generated(kind)):
             raise _type_fault(call, kind, topic)
@@ -62,12 +62,12 @@ def check_service_type(call: str, kind: object, name: object) -> None:
 
 
 def check_callback(call: str, callback: object, *arguments: str) -> None:
-    """Make sure that a callback can be called with so many arguments, named for the error."""
+    """Make sure that a callback can be called with these arguments, which the error names."""
     if callback is None or inspect.iscoroutine(callback):
         got = "None"
         if inspect.iscoroutine(callback):
             got = "a coroutine"
-            callback.close()  # it would complain that it was never awaited
+            callback.close()  # Python would warn that it was never awaited
         raise UsageError(
             f"{call}: the callback is {got}, perhaps the result of a call",
             "give the function without parentheses: self.tick, not self.tick()",
@@ -79,7 +79,7 @@ def check_callback(call: str, callback: object, *arguments: str) -> None:
         raise UsageError(f"{call}: the callback {name} is async", f"write def {name}, not async")
     try:
         signature = inspect.signature(callback)
-    except (TypeError, ValueError):  # some built-in functions have none
+    except (TypeError, ValueError):  # some built-in functions have no signature
         return
     try:
         signature.bind(*arguments)
@@ -114,7 +114,7 @@ def period_of(frequency: object) -> float:
 
 
 def check_words(args: object) -> None:
-    """Make sure that these are the words of a command line."""
+    """Make sure that these are a list of command line arguments."""
     if isinstance(args, str):
         raise UsageError(
             f"lcmtools.init takes the command line as a list of words, got {args!r}",
@@ -123,7 +123,7 @@ def check_words(args: object) -> None:
 
 
 def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatch:
-    """Return the error for a value in place of a message of a class, ``expected`` by its name."""
+    """Return the error for a value that is not a message of the class named ``expected``."""
     name = expected.rpartition("/")[2]
     fields = [field.name for field in visible_fields(kind)]
     is_scalar = isinstance(value, (bool, int, float, str))
@@ -136,7 +136,7 @@ def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatc
 
 
 def missing_attribute(node: object, name: str) -> Exception:
-    """Return the error for an attribute that a node has not."""
+    """Return the error for an attribute that a node does not have."""
     cls = type(node).__name__
     if name.startswith(("_Node__", "_Parametric__", "_Factory__")) or name in ("name", "namespace"):
         first = f"begin it with: super().__init__('{cls.lower()}')"
@@ -146,7 +146,7 @@ def missing_attribute(node: object, name: str) -> Exception:
 
 
 def _type_fault(call: str, kind: object, name: object, *, is_service: bool = False) -> UsageError:
-    """Return the error for something in place of a message's or a service's class."""
+    """Return the error for a value that is not a message class or a service class."""
     what = "service" if is_service else "message"
     find: Callable[[str], type] = service_class if is_service else message_class
     if isinstance(kind, str) and (isinstance(name, type) or _is_known(find, name)):
@@ -171,7 +171,7 @@ def _type_fault(call: str, kind: object, name: object, *, is_service: bool = Fal
 
 
 def _class_fault(call: str, kind: type, what: str, find: Callable[[str], type]) -> UsageError:
-    """Return the error for a class that is no message's, or no service's."""
+    """Return the error for a class that is not a message's, or not a service's."""
     if is_generated(kind):
         whole = type_name(kind).partition("_Re")[0]
         hint = f"write {_import(service_class(whole))}" if _is_known(service_class, whole) else ""
@@ -214,7 +214,7 @@ def _arity_fault(
 
 
 def described(value: object) -> str:
-    """Return a short description of a value in an error."""
+    """Return a short description of a value, for an error."""
     if isinstance(value, type):
         return f"the class {type_name(value) if is_generated(value) else value.__qualname__}"
     if is_generated(type(value)):

@@ -1,6 +1,6 @@
 """The context that a process's nodes share: bus, announcer, arguments, shutdown.
 
-The choice among a process's contexts, and signals, are process.py's business.
+process.py chooses among a process's contexts and handles signals.
 """
 
 import os
@@ -26,12 +26,12 @@ from lcmtools.node.logger import Logger
 from lcmtools.settings import usual_namespace
 
 _LONGEST_WAIT = 1.0
-"""[s]; Python's handler of a signal that came just before a wait, or on another thread, runs after
-it."""
+"""[s]. A Python signal handler cannot run during a wait if its signal came just before, or on
+another thread; it runs when the wait ends."""
 
 
 class Participant(Protocol):
-    """A node, as its context knows it."""
+    """A node, as far as its context knows it."""
 
     def describe(self) -> Node:
         """Return the announced description."""
@@ -40,13 +40,13 @@ class Participant(Protocol):
         """Return the node's log."""
 
     def destroy_node(self) -> None:
-        """Say goodbye."""
+        """End the node, which says goodbye."""
 
 
 class Context:
-    """A process's connection to a bus, which is closed with it, and the nodes on it.
+    """A process's connection to a bus, and the nodes on it; closing it closes the connection.
 
-    ``records`` are of the nodes that run. A private bus has no URL.
+    ``records`` holds the records of running nodes. A private bus has no URL.
     """
 
     def __init__(
@@ -62,14 +62,14 @@ class Context:
         bus.on_outage = self._warn
         bus.on_received = self.wake
         self.arguments = arguments
-        self._wakeups: dict[int, WakeupEvent] = {}  # of threads that wait
+        self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
-        """Warnings about the command line for the next node to log."""
+        """Warnings about the command line, which the next node logs."""
         self.note = ""
-        """A sentence on the program for the first node that spins to log."""
+        """A sentence on the program, which the first node that spins logs."""
         self.on_shutdown_request: Callable[[], None] = self.stop
-        """The action on another program's request to shut down."""
+        """Called when another program requests a shutdown."""
         self.host = socket.gethostname()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
@@ -80,7 +80,7 @@ class Context:
         self._closed = self.is_of_parent = False
         self._is_shutdown_requested = False
         self.is_ending = False
-        """True once the program has seen that it is to end, and may take its time."""
+        """True once the program knows that it should end; it may then take its time."""
         self.follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
@@ -90,16 +90,16 @@ class Context:
         return not self._stopping
 
     def is_closed(self) -> bool:
-        """Return whether the bus has been left."""
+        """Return whether the connection is closed."""
         return self._closed
 
     def stop(self) -> None:
-        """Make everything that spins return. Safe in signal handlers."""
+        """Make all spin functions return. Safe in signal handlers."""
         self._stopping = True
         self.wake()
 
     def wake(self) -> None:
-        """Let the threads that wait look for work."""
+        """Wake the waiting threads, so that they look for work."""
         for wakeup in tuple(self._wakeups.values()):
             wakeup.set()
 
@@ -154,11 +154,11 @@ class Context:
         wakeup = self._wakeups.get(thread)
         if wakeup is None:
             self._wakeups[thread] = WakeupEvent()
-            return  # one who wakes all may not have seen it: the caller looks for work first
+            return  # a ``wake`` may have missed it: the caller looks for work first
         self.bus.wait(wakeup, _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT))
 
     def _pids_here(self) -> frozenset[int]:
-        """Return the processes of this computer that are nodes, always with this one."""
+        """Return the processes of this computer that are nodes, this one included."""
         others = (node.pid for node in self.follower.graph().nodes if node.host == self.host)
         return frozenset((os.getpid(), *others))
 
@@ -177,13 +177,13 @@ class Context:
             wakeup.close()
 
     def leave_to_parent(self) -> None:
-        """End in a forked process: threads, nodes, their goodbye and the bus are the parent's."""
+        """End in a forked process: the threads, nodes, goodbyes and the bus remain the parent's."""
         self._closed = self._stopping = self.is_of_parent = True
         self.announcer.leave_to_parent()
         self.bus.leave_to_parent()
 
     def _warn(self, text: str) -> None:
-        """Log once a trouble of all nodes of the process; commands report it themselves."""
+        """Log, once per process, a problem of the bus; commands report it themselves."""
         for participant in tuple(self._participants):
             if not participant.describe().tool:
                 participant.get_logger().warning(text)
@@ -193,17 +193,17 @@ class Context:
         return [self._describe_recorded(participant) for participant in tuple(self._participants)]
 
     def _describe_recorded(self, participant: Participant) -> Node:
-        """Return a node's description; write its record, again when it has other topics."""
+        """Return a node's description; write its record if it is new or its topics have changed."""
         node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
-        with self._recording:  # a node that has been made has a record, whichever thread writes it
+        with self._recording:  # when this returns the record exists, whichever thread wrote it
             if self._records and self._recorded.get(node.id) != topics:
                 self._recorded[node.id] = topics
                 self._records.write(node)
         return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:
-        """End this program if the request is for one of its nodes; on the thread that receives.
+        """End this program if the request is for one of its nodes; runs on the receiving thread.
 
         It answers before it ends, so that the requester can recognize a program that hangs.
         """

@@ -34,14 +34,14 @@ from lcmtools.node.timer import Timer
 
 MessageT = TypeVar("MessageT", bound=Message)
 
-_LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
+_LOST_MESSAGE_PERIOD = 5.0  # [s] between two warnings that messages cannot be sent
 
 
 class Factory:
     """A mixin for nodes, which makes and destroys their parts.
 
-    The resolver remaps the names of topics and services, too. A ``tool`` is a command, whose
-    ``publish`` raises what others log.
+    The resolver also remaps the names of topics and services. In a ``tool``, a command, ``publish``
+    raises its errors; other nodes log them.
     """
 
     # Private names begin with two underscores, as in Node.
@@ -62,7 +62,7 @@ class Factory:
         self.__tool = tool
         self.__publishers: list[PayloadPublisher] = []
         self.__clients: list[Client[Message, Message]] = []
-        self.__received: list[tuple[str, Handler]] = []  # channels, with what takes their messages
+        self.__received: list[tuple[str, Handler]] = []  # channels and their handlers
         self.__is_destroyed = False
 
     @property
@@ -71,7 +71,7 @@ class Factory:
         return self.__is_destroyed
 
     def resolve_name(self, name: str) -> str:
-        """Return the topic or service that a name means for this node, remapped.
+        """Return the full name of a topic or service, resolved for this node and remapped.
 
         Raises:
             InvalidName: The name breaks the naming rules.
@@ -87,12 +87,12 @@ class Factory:
         Args:
             message_type: The messages' class.
             topic: The topic's name, to be resolved.
-            depth: Announced, as in rclpy; LCM sends at once.
-            literal: The topic is an LCM channel to the letter, not to be resolved.
+            depth: Only announced, for rclpy's sake: LCM sends at once.
+            literal: The topic is the exact LCM channel and is not resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
-            UsageError: An argument is of another kind.
+            UsageError: An argument has the wrong type.
         """
         self.__check_alive("create_publisher")
         checks.check_endpoint("create_publisher", [message_type], topic, depth)
@@ -106,12 +106,12 @@ class Factory:
     def create_payload_publisher(
         self, topic: str, type_name: str = "", fingerprint: int | None = None
     ) -> PayloadPublisher:
-        """Return a publisher of messages that are encoded already, of a log for example.
+        """Return a publisher of messages that are already encoded, for example from a log.
 
         Args:
-            topic: The LCM channel to the letter, not to be resolved.
-            type_name: The type of its messages, announced; "" where that is not known.
-            fingerprint: Of this type, announced; None where that is not known.
+            topic: The exact LCM channel; it is not resolved.
+            type_name: The type of its messages, announced; "" if unknown.
+            fingerprint: The fingerprint of this type, announced; None if unknown.
 
         Raises:
             InvalidName: LCM cannot carry this channel name.
@@ -138,19 +138,19 @@ class Factory:
         """Return a subscription; its callback runs on the thread that spins.
 
         Args:
-            message_type: The messages' class, or several: each message is decoded as the one
-                whose fingerprint it carries. The first is the declared type.
+            message_type: The messages' class, or several: each message is decoded as the class that
+                has its fingerprint. The first is the declared type.
             topic: The topic's name, to be resolved.
             callback: Called with each message. Its exceptions are logged, and the node goes on.
-            depth: The number of messages that wait at most; the newest are kept.
+            depth: The largest number of waiting messages; the newest are kept.
             group: Subscriptions of this node with the same group are alternatives: one that is
                 connected is enough.
-            literal: The topic is an LCM channel to the letter, not to be resolved.
+            literal: The topic is the exact LCM channel and is not resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
-            UsageError: An argument is of another kind, the callback of another arity for example.
-            BusError: The bus does not take the subscription.
+            UsageError: An argument is wrong, for example a callback that does not take one message.
+            BusError: The bus does not accept the subscription.
         """
         self.__check_alive("create_subscription")
         types = message_type if isinstance(message_type, tuple) else (message_type,)
@@ -180,10 +180,10 @@ class Factory:
 
     @explained
     def create_rate(self, frequency: float) -> Rate:
-        """Return a rate for a loop of one's own: its ``sleep`` runs callbacks meanwhile.
+        """Return a rate for the caller's own loop: while its ``sleep`` waits, callbacks run.
 
         Args:
-            frequency: Turns of the loop in a second of the node's clock [Hz].
+            frequency: Iterations per second, by the node's clock [Hz].
 
         Raises:
             UsageError: The frequency is not positive and finite.
@@ -200,11 +200,11 @@ class Factory:
         name: str,
         callback: ServiceCallback[RequestT, ResponseT],
     ) -> Service[RequestT, ResponseT]:
-        """Answer requests by ``callback(request, response)``, which returns the response.
+        """Answer requests with ``callback(request, response)``, which returns the response.
 
         Raises:
             InvalidName: The service's name breaks the naming rules.
-            UsageError: An argument is of another kind, the callback of another arity for example.
+            UsageError: An argument is wrong, for example a callback that does not take two.
         """
         resolved = self.__resolve_service("create_service", service_type, name)
         checks.check_callback("create_service", callback, "request", "response")
@@ -222,7 +222,7 @@ class Factory:
 
         Raises:
             InvalidName: The service's name breaks the naming rules.
-            UsageError: An argument is of another kind.
+            UsageError: An argument has the wrong type.
         """
         resolved = self.__resolve_service("create_client", service_type, name)
         client = Client(self.__context.bus, service_type, resolved)
@@ -234,7 +234,7 @@ class Factory:
 
     @explained
     def destroy_publisher(self, publisher: PayloadPublisher) -> None:
-        """Announce a publisher no more. Does nothing the second time."""
+        """Stop announcing a publisher. A second call does nothing."""
         if publisher in self.__publishers:
             self.__publishers.remove(publisher)
             publisher.is_destroyed = True
@@ -242,7 +242,7 @@ class Factory:
 
     @explained
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Receive nothing more by it, no waiting messages either. Does nothing the second time."""
+        """Stop receiving, and drop waiting messages. A second call does nothing."""
         subscription.close()
         if subscription in self.__callbacks.subscriptions:
             self.__callbacks.subscriptions.remove(subscription)
@@ -252,15 +252,15 @@ class Factory:
 
     @explained
     def destroy_timer(self, timer: Timer) -> None:
-        """Call a timer's function no more. Does nothing the second time."""
+        """Stop calling a timer's function. A second call does nothing."""
         timer.cancel()
         with contextlib.suppress(ValueError):
             self.__callbacks.timers.remove(timer)
 
     def destroy_node(self) -> None:
-        """Receive and send nothing any more."""
+        """Stop receiving and sending."""
         self.__is_destroyed = True
-        if not self.__context.is_closed():  # else, the error says that the bus is closed
+        if not self.__context.is_closed():  # else their errors say that the bus is closed
             for publisher in self.__publishers:
                 publisher.is_destroyed = True
             for client in self.__clients:

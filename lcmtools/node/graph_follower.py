@@ -1,8 +1,8 @@
-"""Following the announcements of all nodes, from the first request for the graph on.
+"""Following the announcements of all nodes, starting with the first request for the graph.
 
 On a multicast bus announcements wait in a ``ChannelSocket``, which is emptied a few times a second
-and at each request: waking up for each one would cost several times as much. Elsewhere they come as
-messages do.
+and at each request: waking up for each one would cost several times as much. On other buses they
+arrive as messages do.
 """
 
 import contextlib
@@ -26,10 +26,10 @@ from lcmtools.graph.protocol import (
 from lcmtools.wire.packet import Packet
 
 _MOST_ANNOUNCED = 10_000
-"""Announcements that are kept until the next request for the graph."""
+"""Nodes whose announcements are kept until the next request for the graph."""
 _READ_PERIOD = 0.2
-"""[s] between two reads of the socket. Its buffer as stock systems grant it holds about 180
-announcements, and 200 nodes make 40 in this time."""
+"""[s] between two reads of the socket. On stock systems its buffer holds about 180 announcements;
+200 nodes send 40 in this time."""
 
 
 class GraphFollower:
@@ -38,7 +38,7 @@ class GraphFollower:
     def __init__(self, bus: Bus, url: BusUrl | None) -> None:
         self._bus = bus
         self._url = url
-        self._lock = threading.Lock()  # of the builder
+        self._lock = threading.Lock()  # guards the builder
         self._builder: GraphBuilder | None = None
         self._announced_lock = threading.Lock()  # held for a moment only, while receiving
         self._announced: dict[bytes, tuple[Head, bytes, int]] = {}
@@ -50,7 +50,7 @@ class GraphFollower:
     def graph(self) -> Graph:
         """Return the announced nodes; the first call sends a probe.
 
-        A node's counters are those of when it last changed otherwise.
+        A node's counters date from its last change in anything but the counters.
         """
         with self._lock:
             if self._builder is None:
@@ -64,7 +64,7 @@ class GraphFollower:
             return self._builder.snapshot(time.time_ns())
 
     def close(self) -> None:
-        """Follow no more."""
+        """Stop following."""
         self._closed.set()
         if self._thread is not None:
             self._thread.join(timeout=1.0)
@@ -79,7 +79,7 @@ class GraphFollower:
         else:
             self._thread = threading.Thread(target=self._run, name="graph follower", daemon=True)
             self._thread.start()
-        with contextlib.suppress(BusError):  # without it, they announce within a second
+        with contextlib.suppress(BusError):  # nodes announce within 1 s anyway
             self._bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
 
     def _open_socket(self) -> ChannelSocket | None:
@@ -100,7 +100,7 @@ class GraphFollower:
                 self._keep(payload, arrival)
             if self._socket.has_large:  # a node with hundreds of endpoints
                 large, self._socket = self._socket, None
-                with contextlib.suppress(BusError):  # it closes
+                with contextlib.suppress(BusError):  # it is closing
                     self._bus.subscribe(NODE_CHANNEL, self._keep)
                 large.close()
 

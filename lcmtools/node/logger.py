@@ -1,4 +1,4 @@
-"""A node's log: to standard error in ROS's manner, and to ``/rosout``."""
+"""A node's log, written to standard error in ROS's format and to ``/rosout``."""
 
 import inspect
 import math
@@ -36,7 +36,7 @@ class Logger:
         stream: TextIO | None = None,
     ) -> None:
         self.threshold = Log.INFO
-        """Entries below this level are forwarded and not printed."""
+        """Entries below this level are only forwarded, not printed."""
         self._node = node
         self.clock = clock
         """Stamps the entries."""
@@ -46,7 +46,7 @@ class Logger:
 
     @explained
     def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log an aid to debugging; for the options see ``info``."""
+        """Log a debugging aid; for the options see ``info``."""
         self._log(Log.DEBUG, text, math.inf if once else throttle)
 
     @explained
@@ -55,8 +55,8 @@ class Logger:
 
         Args:
             text: The line.
-            once: Only the first time that this place in the code is reached.
-            throttle: At most once in so many seconds from this place in the code.
+            once: Log only the first time that this place in the code is reached.
+            throttle: Log from this place in the code at most once in this many seconds.
         """
         self._log(Log.INFO, text, math.inf if once else throttle)
 
@@ -68,7 +68,7 @@ class Logger:
     warn = warning
 
     def repeat(self, text: str) -> None:
-        """Publish a warning that still holds on ``/rosout`` again, without printing it."""
+        """Publish a warning that still holds again on ``/rosout``, without printing it."""
         self._log(Log.WARN, text, prints=False)
 
     @explained
@@ -77,11 +77,11 @@ class Logger:
         self._log(Log.ERROR, text, math.inf if once else throttle)
 
     def error_at(self, place: Place, text: str) -> None:
-        """Log a fault of another place in the code than the caller's."""
+        """Log a fault at a place in the code other than the caller's."""
         self._log(Log.ERROR, text, place=place)
 
     def error_again(self, text: str) -> None:
-        """Log more of a fault that has been logged: it is printed, and ``/rosout`` has it once."""
+        """Print another line about a fault that ``/rosout`` has already; it is not forwarded."""
         self._log(Log.ERROR, text, forwards=False)
 
     @explained
@@ -102,7 +102,7 @@ class Logger:
         place = place or _place_of_call()
         if throttle > 0 and not self._is_time(place, throttle):
             return
-        text = str(text)  # of any object; a log raises nothing
+        text = str(text)  # any object may be logged: a log raises no errors
         entry = Log()
         entry.header.stamp.sec, entry.header.stamp.nsec = split_stamp(self.clock.now())
         entry.level, entry.name = level, self._node
@@ -134,12 +134,12 @@ def _place_of_call() -> Place:
 
 
 def sendable(text: str) -> str:
-    """Return a text that can be sent: names of files may be no UTF-8."""
+    """Return a text that can be sent as UTF-8, which names of files may not be."""
     return text.encode("utf-8", "replace").decode()
 
 
 def _print(entry: Log, text: str, stream: TextIO) -> None:
-    """Print an entry as ROS does; without room on a disk, a robot's controller goes on.
+    """Print an entry as ROS does; if a disk is full, a robot's controller goes on.
 
     Raises:
         BrokenPipeError: The reader of the log has ended.
@@ -150,7 +150,7 @@ def _print(entry: Log, text: str, stream: TextIO) -> None:
     if color and stream_wants_color(stream, os.environ):
         line = paint(line, color)
     try:
-        stream.write(f"{line}\n")  # one write: lines of several threads do not mix
+        stream.write(f"{line}\n")  # one write, so that lines of several threads do not mix
         stream.flush()
     except BrokenPipeError:
         raise

@@ -25,16 +25,16 @@ from lcmtools.types.rosgraph_msgs import Log
 
 
 class Node(Parametric, Factory):
-    """A named participant of the bus.
+    """A named participant on the bus.
 
-    Names are resolved by the ROS rules: "/a" is global, "a" is in the node's namespace, "~a"
-    below the node itself; then the remaps of the command line apply.
+    Names are resolved by the ROS rules: "/a" is global, "a" is in the node's namespace, "~a" is
+    below the node itself. Then the remaps of the command line apply.
 
     Args:
-        name: The node's own name; ``__name:=`` on the command line wins, for a process's first.
-        namespace: Its namespace; ``__ns:=`` on the command line wins.
-        tool: It is a command that looks at the bus, not a part of the system.
-        context: The context shared with other nodes; that of ``lcmtools.init`` when None.
+        name: The node's own name; for a process's first node ``__name:=`` takes precedence.
+        namespace: Its namespace; ``__ns:=`` on the command line takes precedence.
+        tool: The node is a command that observes the bus, not a part of the system.
+        context: The context shared with other nodes; None for that of ``lcmtools.init``.
 
     Attributes:
         name: Its full name.
@@ -82,7 +82,7 @@ class Node(Parametric, Factory):
         Factory.__init__(self, context, resolver, self.__callbacks, self.__logger, tool=tool)
         self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
         if self.__rosout:
-            self.__rosout.on_failure = lambda _: None  # the line has been printed all the same
+            self.__rosout.on_failure = lambda _: None  # the line has been printed anyway
         self.__keep_time()
         if not tool:
             self.__serve_parameters()
@@ -98,11 +98,11 @@ class Node(Parametric, Factory):
         """Say goodbye."""
         self.destroy_node()
 
-    if not TYPE_CHECKING:  # a type checker would take it for all attributes there are
+    if not TYPE_CHECKING:  # else a type checker would accept any attribute
 
         def __getattr__(self, name: str) -> object:
-            """Explain a missing attribute: a forgotten ``super().__init__``, a name of ROS's."""
-            if hasattr(type(self), name):  # a property of the user's that lacks another one
+            """Explain a missing attribute: a forgotten ``super().__init__``, or a ROS name."""
+            if hasattr(type(self), name):  # a user's property that lacks another one
                 return object.__getattribute__(self, name)
             raise checks.missing_attribute(self, name)
 
@@ -117,9 +117,9 @@ class Node(Parametric, Factory):
         return self.__callbacks
 
     def warn_of_unknown_parameters(self) -> None:
-        """Log the command line's parameters that no node here has declared: likely misspelt.
+        """Log the command line's parameters that no node of this process declared: likely misspelt.
 
-        It is called with the first spin, and logs the context's note too.
+        Called when nodes first spin; also logs the context's note.
         """
         if self.__context.note:
             self.__logger.info(self.__context.note)
@@ -135,16 +135,16 @@ class Node(Parametric, Factory):
         return self.__logger
 
     def get_clock(self) -> Clock:
-        """Return the node's clock: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
+        """Return the node's clock: the system clock, or ``/clock`` with ``_use_sim_time:=true``."""
         return self.__callbacks.clock
 
     def destroy_node(self) -> None:
-        """Say goodbye and receive nothing any more. Does nothing the second time."""
+        """Say goodbye and stop receiving. A second call does nothing."""
         self.__errors.report()
         self.__context.remove(self)
         super().destroy_node()
         if self.__rosout:
-            self.__rosout.is_destroyed = False  # for errors in the program's last steps
+            self.__rosout.is_destroyed = False  # to log errors in the program's last steps
 
     def describe(self) -> model.Node:
         """Return the announced description of this node."""
@@ -160,17 +160,17 @@ class Node(Parametric, Factory):
         return self.__context.follower.graph()
 
     def subscribed_topics(self) -> frozenset[str]:
-        """Return the topics with announced subscriptions, so that others need not be computed."""
+        """Return the topics with announced subscriptions; data for others need not be computed."""
         alive = (node for node in self.graph().nodes if not node.stale)
         return frozenset(
             endpoint.topic for node in alive for endpoint in node.having(model.Role.SUBSCRIBER)
         )
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Return whether programs that are no nodes can be listening, to any topic.
+        """Return whether programs that are not nodes can be listening, to any topic.
 
-        On a bus that leaves this computer there can always be one. With ``at_once`` every possible
-        one counts, now, instead of waiting a second or two to be sure.
+        On a bus that leaves this computer one can always be listening. With ``at_once`` every
+        possible listener counts, at once, instead of waiting a second or two to be sure.
         """
         listeners = self.__context.plain_listeners
         return bool(listeners and listeners.possible(at_once=at_once))
@@ -180,7 +180,7 @@ class Node(Parametric, Factory):
             self.__rosout.publish(entry)
 
     def __serve_parameters(self) -> None:
-        """Let the bus reach the parameters, unless the node's name leaves no room for it."""
+        """Offer the parameters on the bus, unless the node's name is too long for the service's."""
         with contextlib.suppress(InvalidName):
             service = service_name(self.name)
             self.create_service(lcmtools_msgs.Parameters, service, self.answer_parameters)

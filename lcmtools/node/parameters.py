@@ -1,7 +1,7 @@
-"""A node's parameters, in rclpy's shape: declared, read, and changed, over the bus too.
+"""A node's parameters as in rclpy: declared, read and changed, also over the bus.
 
-The bus reaches them by a hidden service of the node, ``<node>/_parameters``. A node's other parts
-are not known here.
+The bus accesses them through a hidden service of the node, ``<node>/_parameters``. The other parts
+of a node are not known here.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +21,7 @@ from lcmtools.node.checks import check_callback, check_text, described
 from lcmtools.types import lcmtools_msgs as msgs
 
 PARAMETERS_SUFFIX = "/_parameters"
-"""Ends the name of the hidden service of a node's parameters."""
+"""The suffix of the name of the hidden service for a node's parameters."""
 
 ValueT = TypeVar("ValueT", bound=ParameterValue)
 
@@ -32,7 +32,7 @@ class Parameter(Generic[ValueT]):
 
     Attributes:
         name: Its name, without the node's.
-        value: A boolean, a number, a text, a list of these, or None; of its default's type.
+        value: A boolean, a number, a text, a list of these, or None, of its default's type.
     """
 
     name: str
@@ -66,8 +66,8 @@ class SetParametersResult:
     """The result of setting parameters, or a callback's verdict on it.
 
     Attributes:
-        successful: They were set; from a callback: they may be.
-        reason: The reason why not.
+        successful: True if they were set; from a callback: True if they may be.
+        reason: The reason if not.
     """
 
     successful: bool = True
@@ -75,7 +75,7 @@ class SetParametersResult:
 
 
 ParametersCallback = Callable[[list[Parameter[ParameterValue]]], SetParametersResult | None]
-"""Called with parameters as they are to be; may refuse them."""
+"""Called with the new parameters before they are set; may refuse them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +96,15 @@ class _Declared:
 
 
 def service_name(node: str) -> str:
-    """Return the name of the hidden service of a node's parameters."""
+    """Return the name of the hidden service for a node's parameters."""
     return f"{node}{PARAMETERS_SUFFIX}"
 
 
 class Parametric:
     """A mixin for objects with parameters.
 
-    ``given`` has the command line's texts, by parameter; ``known`` collects the names of all that
-    are declared. The name is the full one, for messages.
+    ``given`` has the command line's values as text, by parameter; ``known`` collects the names of
+    all declared parameters. ``name`` is the full one, for messages.
     """
 
     # Private names begin with two underscores, as in Node.
@@ -127,16 +127,16 @@ class Parametric:
         maximum: float | None = None,
         read_only: bool = False,
     ) -> Parameter[ValueT]:
-        """Declare a setting with its default; ``_name:=value`` on the command line wins.
+        """Declare a setting with its default; ``_name:=value`` on the command line overrides it.
 
-        It can be changed while the node runs, over the bus too: ``get_parameter`` has its value.
+        It can be changed while the node runs, also over the bus: ``get_parameter`` has its value.
 
         Args:
             name: Its name, without the node's.
-            default: Its default, whose type all values have.
+            default: Its default; all values must have its type.
             description: Its meaning, with the unit.
-            minimum: Smallest number that it may be; None for any.
-            maximum: Largest number that it may be; None for any.
+            minimum: Its smallest allowed number; None for any.
+            maximum: Its largest allowed number; None for any.
             read_only: It cannot change while the node runs.
 
         Raises:
@@ -155,7 +155,7 @@ class Parametric:
         _check_range(name, value, descriptor)
         self.__declared[name] = _Declared(value, descriptor)
         self.__known.add(name)
-        return Parameter(name, cast("ValueT", value))  # of the default's own type, as checked
+        return Parameter(name, cast("ValueT", value))  # checked to be of the default's type
 
     @explained
     def has_parameter(self, name: str) -> bool:
@@ -164,7 +164,7 @@ class Parametric:
 
     @explained
     def get_parameter(self, name: str) -> Parameter[ParameterValue]:
-        """Return a declared parameter as it is now.
+        """Return a declared parameter with its current value.
 
         Raises:
             UsageError: It was not declared.
@@ -186,7 +186,7 @@ class Parametric:
         """Change parameters one by one; return the result of each.
 
         Raises:
-            UsageError: It is no list of Parameter.
+            UsageError: It is not a list of Parameter.
         """
         _check_parameters(parameters)
         return [self.set_parameters_atomically([parameter]) for parameter in parameters]
@@ -197,10 +197,10 @@ class Parametric:
     ) -> SetParametersResult:
         """Change all of these parameters, or none of them.
 
-        An exception of a callback goes on to the caller; an LcmtoolsError of it is a refusal.
+        A callback's LcmtoolsError is a refusal; its other exceptions are raised to the caller.
 
         Raises:
-            UsageError: It is no list of Parameter.
+            UsageError: It is not a list of Parameter.
         """
         _check_parameters(parameters)
         try:
@@ -212,15 +212,15 @@ class Parametric:
         except LcmtoolsError as error:
             return SetParametersResult(successful=False, reason=str(error))
         changed = {p.name: replace(self.__declared[p.name], value=p.value) for p in checked}
-        self.__declared = {**self.__declared, **changed}  # in one step, for threads that read
+        self.__declared = {**self.__declared, **changed}  # in one step, as other threads read it
         return SetParametersResult()
 
     @explained
     def add_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
-        """Call ``callback`` before parameters change, on the thread that spins; the newest first.
+        """Call ``callback`` before parameters change, on the spinning thread; the newest first.
 
-        It gets the parameters as they are to be, and refuses them by returning
-        SetParametersResult(False, reason) or by raising an LcmtoolsError.
+        It gets the new parameters, and refuses them by returning SetParametersResult(False, reason)
+        or by raising an LcmtoolsError.
 
         Raises:
             UsageError: It cannot be called with one argument.
@@ -229,7 +229,7 @@ class Parametric:
         self.__on_set.append(callback)
 
     def remove_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
-        """Call ``callback`` no more.
+        """Stop calling ``callback``.
 
         Raises:
             ValueError: It was not added.
@@ -239,7 +239,7 @@ class Parametric:
     def answer_parameters(
         self, request: msgs.Parameters_Request, response: msgs.Parameters_Response
     ) -> msgs.Parameters_Response:
-        """Serve the bus: make the requested changes, all or none, and return all parameters."""
+        """Answer the service: make the requested changes, all or none; return all parameters."""
         errors: list[str] = []
         requested: list[Parameter[ParameterValue]] = []
         for change in request.changes:
@@ -257,7 +257,7 @@ class Parametric:
         return response
 
     def __checked(self, parameter: Parameter[ParameterValue]) -> Parameter[ParameterValue]:
-        """Return a parameter with its value in the declared type, within its range."""
+        """Return a parameter, its value converted to the declared type and checked for range."""
         name = parameter.name
         declared = self.__find(name)
         value = check_setting(parameter.value, declared.descriptor.kind, f"parameter {name}")
@@ -279,7 +279,7 @@ class Parametric:
 
 
 def _check_parameters(parameters: object) -> None:
-    """Refuse anything but a sequence of parameters, with what to write."""
+    """Refuse anything but a sequence of parameters; the error says what to write."""
     rows = list(parameters) if isinstance(parameters, (list, tuple)) else [None]
     if not all(isinstance(row, Parameter) for row in rows):
         raise UsageError(
@@ -289,7 +289,7 @@ def _check_parameters(parameters: object) -> None:
 
 
 def _check_range(name: str, value: ParameterValue, descriptor: ParameterDescriptor) -> None:
-    """Refuse a value, or an element of it, out of range; NaN is in none."""
+    """Refuse a value, or an element of it, out of range; NaN is in no range."""
     low, high = descriptor.minimum, descriptor.maximum
     for number in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(number, bool) or not isinstance(number, (int, float)):

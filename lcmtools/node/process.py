@@ -28,7 +28,7 @@ _GRACE = 0.5
 class _Process:
     """The one context of this process and its signal handlers.
 
-    The only state that the package keeps: ``init`` and ``spin`` are functions, as in rclpy.
+    The package's only global state, because ``init`` and ``spin`` are functions, as in rclpy.
     """
 
     def __init__(self) -> None:
@@ -48,18 +48,18 @@ def init(
     """Connect this process to the bus; the first thing a node's program does.
 
     Args:
-        args: The command line without the program's name; ``sys.argv`` when None. Names
+        args: The command line without the program's name; None for ``sys.argv``. Names
             (``__ns:=``, ``a:=b``), parameters (``_gain:=2.0``) and the bus are taken from it.
-        url: The bus, where the command line says nothing.
-        handle_signals: Let Ctrl-C, SIGTERM and a closed terminal make ``spin`` return and ``ok``
-            False.
+        url: The bus, unless the command line gives one.
+        handle_signals: On Ctrl-C, SIGTERM or a closed terminal, make ``spin`` return and ``ok``
+            return False.
 
     Returns:
-        The arguments that are the program's own.
+        The remaining arguments, which are the program's own.
 
     Raises:
         UsageError: The arguments, or the user's settings file, are wrong.
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
     checks.check_words(args)
     if _process.context is not None:
@@ -91,16 +91,16 @@ def init(
 
 
 def set_note(text: str) -> None:
-    """Let the first node that spins log a sentence on the program that runs."""
+    """Let the first node that spins log a sentence about the program."""
     _process.note = text
 
 
 def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
-    """Connect to a bus, beside the process's own connection; the caller closes it.
+    """Open an additional connection to a bus; the caller closes it.
 
     Raises:
-        UsageError: It is a log.
-        BusError: The bus cannot be reached, with what to type.
+        UsageError: The URL is a log's.
+        BusError: The bus cannot be reached; the error says what to type.
     """
     from lcmtools.bus.open import open_bus
 
@@ -116,11 +116,11 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
 
 
 def shutdown() -> None:
-    """Say goodbye for all nodes and leave the bus. Does nothing the second time."""
+    """Say goodbye for all nodes and leave the bus. A second call does nothing."""
     context, _process.context = _process.context, None
     if context is None:
         return
-    with contextlib.suppress(KeyboardInterrupt):  # impatience does not stop a goodbye
+    with contextlib.suppress(KeyboardInterrupt):  # a second Ctrl-C prevents no goodbye
         context.close()
     _give_back_signals()
     atexit.unregister(shutdown)
@@ -136,7 +136,7 @@ def ok() -> bool:
 
 
 def current_context() -> Context:
-    """The process's context; LcmtoolsError where ``init`` has not been called."""
+    """The process's context; LcmtoolsError if ``init`` has not been called."""
     if _process.context is None:
         raise LcmtoolsError("there is no bus yet", "call lcmtools.init() first")
     return _process.context
@@ -161,13 +161,13 @@ def _give_back_signals() -> None:
 
 
 def _interrupted(number: int, _frame: FrameType | None) -> None:
-    """Make everything return, as a signal demands; interrupt what does not within half a second."""
+    """Handle a signal: make all spin functions return; interrupt any that has not in 0.5 s."""
     context = _process.context
     if context is None or context.is_closed():
         return
     is_double = _process.doubles.is_double()
     if not context.ok():
-        # a shell that ends and its terminal both send SIGHUP
+        # SIGHUP comes twice, from an ending shell and from its terminal
         if is_double or number == signal.SIGHUP:
             return
         raise KeyboardInterrupt
@@ -178,7 +178,7 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
 
 
 def _end_as_by_signal(context: Context) -> None:
-    """End as by SIGTERM, if the program handles that signal; from any thread."""
+    """End as if by SIGTERM if the program handles it, else stop; from any thread."""
     main = threading.main_thread().ident
     if main is not None and callable(signal.getsignal(signal.SIGTERM)):
         signal.pthread_kill(main, signal.SIGTERM)

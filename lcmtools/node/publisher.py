@@ -12,18 +12,18 @@ from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.checks import misfit
 
 MessageT = TypeVar("MessageT", bound=Message)
-_FEW = 8  # messages, to look at whose sizes would cost more than it saves
+_FEW = 8  # messages: for up to this many, comparing sizes costs more than it saves
 
 
 class PayloadPublisher:
-    """Sends payloads, of messages that are encoded already, on one topic.
+    """Sends payloads, messages that are already encoded, on one topic.
 
-    Made by ``Node.create_payload_publisher``; the class of the messages need not be known here.
+    Made by ``Node.create_payload_publisher``; the class of the messages need not be known.
 
     Attributes:
         topic: The resolved topic, which is the LCM channel.
-        depth: The requested queue depth, announced; LCM sends at once.
-        is_latched: Announced, for who sends the last message again to each new subscriber.
+        depth: The requested queue depth, only announced: LCM sends at once.
+        is_latched: Announced; True if the last message is sent again to each new subscriber.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class PayloadPublisher:
         self._last_time = 0
 
     def publish_payload(self, payload: bytes) -> None:
-        """Send a message that is encoded already."""
+        """Send a message that is already encoded."""
         try:
             self._bus.publish(self.topic, payload, self._type_name, latched=self.is_latched)
         except BusError as error:
@@ -71,7 +71,7 @@ class PayloadPublisher:
         return len(self.subscriber_ids())
 
     def subscriber_ids(self) -> frozenset[str]:
-        """Return the ids of the nodes with an announced subscription that matches."""
+        """Return the ids of the nodes with announced subscriptions that match this publisher."""
         return frozenset(
             node.id
             for node, endpoint in self._graph().topic(self.topic).subscribers
@@ -95,9 +95,9 @@ class PayloadPublisher:
 
 
 def publish_together(bus: Bus, messages: Sequence[tuple[PayloadPublisher, bytes]]) -> None:
-    """Send messages of one bus's publishers, which may leave in another order.
+    """Send messages of one bus's publishers; their order may change.
 
-    Where the bus can, those of one size cost far less than one by one.
+    If the bus supports it, messages of the same size cost far less together than one by one.
     """
     left: Collection[int] = range(len(messages))
     if len(messages) > _FEW:
@@ -132,9 +132,9 @@ class Publisher(PayloadPublisher, Generic[MessageT]):
 
     @explained
     def publish(self, message: MessageT) -> None:
-        """Encode and send one message. Length fields are set here.
+        """Encode and send one message. Its length fields are set first.
 
-        A message that the network does not take is lost, as any on LCM may be, and the node's log
+        A message that the network does not accept is lost, as any LCM message may be; the log
         reports it.
 
         Raises:

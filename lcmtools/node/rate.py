@@ -1,4 +1,4 @@
-"""A rate for loops of one's own: ``while lcmtools.ok(): ...; rate.sleep()``."""
+"""A rate for a program's own loop: ``while lcmtools.ok(): ...; rate.sleep()``."""
 
 import threading
 import time
@@ -8,7 +8,7 @@ from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.timer import Timer
 
-_POLL_PERIOD = 0.001  # [s] while another thread runs the callbacks, and sets simulated time
+_POLL_PERIOD = 0.001  # [s] , if another thread runs the callbacks and sets simulated time
 
 
 class Rate:
@@ -22,11 +22,11 @@ class Rate:
     def sleep(self) -> None:
         """Wait until the next period begins, and run the node's callbacks meanwhile.
 
-        Returns at once if it has begun, and early when the program is to end. Where ``spin`` runs
-        the callbacks on another thread, this one only waits.
+        Returns at once if it has already begun, and early when the program should end. If ``spin``
+        runs the callbacks on another thread, this one only waits.
 
         Raises:
-            UsageError: A callback calls it: no other could run meanwhile, that of ``/clock`` too.
+            UsageError: A callback calls it: no other, not even that of ``/clock``, could run.
         """
         context, callbacks = self._context, self._callbacks
         if callbacks.spinning_thread == threading.get_ident():

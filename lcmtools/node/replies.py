@@ -1,4 +1,4 @@
-"""The replies that a service has sent: a repeated request is answered by one, not executed again.
+"""The replies that a service has sent: a repeated request gets its reply again, unexecuted.
 
 Must not know messages or the bus.
 """
@@ -7,19 +7,19 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 BYTES_A_SECOND = 20e6
-"""So fast at least large messages travel: until then none is sent again."""
+"""The least rate at which large replies travel: none is sent again before it can have arrived."""
 _MOST_REQUESTS = 10_000
-"""Requests that are known to be answered; a repeated one of before would be executed again."""
+"""The number of answered requests remembered; an older one, if repeated, is executed again."""
 _MOST_BYTES = 64 << 20
-"""Of replies that can be repeated; where they are more, the oldest are forgotten."""
+"""Bytes of replies that are kept to be repeated; beyond this, the oldest are forgotten."""
 Key = tuple[str, int]
-"""A client and the number of its request."""
+"""A client and its request's sequence number."""
 
 
 @dataclass(slots=True)
 class _Reply:
     payload: bytes | None  # None once forgotten
-    arrives: float  # time from which a repeated request means that it was lost [s]
+    arrives: float  # [s]; if its request is repeated after this time, it was lost
 
 
 class Replies:
@@ -48,7 +48,7 @@ class Replies:
             self._bytes -= self._with_payload.pop(oldest, 0)
 
     def to_send(self, key: Key, now: float) -> bytes | None:
-        """Return the reply to send at ``now`` [s]; None while it is under way, or if forgotten."""
+        """Return the reply to send at ``now`` [s]; None if it is still under way or forgotten."""
         reply = self._replies[key]
         if reply.payload is None or now < reply.arrives:
             return None

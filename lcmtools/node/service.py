@@ -1,7 +1,7 @@
 """Services: a request channel and a reply channel, with an envelope of client and sequence number.
 
-LCM knows no calls. A client repeats its request until a reply with its number comes back or its
-time is over; the server answers a number once, and repeats that answer where a request is repeated.
+LCM has no calls. A client repeats its request until the reply with its sequence number arrives or
+its timeout ends; the server executes each request once, and repeats its reply to a repeated one.
 """
 
 import threading
@@ -32,9 +32,9 @@ from lcmtools.types.service import Service as Pair
 from lcmtools.wire.datagram import MESSAGE_MAX
 
 RETRY_PERIOD = 0.25
-"""A request is sent again after so many seconds without an answer."""
+"""A request is sent again after this many seconds without an answer."""
 _MAX_WAITING_REQUESTS = 100
-_ENVELOPE_BYTES = 1000  # more than a reply has besides its payload
+_ENVELOPE_BYTES = 1000  # more than a reply has in addition to its payload
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -60,7 +60,7 @@ class Service(Generic[RequestT, ResponseT]):
     Attributes:
         name: The service's full name.
         service_type: Its pair of messages.
-        stopwatch: Measures the time of its answers.
+        stopwatch: Measures the time it takes to answer.
     """
 
     def __init__(
@@ -83,13 +83,13 @@ class Service(Generic[RequestT, ResponseT]):
         self._calls = 0
 
     def receive(self, payload: bytes, _time: int) -> None:
-        """Queue one request; called on the thread that receives. Other payloads are ignored."""
+        """Queue one request; called on the receiving thread. Other payloads are ignored."""
         try:
             request = decode(ServiceRequest, payload)
         except DecodeError:
             return
         with self._lock:
-            # one that is repeated while it waits, or while the callback runs, is the same one
+            # ignore a repetition of a request that still waits or is being executed
             if _key(request) in self._unanswered or len(self._waiting) >= _MAX_WAITING_REQUESTS:
                 return
             self._unanswered.add(_key(request))
@@ -177,11 +177,11 @@ class Client(Generic[RequestT, ResponseT]):
 
     @explained
     def call(self, request: RequestT, timeout: float = 3.0) -> ResponseT:
-        """Send a request and wait for the response. May be used inside a callback.
+        """Send a request and wait for the response. May be called in a callback.
 
         Args:
             request: An instance of the service type's Request.
-            timeout: Seconds to wait; the request is repeated within them.
+            timeout: Seconds to wait; meanwhile, the request is repeated.
 
         Raises:
             ServiceTimeout: No answer came in time.
@@ -212,7 +212,7 @@ class Client(Generic[RequestT, ResponseT]):
             raise ServiceError(f"{self.name}: {error}") from error
 
     def receive(self, payload: bytes, _time: int) -> None:
-        """Take a reply that is for this client; called on the thread that receives."""
+        """Take a reply that is for this client; called on the receiving thread."""
         try:
             reply = decode(ServiceReply, payload)
         except DecodeError:

@@ -17,7 +17,7 @@ def spin(*nodes: Node) -> None:
     """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``.
 
     Raises:
-        UsageError: There is no node, a node was destroyed, or runs in another ``spin``.
+        UsageError: There is no node, or one was destroyed or runs in another ``spin``.
     """
     if not nodes:
         raise UsageError("lcmtools.spin() has no node to run", "write lcmtools.spin(node)")

@@ -6,8 +6,8 @@ import time
 class Stopwatch:
     """Counts calls and the time they take: ``with stopwatch: call()``.
 
-    One thread measures; any other may read meanwhile. A call within a call counts, its time does
-    not count twice.
+    One thread measures; others may read meanwhile. A nested call is counted, but its time is not
+    counted twice.
     """
 
     def __init__(self) -> None:
@@ -23,19 +23,19 @@ class Stopwatch:
         self._began.append(time.monotonic_ns())
 
     def __exit__(self, *_: object) -> None:
-        """End a call, perhaps by an error."""
+        """End a call, even if it failed."""
         took = time.monotonic_ns() - self._began.pop()
         self._longest = max(self._longest, took)
         if not self._began:
             self._busy += took
 
     def busy(self) -> int:
-        """Return the time spent in calls, in one that runs too [ns]."""
-        busy = self._busy  # before the rest: a call that ends now is missed once, never twice
+        """Return the time spent in calls, including a running one [ns]."""
+        busy = self._busy  # read first: a call that ends now may be missed, not counted twice
         return busy + self._running()
 
     def longest(self) -> int:
-        """Return the time of the longest call, of one that runs too [ns]."""
+        """Return the time of the longest call, including a running one [ns]."""
         return max(self._longest, self._running())
 
     def _running(self) -> int:

@@ -15,15 +15,15 @@ _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be 
 class Subscription:
     """Receives messages from one topic. Made by ``Node.create_subscription``.
 
-    When the callback is slower than the messages, the newest ``depth`` of them are kept (LCM
+    If the callback is too slow for the messages, the newest ``depth`` of them are kept (LCM
     itself keeps the oldest), and the others are counted in ``drops``.
 
     Attributes:
         topic: The resolved topic, which is the LCM channel.
         message_types: The classes it accepts, the declared one first.
-        depth: The number of messages that wait at most.
-        group: Subscriptions of a node with the same group are alternatives of each other.
-        drops: Messages that newer ones pushed out.
+        depth: The largest number of waiting messages.
+        group: Subscriptions of a node with the same group are alternatives to each other.
+        drops: The number of messages that newer ones have displaced.
         decode: Returns the message in a payload.
         stopwatch: Measures the time of decoding and of the callback.
     """
@@ -54,13 +54,13 @@ class Subscription:
         self._next_warning = 0.0
 
     def receive(self, payload: bytes, time: int) -> None:
-        """Queue one message; called on the thread that receives."""
+        """Queue one message; called on the receiving thread."""
         with self._lock:
             if self._closed:
                 return
             if len(self._queue) < self.depth:
                 self.on_ready()
-            else:  # the one that the new one pushes out has called it
+            else:  # ``on_ready`` was called for the message that the new one displaces
                 self.drops += 1
             self._queue.append(payload)
             self._messages += 1
@@ -79,7 +79,7 @@ class Subscription:
             self._queue.clear()
 
     def is_warning_due(self, now: float) -> bool:
-        """Return whether to log a bad message at ``now`` [s]: seldom."""
+        """Return whether to log a bad message at ``now`` [s]: at most once in 5 s."""
         if now < self._next_warning:
             return False
         self._next_warning = now + _WARNING_PERIOD

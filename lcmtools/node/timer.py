@@ -8,9 +8,9 @@ from lcmtools.clock import NANOSECONDS
 class Timer:
     """Calls a function at a fixed rate. Made by ``Node.create_timer``.
 
-    Calls stay on the grid that the timer's creation started: a late one does not delay the next,
-    and periods that were missed altogether are skipped. The period [s] is positive and finite;
-    ``clock`` returns the present [ns], and times passed to the methods are of the same clock.
+    Calls stay on the time grid that begins with the timer's creation: a late call does not delay
+    the next one, and missed periods are skipped. The period [s] is positive and finite; ``clock``
+    returns the current time [ns], and times passed to the methods are of the same clock.
     """
 
     def __init__(
@@ -23,11 +23,11 @@ class Timer:
         self._cancelled = False
 
     def __str__(self) -> str:
-        """Return its name in the list of a node's errors."""
+        """Return its name, for the list of a node's errors."""
         return f"timer {self.period / NANOSECONDS:g} s"
 
     def cancel(self) -> None:
-        """Call no more."""
+        """Stop calling."""
         self._cancelled = True
 
     def reset(self) -> None:

@@ -1,7 +1,7 @@
-"""Everything that looks at a bus or a log: arrivals, types, rates, losses, senders, listeners.
+"""Observing a bus or a log: arrivals, types, rates, losses, senders, listeners.
 
-Nothing here prints or knows a command line. Public is ``messages``, with the ``Arrival`` that it
-gives:
+Nothing here prints or knows a command line. The public names are ``messages`` and the ``Arrival``
+that it yields:
 
     for arrival in lcmtools.observe.messages("/husky0/odometry"):
         print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)

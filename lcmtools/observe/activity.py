@@ -1,7 +1,7 @@
 """The traffic of channels: recent rates, jitter and bandwidth, and totals.
 
-Plain accumulation of packets; times come in as arguments. Arrivals are summed up in slots of a
-quarter of a second, so that a busy channel costs no more to look at than a slow one.
+Packets are accumulated; times come in as arguments. Arrivals are summed up in slots of a
+quarter of a second, so that reading a busy channel's rates costs no more than a slow one's.
 """
 
 from collections import deque
@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.wire.packet import Packet
 
-if TYPE_CHECKING:  # lcmtools list --help does without the bus
+if TYPE_CHECKING:  # lcmtools list --help must not import the bus
     from lcmtools.graph.model import Graph
     from lcmtools.observe.monitor import BusMonitor
 
 SILENT_AFTER = 3_000_000_000
-"""A channel on which nothing has come for so long is silent [ns]; a slow one for longer."""
+"""A channel without a message for this time is silent [ns]; for a slow one it is longer."""
 
 _SLOT = 250_000_000  # [ns]
-_MEASURED = 1.0  # [s] for rates, where no other time is given
-_FEWEST = 3  # intervals that are kept however old they are, for channels that are slow
-_SILENT_PERIODS = 3  # without a message are silence, where they are longer than SILENT_AFTER
+_MEASURED = 1.0  # [s] for measuring rates, unless another time is given
+_FEWEST = 3  # intervals that are kept however old they are, for slow channels
+_SILENT_PERIODS = 3  # periods without a message are silence, if longer than SILENT_AFTER
 
 
 class Flow(NamedTuple):
@@ -32,14 +32,14 @@ class Flow(NamedTuple):
     # Recent message rate: 1 / the mean interval [Hz]; 0 for a silent channel, None before two
     # messages.
     rate: float | None = None
-    # The longest recent interval less the shortest, as lcm-spy has it [s]; None before two
-    # intervals, and for a silent channel.
+    # The longest recent interval minus the shortest, as in lcm-spy [s]; None before two intervals,
+    # and for a silent channel.
     jitter: float | None = None
-    bandwidth: float | None = None  # recent bytes per second; as the rate
+    bandwidth: float | None = None  # recent bytes per second; 0 or None as for the rate
 
 
 class _Slot:
-    """The intervals that ended in a quarter of a second."""
+    """The intervals between messages that ended in one quarter of a second."""
 
     __slots__ = ("bytes", "intervals", "longest", "number", "shortest", "waited")
 
@@ -67,7 +67,7 @@ class _Channel:
         self.slots: deque[_Slot] = deque()
 
     def add(self, time: int, size: int, number: int) -> None:
-        """Count a message; the interval before it is summed up in the slot of this number."""
+        """Count a message, and the interval before it in the slot of this number."""
         before, self.last_time = self.last_time, time
         self.bytes += size
         self.messages += 1
@@ -92,7 +92,7 @@ class _Channel:
 
 
 class Activity:
-    """The traffic of all channels, over the last ``window`` seconds; None for all the time."""
+    """The traffic of all channels, over the last ``window`` seconds; None for no limit."""
 
     def __init__(self, window: float | None = None) -> None:
         self._window = None if window is None else round(window * 1e9)
@@ -116,7 +116,7 @@ class Activity:
         self._channels.clear()
 
     def rates(self) -> dict[str, float]:
-        """Return the rate [Hz] of each channel that had two messages, over all the time."""
+        """Return the rate [Hz] of each channel that has had two messages, over the whole time."""
         flows = {name: _flow(channel) for name, channel in self._channels.items()}
         return {name: flow.rate for name, flow in flows.items() if flow.rate is not None}
 
@@ -160,7 +160,7 @@ def settled(
 ) -> "tuple[Graph, Mapping[str, float] | None]":
     """Return the graph of a bus, and the rates of its channels [Hz]; None without ``hz``.
 
-    ``wait`` is the time to listen [s]; None for as long as it takes.
+    ``wait`` is the time to listen [s]; None for as long as needed.
     """
     activity = Activity()
     wait = _MEASURED if hz and wait is None else wait

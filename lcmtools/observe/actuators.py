@@ -1,6 +1,6 @@
 """Topics whose messages move a robot.
 
-A command is told by its type (a velocity, an effort, a trajectory), or by its topic's name
+A command is recognized by its type (a velocity, an effort, a trajectory) or by its topic's name
 (cmd_vel, WHEEL_COMMAND, goal); a simulator obeys what it subscribes to.
 """
 
@@ -13,7 +13,7 @@ VELOCITY_TYPES = frozenset(
     for name in ("Twist", "Accel", "Wrench")
     for suffix in ("", "Stamped")
 )
-"""Types of velocities and efforts, of which zeros mean to stop."""
+"""Types of velocities and efforts: in these, zeros mean stop."""
 _COMMAND_TYPES = VELOCITY_TYPES | {
     "trajectory_msgs/JointTrajectory",
     "trajectory_msgs/MultiDOFJointTrajectory",

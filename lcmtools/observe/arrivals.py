@@ -1,4 +1,4 @@
-"""The one stream of arrivals on the selected topics, from a bus or a log, and its clock."""
+"""The merged stream of arrivals on the selected topics, from a bus or a log, and its clock."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -16,37 +16,37 @@ from lcmtools.observe.selection import OneTopic, TopicPattern
 from lcmtools.wire.packet import Packet
 
 CLOCK = "/clock"  # the topic of a simulator's time
-TOGETHER = 8  # messages that are shown at once, where they arrived together
-PATIENCE = 2.0  # [s] without a message before a person reads what is on the bus
-_LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
-_MOST_NAMED = 8  # topics in a line
-_WAIT = 0.2  # [s] at most before a timeout is looked at again
-_new = tuple.__new__  # makes a named tuple in half the time
+TOGETHER = 8  # messages that are shown at once, if they arrived together
+PATIENCE = 2.0  # [s] without a message before the user is told what is on the bus
+_LOOK_PERIOD = 0.5  # [s] between searches for topics that a pattern matches
+_MOST_NAMED = 8  # topics in one line
+_WAIT = 0.2  # [s] at most between two checks of a timeout
+_new = tuple.__new__  # creates a named tuple in half the time
 
 
 class SelectedPacket(NamedTuple):
-    """A packet of a topic that is selected."""
+    """A packet on a selected topic."""
 
     topic: str  # the selection, as it was typed
     packet: Packet
-    time: int  # of its arrival, by the clock of the stream [ns]
-    path: Path = Path()  # of the field behind its topic
+    time: int  # of its arrival, by the stream's clock [ns]
+    path: Path = Path()  # of the field after the topic's name
 
 
 class Batch(NamedTuple):
-    """The selected packets of those that arrived together."""
+    """The selected ones of the packets that arrived together."""
 
     arrivals: Sequence[SelectedPacket]
-    now: int  # by the clock of the stream [ns]
-    is_reset: bool = False  # simulated time went back: earlier arrivals are of another time
+    now: int  # by the stream's clock [ns]
+    is_reset: bool = False  # simulated time went back: earlier times no longer compare
 
 
 class ArrivalClock:
-    """The clock of arrivals: the computer's, or simulated time as ``/clock`` gives it."""
+    """The clock of arrivals: the system clock, or simulated time from ``/clock``."""
 
     def __init__(self, *, is_simulated: bool) -> None:
         self.is_simulated = is_simulated
-        self.now: int | None = None  # simulated time [ns]; None before the first on ``/clock``
+        self.now: int | None = None  # simulated time [ns]; None before one came on ``/clock``
 
     def learn(self, packet: Packet) -> bool:
         """Take the time from a message on ``/clock``; True if simulated time goes back."""
@@ -57,7 +57,7 @@ class ArrivalClock:
         try:
             stamp = decode(Clock, packet.payload).clock
         except DecodeError:
-            return False  # of another type
+            return False  # the message has another type
         before, self.now = self.now, join_stamp(stamp.sec, stamp.nsec)
         return before is not None and self.now < before
 
@@ -73,14 +73,14 @@ def is_simulated(graph: Graph) -> bool:
 
 
 class ArrivalStream:
-    """The packets of some topics, as they come; ``graph`` is that of the last look.
+    """The packets of some topics, as they come; ``graph`` is as of the last update.
 
-    With ``strict_time`` packets are left out that arrive before the simulated time is known; a log
-    has it from its first message on /clock on. With ``wall_time`` times are the computer's even if
-    a simulator publishes /clock. Only packets count for which ``keep`` is true.
+    With ``strict_time``, packets that arrive before the simulated time is known are left out; in a
+    log it is known from the first message on /clock. With ``wall_time``, times are the system
+    clock's even if a simulator publishes /clock. Only packets for which ``keep`` is true count.
 
     Raises:
-        UsageError: The text behind a topic is no field path.
+        UsageError: The text after a topic's name is not a field path.
     """
 
     def __init__(
@@ -112,11 +112,11 @@ class ArrivalStream:
 
     @property
     def text(self) -> str:
-        """The selected topics, for people."""
+        """The selected topics, for messages to the user."""
         return ", ".join(one.text for one in self._selections)
 
     def announced(self) -> list[tuple[tuple[str, ...], Path]]:
-        """Return the types that nodes announce for each topic named, and the path behind it."""
+        """Return the types that nodes announce for each named topic, and the path after it."""
         named = [one for one in self._selections if isinstance(one, OneTopic)]
         spellings = [known_spelling(self.graph, one.text, self._names) for one in named]
         return [
@@ -146,7 +146,7 @@ class ArrivalStream:
                 routes = self._routes[packet.channel] = self._routes_of(packet.channel)
             if routes and (keep is None or keep(packet)):
                 when = self._simulated_time(packet) if is_simulated else packet[2]
-                if when or not is_simulated:  # a log may begin at 0
+                if when or not is_simulated:  # 0 is a valid time in a log
                     for one, path in routes:
                         arrivals.append(_new(SelectedPacket, (one, packet, when, path)))
         return Batch(arrivals, self._clock.now or time.time_ns(), is_reset)
@@ -155,9 +155,9 @@ class ArrivalStream:
         return self._clock.time(packet) or (0 if self._strict_time else packet.time)
 
     def situation(self, topic: str = "") -> str:
-        """Return the publishers of a topic; or what may have been meant, or is on the bus.
+        """Return the publishers of a topic; if none, a likely intended topic or what the bus has.
 
-        The topic is as typed; "" for the first one that is published, or else the first.
+        ``topic`` is as typed; "" for the first published one, else the first.
         """
         graph = self._monitor.graph()
         if not topic:
@@ -175,26 +175,26 @@ class ArrivalStream:
         return f"on the bus: {', '.join(seen[:_MOST_NAMED])}" if seen else "no topic is on the bus"
 
     def contents(self) -> str:
-        """Return the topics of a log that has been read, for people."""
+        """Return the topics of a log that has been read, for messages to the user."""
         seen = self._recorded()
         return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
 
     def _recorded(self) -> list[str]:
-        """The topics of a log that have messages in it, and are not only announced."""
+        """The topics of a log that have messages in it, rather than only announcements."""
         graph = self._monitor.graph()
         return [name for name in graph.topic_names() if graph.topic(name).traffic]
 
     def near(self, topic: str) -> str:
-        """Return the topic of a log that may have been meant instead, or what the log has."""
+        """Return the topic of a log that was probably meant, or the topics that the log has."""
         hint = near_topic(self._recorded(), topic, self._names)
         return hint if hint.startswith("did you mean") else self.contents()
 
     def silent(self) -> list[str]:
-        """Return the selected topics of which nothing has come."""
+        """Return the selected topics on which nothing has come."""
         return [one.text for one in self._selections if one.text not in self._heard]
 
     def _routes_of(self, channel: str) -> list[tuple[str, Path]]:
-        """The selections that a channel is of; several with the same field path are one."""
+        """The selections that a channel belongs to; several with one field path count as one."""
         found: dict[Path | str, tuple[str, Path]] = {}
         for one in self._selections:
             path = one.path_on(channel)
@@ -210,25 +210,25 @@ class ArrivalStream:
     def _look_again(self, packets: Sequence[Packet]) -> None:
         new = {packet.channel for packet in packets} - self._known
         self._known |= new
-        # to learn takes longer the more channels there are: not for each of a thousand new ones
+        # learning takes longer the more channels there are, so it is not done for each new one
         is_told = CLOCK in new or any(one.is_told_by(new) for one in self._selections)
         if is_told or time.monotonic() >= self._next_look:
             self._learn()
 
     def _learn(self) -> None:
-        """Tell topics from paths, find the matches of patterns, and announce to listen to them."""
+        """Tell topics from paths, match patterns, and announce that it listens to the channels."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.graph = graph = self._monitor.graph()
         self._routes.clear()
         self._clock.is_simulated = not self._wall_time and is_simulated(graph)
         for one in self._selections:
             one.learn(graph)
-        # arrivals may be of several topics
+        # true if arrivals may be on several topics
         self.is_one_of_many = len(self._selections) > 1 or any(
             isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
         )
         wanted = {channel for one in self._selections for channel in one.channels()}
-        # A simulator tells the time seldom where nobody listens to it.
+        # A simulator publishes the time rarely if nobody subscribes to it.
         channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)
         if channels != self._announced:
             self._announced = channels
@@ -244,7 +244,7 @@ def taken(
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
 ) -> Iterator[T]:
-    """Return the result of ``take`` for each packet, as ``taken_together``."""
+    """Yield the result of ``take`` for each packet; see ``taken_together``."""
     for results in taken_together(stream, take, timeout, notify, most=1):
         yield from results
 
@@ -257,15 +257,15 @@ def taken_together(
     *,
     most: int,
 ) -> Iterator[list[T]]:
-    """Return the results of ``take`` for packets that arrived together; None is passed over.
+    """Yield the results of ``take`` for packets that arrived together; None is skipped.
 
-    There are at most ``most`` in a list, in which no result waits for a later arrival. ``timeout``
-    is the longest time without a result [s], None for no limit. ``notify`` is called with a
-    sentence when it takes long.
+    A list has at most ``most`` results, and no result waits for a later arrival. ``timeout`` is the
+    longest time without a result [s], None for no limit. ``notify`` is called with a sentence if
+    the first result takes long.
 
     Raises:
         NothingReceived: There was no result for ``timeout`` seconds.
-        LcmtoolsError: The log has ended, and nothing in it is of the topics.
+        LcmtoolsError: The log has ended without a message on the topics.
     """
     began = last = time.monotonic()
     has_notified = has_arrived = has_compared = False
@@ -302,7 +302,7 @@ def taken_together(
 def _notify_silent(
     stream: ArrivalStream, notify: Callable[[str], None], *, has_ended: bool = False
 ) -> None:
-    """Say on which topics nothing has come, and what may have been meant."""
+    """Say on which topics nothing has come, and which topic was probably meant."""
     for text in stream.silent():
         if has_ended:
             notify(f"the log has no message on {text}; {stream.near(text)}")
@@ -313,7 +313,7 @@ def _notify_silent(
 def _results(
     arrivals: Sequence[SelectedPacket], take: Callable[[SelectedPacket], T | None], most: int
 ) -> Iterator[list[T]]:
-    """The results in lists of at most ``most``; what was taken before an error comes before it."""
+    """The results in lists of at most ``most``; those taken before an error are yielded first."""
     results: list[T] = []
     try:
         for arrival in arrivals:

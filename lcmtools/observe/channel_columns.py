@@ -1,4 +1,4 @@
-"""The columns of the table: names, texts and sort keys; and the order of the rows."""
+"""The columns of the channel table (names, texts and sort keys), and the order of its rows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,40 +15,40 @@ class Column:
     """A column of the table."""
 
     name: str  # on the command line and in the heading
-    letter: str  # the key that sorts by it
+    letter: str  # the key to press to sort by it
     text: Callable[[ChannelRow], str]
-    key: Callable[[ChannelRow], object]  # to sort by; None for an empty cell
-    leaves: int = 0  # the order in which columns are left out; 0 for never
+    key: Callable[[ChannelRow], object]  # sort key; None for an empty cell
+    leaves: int = 0  # columns are left out in this order; 0 for never
     cut: Cut = ""  # the place where a long text is cut; "" for a number
-    least: int = 0  # the least width that it is cut to, in characters
+    least: int = 0  # the smallest width that it is cut to, in characters
 
     @property
     def is_number(self) -> bool:
-        """True for columns at the right, sorted from the largest."""
+        """True for numbers: right-aligned, and sorted from the largest."""
         return not self.cut
 
 
 def bandwidth_text(value: float | None) -> str:
-    """Bytes a second."""
+    """Bytes per second, as text."""
     return "-" if value is None else f"{size_text(value)}/s"
 
 
 def rate_text(value: float | None) -> str:
-    """Messages a second [Hz]."""
+    """Messages per second [Hz], as text."""
     if value is None:
         return "-"
     return f"{value:.0f}" if value >= 1000 or value == 0 else f"{value:.2f}"  # noqa: PLR2004
 
 
 def jitter_text(seconds: float | None) -> str:
-    """A spread of intervals."""
+    """The spread of the intervals between messages, as text."""
     if seconds is None:
         return "-"
     return f"{seconds * 1e3:.1f} ms" if seconds < 1 else f"{seconds:.2f} s"
 
 
 def loss_text(loss: float | None) -> str:
-    """A lost share; "0" only if nothing was lost."""
+    """A share of lost messages, as text; "0" only if nothing was lost."""
     if loss is None:
         return "-"
     if loss == 0:
@@ -57,7 +57,7 @@ def loss_text(loss: float | None) -> str:
 
 
 def age_text(seconds: float | None) -> str:
-    """An age: "0.1 s", "12 s", "3 min"."""
+    """An age, as text: "0.1 s", "12 s", "3 min"."""
     if seconds is None:
         return "-"
     for unit, length in (("d", 86400), ("h", 3600), ("min", 60)):
@@ -67,7 +67,7 @@ def age_text(seconds: float | None) -> str:
 
 
 def type_text(row: ChannelRow) -> str:
-    """The announced type, or the likeliest and the number of others; "?" for an unknown one."""
+    """The announced type, or the likeliest and the number of others; "?" if unknown."""
     if not row.types:
         return "?" if row.messages else "-"
     if row.is_announced:
@@ -116,14 +116,14 @@ class TableView:
     """The order and the filter of the table."""
 
     column: str = "channel"
-    inverted: bool = False  # numbers from the smallest, and texts from Z
-    text: str = ""  # that a row must have in channel, type, sender or listener
+    inverted: bool = False  # numbers sorted from the smallest, and texts from Z
+    text: str = ""  # that a row must contain in channel, type, sender or listener
 
     def rows(self, rows: Sequence[ChannelRow], *, steady: bool = False) -> list[ChannelRow]:
         """Return the rows that are shown, in their order.
 
-        In a steady view numbers that differ by a percent or two count as equal and are sorted by
-        channel, or rows would change places all the time.
+        In a steady view, numbers that differ by only a percent or two count as equal and are sorted
+        by channel; otherwise, rows would change places all the time.
         """
         column = COLUMNS[self.column]
 
@@ -135,13 +135,13 @@ class TableView:
         return in_order(matching(rows, self.text), key, descending=descending)
 
     def sorted_by(self, column: str) -> "TableView":
-        """The same, sorted by a column; by the same column again, the other way round."""
+        """The same view sorted by a column, or inverted if it is sorted by this column already."""
         if column == self.column:
             return replace(self, inverted=not self.inverted)
         return replace(self, column=column, inverted=False)
 
     def moved(self, step: int) -> "TableView":
-        """The same, sorted by the next column, or the previous one."""
+        """The same view sorted by the column that is ``step`` columns further."""
         names = list(COLUMNS)
         place = (names.index(self.column) + step) % len(names)
         return replace(self, column=names[place], inverted=False)

@@ -1,4 +1,4 @@
-"""One channel as texts: its properties, and the lines of its message with their curves."""
+"""One channel as text: its properties, and the lines of its message with their curves."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from lcmtools.observe.describe import size_text
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Sample, Sparkline, curve
 
-BIN_NS = 500_000_000  # the time of one bar of a curve [ns]
+BIN_NS = 500_000_000  # the time that one bar of a curve spans [ns]
 BARS = 40  # the greatest number of bars
 
 _INDENT = "  "
@@ -25,7 +25,7 @@ _HEX = 16  # bytes in a line
 
 
 class DetailLine(NamedTuple):
-    """A line of a message, or of the bytes that cannot be decoded.
+    """A line of a message, or of bytes that cannot be decoded.
 
     ``bars`` and ``span`` are the curve of a number and its range; empty for anything else.
     """

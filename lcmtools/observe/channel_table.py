@@ -9,8 +9,8 @@ from lcmtools.observe.channel_columns import COLUMNS, Column, Cut, heading
 from lcmtools.observe.channels import ChannelRow
 
 _DOTS = "…"
-_WIDE_GAP, _NARROW_GAP = 2, 1  # characters between two columns; where there is little room
-_LATEST = ("age",)  # columns that say nothing in a table that does not go on
+_WIDE_GAP, _NARROW_GAP = 2, 1  # characters between two columns, usually and if space is short
+_LATEST = ("age",)  # columns without meaning in a table that is not updated
 
 
 def table(rows: Sequence[ChannelRow], room: int | None) -> list[str]:
@@ -43,14 +43,14 @@ def record(row: ChannelRow) -> dict[str, object]:
 
 @dataclass(frozen=True, slots=True)
 class ColumnLayout:
-    """The columns that there is room for, their widths, and the gap between them."""
+    """The columns that fit, their widths, and the gap between them."""
 
     columns: tuple[Column, ...]
     widths: tuple[int, ...]
     gap: str
 
     def row(self, row: ChannelRow | None = None) -> list[str]:
-        """The cells of a row, or those above all rows, each as wide as its column."""
+        """The cells of a row, or the headings for None, each as wide as its column."""
         return [
             _fit(heading(column) if row is None else printable(column.text(row)), width, column)
             for column, width in zip(self.columns, self.widths, strict=True)
@@ -58,16 +58,16 @@ class ColumnLayout:
 
 
 def natural_widths(rows: Iterable[ChannelRow], columns: Iterable[Column]) -> dict[str, int]:
-    """The widths of the columns that cut nothing, by their names."""
+    """The widths at which no column is cut, by the columns' names."""
     shown = list(rows)
     texts = {c.name: [heading(c), *(printable(c.text(row)) for row in shown)] for c in columns}
     return {name: max(map(width_of, column)) for name, column in texts.items()}
 
 
 def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | None) -> ColumnLayout:
-    """Return the columns that fit into ``room`` characters, None for any number, and their widths.
+    """Return the columns that fit into ``room`` characters (None: no limit), and their widths.
 
-    Texts are cut first, the longest most; then columns are left out. ``widths`` cut nothing.
+    Texts are cut first; then columns are left out. ``widths`` are those that cut nothing.
     """
     room = sum(widths.values()) + _WIDE_GAP * len(columns) if room is None else room
     kept = list(columns)
@@ -101,13 +101,13 @@ def _fit(text: str, width: int, column: Column) -> str:
 
 
 def cut(text: str, width: int, where: Cut) -> str:
-    """A text cut to so many characters, with dots where something is missing."""
+    """A text cut to ``width`` characters, with dots where something is missing."""
     if width_of(text) <= width:
         return text
     if width < 1:
         return ""
     if where == "start":
-        last = f"{_DOTS}/{text.rpartition('/')[2]}"  # of a type, the package goes first
+        last = f"{_DOTS}/{text.rpartition('/')[2]}"  # a type loses its package first
         return last if "/" in text and width_of(last) <= width else _DOTS + _end(text, width - 1)
     if where == "middle":
         end = _end(text, (width - 1) * 2 // 3)
@@ -126,7 +126,7 @@ def _end(text: str, width: int) -> str:
 
 
 def width_of(text: str) -> int:
-    """The number of a terminal's places that a text takes."""
+    """The number of terminal columns that a text takes."""
     if text.isascii():
         return len(text)
     return sum(

@@ -17,7 +17,7 @@ from lcmtools.observe.losses import Losses, total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, process_name, programs
 
-_GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that sends no more
+_GONE = 10_000_000_000  # [ns] behind a channel's latest message: such a sender has stopped
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,24 +25,24 @@ class ChannelRow:
     """One channel of a bus."""
 
     channel: str  # its name
-    # Its type as nodes announce it, else all types with its fingerprints, the likeliest
-    # first; empty for unknown.
+    # Its type as nodes announce it, else all types with its fingerprints, the likeliest first;
+    # empty if unknown.
     types: tuple[str, ...] = ()
     is_announced: bool = False  # True if nodes have announced ``types``
-    fingerprints: tuple[int, ...] = ()  # those that were seen
+    fingerprints: tuple[int, ...] = ()  # the fingerprints that were seen
     messages: int = 0  # the number of messages
     bytes: int = 0  # bytes of their payloads
-    # Recent message rate [Hz]; as ``jitter`` [s] and ``bandwidth`` [byte/s] see ``Flow``.
+    # Recent message rate [Hz]; see ``Flow``, also for ``jitter`` [s] and ``bandwidth`` [byte/s].
     rate: float | None = None
     jitter: float | None = None
     bandwidth: float | None = None
-    # Messages of the channel's senders that did not arrive, whatever their channel; None if
+    # Messages that did not arrive from the channel's senders, on whatever channel; None if
     # unknown.
     lost: int | None = None
     # Their share of all that these senders have sent, 0 to 1; None if unknown.
     loss: float | None = None
     senders: tuple[str, ...] = ()  # the publishers: nodes, else processes, else addresses
-    listeners: tuple[str, ...] = ()  # the nodes that subscribe; for other programs that is unknown
+    listeners: tuple[str, ...] = ()  # the nodes that subscribe; other programs do not show
     age: float | None = None  # time since the last message [s]; None before the first
 
     @property
@@ -53,7 +53,7 @@ class ChannelRow:
 
 @dataclass(frozen=True, slots=True)
 class ChannelSelection:
-    """The channels that have a row."""
+    """The selection of channels that have a row."""
 
     topics: tuple[str, ...] = ()  # names, namespaces and patterns; none for all
     hidden: bool = False  # True for hidden names too
@@ -81,9 +81,9 @@ class ChannelRows:
         return tuple(self._row(topic, activity, lost, now) for topic in topics)
 
     def published(self, graph: Graph, *, large: bool = True) -> list[str]:
-        """Return the channels with a row that nodes publish on: some do only for a subscriber.
+        """Return the selected channels on which nodes publish; some do so only for a subscriber.
 
-        ``large`` includes those of images, clouds and other messages with any number of bytes.
+        ``large`` includes those of images, clouds and other messages of variable size.
         """
         topics = (t for t in graph.topics() if t.publishers and self._has(t.name))
         return sorted(t.name for t in topics if large or not any(map(_is_large, t.types)))
@@ -110,7 +110,7 @@ class ChannelRows:
         )
 
     def _types(self, channel: str, fingerprints: Sequence[int]) -> tuple[str, ...]:
-        """The types that messages may have; that of a channel "name#package.Type" first."""
+        """The types that messages may have, first the one in a name like "name#package.Type"."""
         names = dict.fromkeys(name for number in fingerprints for name in self._candidates(number))
         said = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
         return tuple(sorted(names, key=lambda name: name != said))
@@ -122,14 +122,14 @@ class ChannelRows:
         return tuple(dict.fromkeys([*nodes, *map(self._names.name, others)]))
 
     def _names_of(self, ends: Sequence[tuple[Node, Endpoint]]) -> tuple[str, ...]:
-        """The nodes, without commands, which are hidden."""
+        """The nodes' names, without hidden ones, as commands are."""
         shown = (node for node, _ in ends if self._selection.hidden or not is_hidden(node.name))
         return tuple(dict.fromkeys(map(listed_node, shown)))
 
 
 @cache
 def _is_large(name: str) -> bool:
-    """Return whether messages of a type may be large: they have bytes, as many as they say."""
+    """Return whether messages of a type may be large: they have a byte array of variable length."""
     try:
         parts = fields(message_class(name))
     except LcmtoolsError:
@@ -140,7 +140,7 @@ def _is_large(name: str) -> bool:
 def survey(
     monitor: BusMonitor, selection: ChannelSelection, wait: float
 ) -> tuple[Graph, tuple[ChannelRow, ...]]:
-    """Return the graph and the rows of a bus after ``wait`` seconds; of a log, of all of it."""
+    """Return the graph and the rows of a bus after ``wait`` seconds; for a log, of all of it."""
     rows = ChannelRows(selection, SenderNames())
     monitor.listen_to(rows.published(monitor.discover()))
     activity = Activity()
@@ -170,7 +170,7 @@ def matching(rows: Sequence[ChannelRow], text: str) -> list[ChannelRow]:
 def in_order(
     rows: Sequence[ChannelRow], key: Callable[[ChannelRow], object], *, descending: bool
 ) -> list[ChannelRow]:
-    """Return the rows sorted by a key; those without one last, equal ones by channel."""
+    """Return the rows sorted by a key; rows without a key come last, equal ones by channel."""
     by_name = sorted(rows, key=lambda row: row.channel)
     known = [row for row in by_name if key(row) is not None]
     known.sort(key=key, reverse=descending)  # type: ignore[arg-type] # of one column, of one type

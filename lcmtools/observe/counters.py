@@ -1,6 +1,6 @@
-"""Rates and durations by the counters that nodes announce; plain arithmetic on two looks.
+"""Rates and durations from the counters that nodes announce: arithmetic on two samples.
 
-A rate that a node does not announce needs two looks: the counters and the times at both give it,
+A rate that a node does not announce is computed from two samples of its counters and their times,
 however short the time between them is.
 """
 
@@ -10,14 +10,14 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
 from lcmtools.observe.describe import behind_record
 from lcmtools.observe.losses import Loss, Losses, total
 
-_SHORTEST = 200_000_000  # [ns] between two looks that tell how busy a node is
-_TEN, _THOUSAND = 9.95, 999.5  # that rounding makes 10 and 1000
+_SHORTEST = 200_000_000  # [ns] at least between two samples that tell how busy a node is
+_TEN, _THOUSAND = 9.95, 999.5  # what rounds to 10 and 1000
 
 
 def average_rate(node: Node, endpoint: Endpoint) -> float | None:
     """Return the rate of an endpoint's messages from its node's start to the last one [Hz].
 
-    None before two messages, or where the times do not fit.
+    None before two messages, or if the times contradict each other.
     """
     span = endpoint.last_time - node.start_time
     if endpoint.messages < 2 or span <= 0:  # noqa: PLR2004 - an interval
@@ -28,14 +28,14 @@ def average_rate(node: Node, endpoint: Endpoint) -> float | None:
 def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
     """Return the average duration of a call between two announcements [ns].
 
-    One that runs still counts as far as it has come; None where there was none.
+    A call that is still running counts by its time so far. None if there was no call.
     """
     calls, busy = later.calls - earlier.calls, later.busy - earlier.busy
     if calls < 0 or busy <= 0:
         return None
     mean, overall = busy / max(1, calls), later.busy / max(1, later.calls)
-    # the first and the last call may lie in there in part only: where the average of all calls
-    # fits as well, that is the better one
+    # the first and the last call may be only partly between the two: if the average of all calls
+    # is consistent with them, it is more accurate
     fits = calls and busy / (calls + 1) <= overall <= busy / max(1, calls - 1)
     return overall if fits else mean
 
@@ -43,8 +43,8 @@ def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
 def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | None:
     """Return the part of the time between two announcements spent in callbacks, 1 at most.
 
-    ``busy`` is the time in the callbacks that count [ns]; None for all of them. The result is None
-    where the announcements are too close, or do not say when they were sent.
+    ``busy`` is the time in the callbacks that count [ns]; None for all of them. Returns None if the
+    announcements are too close together, or have no time of sending.
     """
     span = later.sent - earlier.sent
     spent = later.busy - earlier.busy if busy is None else busy
@@ -81,7 +81,7 @@ def callback_record(endpoint: Endpoint) -> dict[str, object]:
 
 
 class Counters:
-    """The counters of endpoints by two looks at a bus, and the loss of each sender."""
+    """The counters of endpoints from two samples of a bus, and the loss of each sender."""
 
     def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
         self._now = after.time
@@ -91,7 +91,7 @@ class Counters:
         }
 
     def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
-        """Return an endpoint's counters in a line."""
+        """Return an endpoint's counters as one line."""
         parts = [f"messages: {endpoint.messages}", f"bytes: {endpoint.bytes}"]
         parts += [f"drops: {endpoint.drops}"]
         parts += [f"depth: {endpoint.depth}"] if endpoint.depth else []
@@ -104,7 +104,7 @@ class Counters:
         return ", ".join(filter(None, [*parts, callback_times(endpoint)]))
 
     def of_program(self, seen: Traffic) -> str:
-        """Return the observed traffic of a program that is no node, in a line."""
+        """Return the observed traffic of a program that is not a node, as one line."""
         rate = seen.rate()
         rates = [] if rate is None else [f"rate: {rate:.2f} Hz"]
         counts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
@@ -131,7 +131,7 @@ class Counters:
         }
 
     def lost(self, sender: Node | Traffic) -> Loss | None:
-        """Return the loss of a node or a program, of all its topics; None where unknown."""
+        """Return the loss of a node or a program, over all its topics; None if unknown."""
         senders = sender.senders() if isinstance(sender, Node) else [sender.sender]
         return total(senders, self._lost)
 

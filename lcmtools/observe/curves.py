@@ -1,4 +1,4 @@
-"""Values of fields over time, as curves; and these as a picture or as text for a terminal."""
+"""Values of fields over time, as curves, drawn as a picture or as text for a terminal."""
 
 import math
 import time
@@ -23,20 +23,20 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import select_topics
 
 PICTURES = (".png", ".svg", ".pdf")  # the endings of pictures
-_MOST_CURVES = 20  # of a path: more cannot be told apart
+_MOST_CURVES = 20  # from one path: more cannot be told apart
 _HINT = "name a field of numbers"
 
 
 @dataclass(slots=True)
 class Curve:
-    """The values of a field: times [s since 1970 or since the start of the simulation], values."""
+    """The times [s since 1970 or since the start of the simulation] and values of a field."""
 
     label: str  # "/husky0/odometry/twist.twist.linear.x"
     times: list[float] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
 
     def drop_before(self, time: float) -> None:
-        """Forget what is older than ``time`` [s]; all, where simulated time has gone back."""
+        """Forget values older than ``time`` [s], or all if simulated time has gone back."""
         if self.times[-1] < self.times[0]:
             del self.times[:-1], self.values[:-1]
         old = next((n for n, one in enumerate(self.times) if one >= time), len(self.times))
@@ -44,10 +44,10 @@ class Curve:
 
 
 class Curves:
-    """The curves of fields, topics with field paths behind them, on a bus or in a log.
+    """The curves of fields, given as topics followed by field paths, on a bus or in a log.
 
-    ``tell`` is called with a sentence: about what is left out, once for each reason; when it takes
-    long. Only ``window`` [s] are kept, or all.
+    ``tell`` is called with a sentence if something is left out, once for each reason, and if it
+    takes long. Only the last ``window`` seconds are kept, or all.
 
     Raises:
         UsageError: A path is wrong.
@@ -80,10 +80,10 @@ class Curves:
         """Take messages, and yield every ``period`` [s], until the log or ``duration`` [s] ends.
 
         Raises:
-            UsageError: What is selected is no number.
+            UsageError: The selected field is not a number.
             ValueMismatch: A message has no such field or element.
             NothingReceived: No message came for ``timeout`` [s].
-            LcmtoolsError: Nothing in the log is of the topics.
+            LcmtoolsError: The log has no message on the topics.
         """
         start = due = time.monotonic()
         for _ in taken(self._stream, self._take, timeout, self._tell):
@@ -121,7 +121,7 @@ def numbers(message: Message, path: Path) -> list[tuple[str, float]]:
     """Return the numbers that a path selects, with the path of each.
 
     Raises:
-        UsageError: There is none, or there are more than can be told apart.
+        UsageError: There is no number, or more than can be told apart.
         ValueMismatch: The message has no such field or element.
     """
     selected = select(message, path)
@@ -135,7 +135,7 @@ def numbers(message: Message, path: Path) -> list[tuple[str, float]]:
 
 
 def _of_value(value: object, kind: str, path: str) -> Iterator[tuple[str, float]]:
-    """The numbers in a value: its own, those of its elements, or those of its fields."""
+    """The numbers in a value: itself, or those of its elements or fields."""
     if isinstance(value, (bool, int, float)):
         yield path, float(value)
     elif isinstance(value, str):
@@ -164,11 +164,11 @@ def _common_start(curves: Sequence[Curve]) -> float:
 
 
 def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
-    """Draw curves over seconds since their first value into a file: PNG, SVG or PDF by its suffix.
+    """Draw curves over seconds since their first value into a file: PNG, SVG or PDF, by its suffix.
 
     Raises:
         MissingExtra: matplotlib is missing.
-        UsageError: The suffix is none of these.
+        UsageError: The suffix is another one.
         LcmtoolsError: The file cannot be written.
     """
     if path.suffix not in PICTURES:
@@ -191,7 +191,7 @@ def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
 
 
 def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool) -> str:
-    """Return curves as text of so many columns and rows, over seconds since their first value.
+    """Return curves as text of this size, over seconds since their first value.
 
     Raises:
         MissingExtra: plotext is missing.

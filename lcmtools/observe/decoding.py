@@ -1,4 +1,4 @@
-"""Decoding: the type of a channel's messages, settled once, and the message in a packet."""
+"""Decoding: choosing the type of a channel's messages once, and reading the message in a packet."""
 
 from collections.abc import Callable, Sequence
 
@@ -23,9 +23,9 @@ class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
 class Decoder:
     """Turns packets into messages.
 
-    Two types with the same fields have the same fingerprint. The type that the person ``named``
-    wins, else the one that nodes announce for the channel (``BusMonitor.types_of``), else the
-    likeliest. ``keep_stray`` is that of ``codec.decode``.
+    Two types with the same fields have the same fingerprint. The type that the user ``named`` takes
+    precedence, then the one that nodes announce for the channel (``BusMonitor.types_of``), then the
+    likeliest. ``keep_stray`` is passed to ``codec.decode``.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Decoder:
 
         Raises:
             UnknownFingerprint: No known type has its fingerprint.
-            DecodeError: It is too short for a message, or not of the type that the person names.
+            DecodeError: It is too short for a message, or not of the type that the user named.
             LcmtoolsError: The type's .lcm file is wrong.
         """
         key = packet.channel, packet.payload[:8]
@@ -56,7 +56,7 @@ class Decoder:
         return known
 
     def decode(self, packet: Packet) -> Message:
-        """Return the message in a packet; raises as ``message_class``."""
+        """Return the message in a packet; raises errors as ``message_class`` does."""
         return decode(self.message_class(packet), packet.payload, keep_stray=self._keep_stray)
 
     def _settle(self, channel: str, number: int) -> type[Message]:
@@ -73,6 +73,6 @@ class Decoder:
 
 
 def remedy_of_unknown() -> str:
-    """Return what to do about an unknown type: mend .lcm files, or say where they are."""
+    """Return what to do about an unknown type: correct .lcm files, or set their location."""
     broken = next((str(problem.error()) for problem in problems()), "")
     return broken or f"{VARIABLE}=FOLDER adds the folder of your .lcm files"

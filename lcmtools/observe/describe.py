@@ -1,4 +1,4 @@
-"""Words for topics, types, nodes, senders and computers, shared by the commands that show them."""
+"""Texts for topics, types, nodes, senders and computers, shared by commands that show them."""
 
 import socket
 from collections.abc import Iterable, Sequence
@@ -14,28 +14,28 @@ UNKNOWN = "unknown type"
 
 
 def size_text(value: float | None) -> str:
-    """Bytes for people, a KB being 1000: "812 B", "36.2 KB"; "-" for an unknown number."""
+    """A number of bytes as text, a KB being 1000: "812 B", "36.2 KB"; "-" for an unknown number."""
     if value is None:
         return "-"
     units = ["B", "KB", "MB", "GB"]
-    while value >= 999.5 and len(units) > 1:  # noqa: PLR2004 - what rounds to four digits
+    while value >= 999.5 and len(units) > 1:  # noqa: PLR2004 - would round to four digits
         value, units = value / 1000, units[1:]
     digits = 0 if units[0] == "B" or value >= 99.95 else 1 if value >= 9.995 else 2  # noqa: PLR2004
     return f"{value:.{digits}f} {units[0]}"
 
 
 def type_text(topic: Topic) -> str:
-    """Return a topic's types in a line; "unknown type" where none is known.
+    """Return a topic's types as one line; "unknown type" if none is known.
 
-    Several differing types are all named: that is a fault, and lcmtools wtf explains it.
+    If types differ, all are named: that is a fault, which lcmtools wtf explains.
     """
     return ", ".join(topic_types(topic)) or UNKNOWN
 
 
 def topic_types(topic: Topic) -> tuple[str, ...]:
-    """Return a topic's types: as announced, else by the fingerprints seen.
+    """Return a topic's types: as announced, else from the fingerprints seen.
 
-    What plain programs send beside the announced types is named, too, as "unknown type" if it is.
+    Other types that plain programs send are included, as "unknown type" if unknown.
     """
     declared = {f for _, end in topic.publishers + topic.subscribers for f in end.fingerprints}
     plain = (f for seen in topic.foreign if declared and not seen.types for f in seen.fingerprints)
@@ -59,7 +59,7 @@ def fingerprint_rows(topic: Topic) -> list[str]:
 
 
 def node_record(node: Node) -> dict[str, object]:
-    """Return a node and its place, for JSON."""
+    """Return a node, its host and pid, for JSON."""
     return {
         "node": node.name,
         "host": node.host,
@@ -73,18 +73,18 @@ def node_record(node: Node) -> dict[str, object]:
 
 
 def behind_record(node: Node) -> dict[str, object]:
-    """Return the bus of a node behind relays, and these, the nearest first, for JSON."""
+    """Return the bus of a node behind relays, and the relays, nearest first, for JSON."""
     return {"bus": node.bus, "relays": [step.relay for step in node.path]} if node.path else {}
 
 
 def node_text(node: Node) -> str:
-    """Return a node with its place."""
+    """Return a node with its host and pid."""
     stale = f", stale: {node.stale}" if node.stale else ""
     return f"{node.name} ({host_text(node)}, pid {node.pid}{stale})"
 
 
 def host_text(node: Node) -> str:
-    """Return a node's computer, of another one with the address: "ada at 10.0.0.1"."""
+    """Return a node's computer; if it is another one, with its address: "ada at 10.0.0.1"."""
     address = address_of(node)
     place = f"{node.host} at {address}" if address else node.host
     return f"{place}, on {behind_text(node)}" if node.path else place
@@ -103,7 +103,7 @@ def listed_node(node: Node) -> str:
 
 
 def callback_errors(node: Node) -> list[str]:
-    """Return what the node's callbacks have raised, the newest first."""
+    """Return the errors that the node's callbacks raised, newest first."""
     return [
         f"{error.callback} raised {error.exception}"
         f" {'once' if error.count == 1 else f'{error.count} times'}, {error.place}: {error.message}"
@@ -112,13 +112,13 @@ def callback_errors(node: Node) -> list[str]:
 
 
 def all_callback_errors(graph: Graph) -> list[str]:
-    """Return what the callbacks of all living nodes have raised, each with the node's name."""
+    """Return the errors of the callbacks of all living nodes, each with the node's name."""
     living = (node for node in graph.nodes if not node.stale)
     return [f"{node.name}: {text}" for node in living for text in callback_errors(node)]
 
 
 def program_text(traffic: Traffic) -> str:
-    """Return the program behind a sender that is no node, as far as the system tells."""
+    """Return the program behind a sender that is not a node, as far as the system shows it."""
     sender = traffic.sender
     if sender is None:
         return "a plain LCM program (this kind of bus does not identify senders)"
@@ -136,21 +136,21 @@ def program_text(traffic: Traffic) -> str:
 
 
 def candidates_text(processes: Sequence[Process]) -> str:
-    """Return ": maybe …" with the processes that a program may be; "" for none."""
+    """Return ": maybe …" with the processes that may be the program; "" for none."""
     names = [f"{process.command} (pid {process.pid})" for process in processes]
     return f": maybe {' or '.join(names)}" if names else ""
 
 
 class Computers:
-    """The names of the computers that ``nodes``, all that are known, run on.
+    """The names of the computers on which ``nodes``, all known nodes, run.
 
-    As the nodes announce them; where that is not known, or two have the same name, the address is
-    shown.
+    The names are those that the nodes announce. If a name is unknown, or two computers have the
+    same one, the address is shown.
     """
 
     def __init__(self, nodes: Iterable[Node]) -> None:
         self._own = socket.gethostname()
-        self._names: dict[str, str] = {}  # of other computers, by address
+        self._names: dict[str, str] = {}  # names of other computers, by address
         for node in nodes:
             if address := address_of(node):
                 self._names.setdefault(address, node.host)
@@ -165,10 +165,10 @@ class Computers:
         return f"{node.host} ({address})" if address and node.host in self._twice else node.host
 
     def nodes_on(self, host: str, nodes: Iterable[Node]) -> list[Node]:
-        """Return the nodes on a computer, which is named, or given by its address.
+        """Return the nodes on a computer, given by its name or address.
 
         Raises:
-            LcmtoolsError: None of them is.
+            LcmtoolsError: No node is on this computer.
         """
         wanted = self._own if host in ("localhost", "127.0.0.1") else host
         known = {one: (one.host, self.of(one), one.sender and one.sender.address) for one in nodes}
@@ -190,13 +190,13 @@ class Computers:
 
 
 def address_of(node: Node) -> str:
-    """Return the address of a node's computer; "" for this computer, on Zenoh, or if unknown."""
+    """Return the address of a node's computer; "" for this computer, on Zenoh, and if unknown."""
     sender = node.sender
     return "" if sender is None or not sender.port or is_local(sender.address) else sender.address
 
 
 def by_computer(topics: Iterable[Topic]) -> dict[str, list[Topic]]:
-    """Return the part of each topic that is on each computer, by the computer's name, sorted."""
+    """Return the part of each topic on each computer, sorted by the computer's name."""
     topics = list(topics)
     nodes = {topic: [node for node, _ in topic.publishers + topic.subscribers] for topic in topics}
     computers = Computers(node for found in nodes.values() for node in found)

@@ -1,6 +1,6 @@
 """A bus as a diagram: announced nodes, observed programs, and their topics.
 
-Decides the members and edges. Must not know which of them are drawn, nor how.
+Determines the members and edges. Must not know which of them are drawn, or how.
 """
 
 import socket
@@ -19,12 +19,12 @@ _FLOWS = {
     Role.SERVICE: Relation.SERVES,
     Role.CLIENT: Relation.CALLS,
 }
-_Name = tuple[str, bool]  # of a channel, and True for a service
+_Name = tuple[str, bool]  # name of a channel; True for a service
 
 
 @dataclass(frozen=True, slots=True)
 class _Use:
-    """A member's use of a channel; its rate as seen [Hz], None if unknown."""
+    """A member's use of a channel; its observed rate [Hz], None if unknown."""
 
     member: str
     name: str
@@ -40,7 +40,7 @@ class _Use:
 def diagram_of(
     graph: Graph, programs: Sequence[Program], rates: Mapping[str, float] | None
 ) -> Diagram:
-    """Return a graph and its programs that are not nodes, hidden names and tools included.
+    """Return the diagram of a graph and its plain programs, with hidden names and tools.
 
     ``rates`` are message rates [Hz] by topic; None if not measured.
     """
@@ -131,7 +131,7 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
         known = topic_types(topic)
         messages = max(sent[name], sum(one.messages for one in topic.traffic))
         found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
-    types: dict[str, dict[str, None]] = defaultdict(dict)  # of services, as a set in order
+    types: dict[str, dict[str, None]] = defaultdict(dict)  # types by service; an ordered set each
     for role in (Role.SERVICE, Role.CLIENT):
         for end in (end for node in graph.nodes for end in node.having(role) if end.type):
             types[end.topic][end.type] = None

@@ -1,4 +1,4 @@
-"""Threads that read a bus for a live view, which takes their latest snapshot when it draws."""
+"""Threads that read a bus for a live view, which draws their latest snapshot."""
 
 import threading
 import time
@@ -19,23 +19,23 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
-_PERIOD = 0.4  # [s] between two snapshots, where no other time is given
-_WINDOW = 2.0  # [s] that rates are about
-_SOON = 0.1  # [s] between the first few, and at most that the bus is waited for
-_FIRST = 10  # snapshots; while the screen is being made, this process itself may miss messages
-_MOST_KEPT = 10_000  # channels, of a stranger who makes names up
-_SELDOM = 3.0  # [s] between two looks at who listens
-_AGAIN = 0.5  # [s] before a network that fails is tried again
+_PERIOD = 0.4  # [s] between two snapshots, unless another time is given
+_WINDOW = 2.0  # [s] over which rates are measured
+_SOON = 0.1  # [s] between the first few, and the longest wait for the bus
+_FIRST = 10  # snapshots without losses: while the screen is set up, this process may miss messages
+_MOST_KEPT = 10_000  # channels, in case a program keeps inventing names
+_SELDOM = 3.0  # [s] between two checks of who listens
+_AGAIN = 0.5  # [s] before a failed network is tried again
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A bus at one time."""
+    """The state of a bus at one time."""
 
     rows: tuple[ChannelRow, ...] = ()  # its channels, sorted by name
-    # The programs that listen and are not nodes; their channels are unknown.
+    # The programs that listen but are not nodes; their channels are unknown.
     plain_listeners: tuple[str, ...] = ()
-    callback_errors: tuple[str, ...] = ()  # what nodes' callbacks have raised, a sentence each
+    callback_errors: tuple[str, ...] = ()  # errors of nodes' callbacks, a sentence each
     trouble: str = ""  # the reason why no message arrives; "" if all is well
     is_over: bool = False  # True if no more messages will arrive
     graph: Graph = field(default_factory=Graph, repr=False)
@@ -56,19 +56,19 @@ class Snapshot:
 
 
 class Feed:
-    """A thread that reads a bus, with a monitor of its own; the bus is not closed here.
+    """A thread that reads a bus, with its own monitor; it does not close the bus.
 
     A snapshot of the channels of ``selection`` is made every ``period`` [s], and at once for a new
     channel.
 
     Attributes:
-        latest: The latest snapshot; another object each time.
-        on_snapshot: Called on this thread when there is a new one.
-        listens_to_all: Announce to listen to all channels with a row: some nodes publish only for
-            a subscriber. Else only those that are followed.
-        listens_to_large: Of these, also to those of images and clouds.
-        keeps_last: Keep the last message of each channel, so that ``follow`` begins with that of
-            a latched one: its publisher does not send it again to a node that has had it.
+        latest: The latest snapshot; a new object each time.
+        on_snapshot: Called on this thread when there is a new snapshot.
+        listens_to_all: Announce that it listens to all channels with a row, because some nodes
+            publish only for a subscriber; if False, only to followed channels.
+        listens_to_large: If it listens to all, include channels of images and clouds.
+        keeps_last: Keep the last message of each channel, so that ``follow`` begins with a latched
+            one: its publisher does not send it again to a node that has received it.
     """
 
     def __init__(
@@ -102,20 +102,20 @@ class Feed:
         self._thread.start()
 
     def stop(self) -> None:
-        """Read no more."""
+        """Stop reading."""
         self._ends.set()
         self._following.close()
         self._thread.join(2.0)
 
     def clear(self) -> None:
-        """Count from zero again."""
+        """Restart counting from zero."""
         self._clears.set()
 
     def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
-        """Pass a channel's whole messages to ``take``, on another thread; return the end of that.
+        """Pass a channel's whole messages to ``take``, on another thread; return a call to end it.
 
-        The feed itself reads the heads of large messages only: on a multicast bus a second tap
-        reads those whole, of all channels that are followed.
+        The feed itself reads only the heads of large messages: on a multicast bus, a second tap
+        reads the whole messages of all followed channels.
         """
         last = self._last.get(channel)
         if last is not None and self.latest.graph.topic(channel).is_latched:
@@ -129,7 +129,7 @@ class Feed:
             self._tell(replace(self._snapshot(), trouble="the log has ended", is_over=True))
         except LcmtoolsError as error:
             self._tell(replace(self.latest, trouble=str(error), is_over=True))
-        except Exception as error:  # noqa: BLE001 - shown on the screen, not in a thread's last words
+        except Exception as error:  # noqa: BLE001 - shown on the screen, not as a traceback
             what = f"a fault of lcmtools ({type(error).__name__}: {error})"
             self._tell(replace(self.latest, trouble=what, is_over=True))
 
@@ -138,7 +138,7 @@ class Feed:
         self.on_snapshot()
 
     def _read(self) -> None:
-        with suppress(BusError, OSError):  # a network that fails now may come back
+        with suppress(BusError, OSError):  # a network that has failed may come back
             self._monitor.discover()
         while not self._ends.is_set():
             trouble = self._receive()
@@ -152,7 +152,7 @@ class Feed:
                 self._next_snapshot = now + (_SOON if is_soon else self._period)
 
     def _receive(self) -> str:
-        """Count what has arrived, and return the trouble of the network, "" for none."""
+        """Count what has arrived; return the network's problem, "" for none."""
         try:
             packets = self._monitor.receive(_SOON)
         except (BusError, OSError) as error:
@@ -198,7 +198,7 @@ class Feed:
         if now >= self._next_look:
             self._next_look = now + _SELDOM
             known = listening_sockets(self._monitor.url), {node.id for node in graph.nodes}
-            if known != self._known:  # to find the processes goes through all of them
+            if known != self._known:  # finding the processes means searching all
                 self._known = known
                 self._listeners = tuple(plain_listeners(graph, self._monitor.url))
         errors = tuple(all_callback_errors(graph))

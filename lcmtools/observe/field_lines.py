@@ -24,7 +24,7 @@ _DOTS = "…"
 class FieldLine:
     """A line of a message."""
 
-    path: str  # in the message: "pose.position.x", "ranges[3]"
+    path: str  # within the message: "pose.position.x", "ranges[3]"
     label: str  # the last part of the path
     depth: int  # levels of indentation
     text: str = ""  # the value, or a summary of an array

@@ -1,4 +1,4 @@
-"""Finding the topic, the node or the service that a word on the command line means."""
+"""Finding the topic, the node or the service that a command line argument means."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -22,7 +22,7 @@ GLOBAL = Resolver()  # relative names are in "/", and none is remapped
 
 
 def known_spelling(graph: Graph, name: str, names: Resolver = GLOBAL) -> str | None:
-    """Return the channel on the bus that a topic's name means; None when none is there."""
+    """Return the channel on the bus that a topic's name refers to; None if there is none."""
     known = set(graph.topic_names())
     return next((spelling for spelling in names.spellings(name) if spelling in known), None)
 
@@ -31,7 +31,7 @@ def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
     """Return the topic that a name means.
 
     Raises:
-        LcmtoolsError: It is not on the bus; with what may have been meant.
+        LcmtoolsError: It is not on the bus; the hint has the topic that was probably meant.
     """
     spelling = known_spelling(graph, name, names)
     if spelling is None:
@@ -45,7 +45,7 @@ def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
 def find_topic_and_path(
     graph: Graph, argument: str, names: Resolver = GLOBAL
 ) -> tuple[Topic, Path]:
-    """Return the topic that an argument means, the longest there is, and the path behind it."""
+    """Return the longest topic that an argument begins with, and the path after it."""
     for topic, rest in splits(argument):
         if known_spelling(graph, topic, names) is not None:
             try:
@@ -56,9 +56,9 @@ def find_topic_and_path(
 
 
 def is_of_type(topic: Topic, name: str) -> bool:
-    """Return whether a type is announced, or may be what a program that announces nothing sends.
+    """Return whether a topic has a type: announced, or possibly sent by a plain program.
 
-    A fingerprint that an announced type has too is taken for that type's.
+    A fingerprint that an announced type shares is taken for the announced type's.
     """
     seen = map(candidates, topic.fingerprints)
     return name in topic.types or any(
@@ -67,7 +67,7 @@ def is_of_type(topic: Topic, name: str) -> bool:
 
 
 def near_topic(known: Iterable[str], name: str, names: Resolver = GLOBAL) -> str:
-    """Return a hint at the topic that may have been meant instead."""
+    """Return a hint at the topic that was probably meant."""
     visible = [topic for topic in known if not is_hidden(topic)]
     return _near(name, names.spellings(name)[-1], visible) or "lcmtools list shows the topics"
 
@@ -78,14 +78,14 @@ def find_node(graph: Graph, name: str) -> Node:
 
 
 def find_nodes(graph: Graph, name: str) -> list[Node]:
-    """Return the nodes that a name means: several where they have the same name, or the same pid.
+    """Return the nodes that a name means: several if they share a name or pid.
 
-    It is a full name, the last part of one where that is unique, or a pid, alone or as HOST:PID.
-    Where a node was killed and started again, the one that is alive is meant.
+    The name is a full name, the last part of one if unique, or a pid, alone or as HOST:PID. If a
+    node was killed and started again, the living one is meant.
 
     Raises:
         UsageError: The name is empty.
-        LcmtoolsError: There is none, or nodes of different names are meant.
+        LcmtoolsError: There is none, or nodes of different names match.
     """
     if not name:
         raise UsageError("the node's name is empty", "lcmtools node list shows them")
@@ -114,7 +114,7 @@ class OfferedService(NamedTuple):
 
     @property
     def type_text(self) -> str:
-        """The announced types, for people."""
+        """The announced types, as text."""
         return ", ".join(self.types) or "unknown type"
 
     @property
@@ -123,10 +123,10 @@ class OfferedService(NamedTuple):
         return any(not node.stale for node, _ in self.servers)
 
     def type_class(self) -> type[ServiceType]:
-        """Return the pair of messages of the service.
+        """Return the service's pair of message classes.
 
         Raises:
-            LcmtoolsError: Its type is not announced, or not known here.
+            LcmtoolsError: Its type is not announced or not known here.
         """
         if not self.types:
             raise LcmtoolsError(f"the type of {self.name} is not known")
@@ -136,7 +136,7 @@ class OfferedService(NamedTuple):
             raise LcmtoolsError(f"{self.name}: {error.what}", error.hint) from None
 
     def record(self) -> dict[str, object]:
-        """Return it as lists show it, for JSON."""
+        """Return the service for JSON, as lists show it."""
         return {
             "service": self.name,
             "types": list(self.types),
@@ -145,7 +145,7 @@ class OfferedService(NamedTuple):
         }
 
     def arguments(self) -> list[str] | None:
-        """Return the names of the request's fields; None where its type is not known here."""
+        """Return the names of the request's fields; None if its type is not known here."""
         try:
             return [field.name for field in visible_fields(self.type_class().Request)]
         except LcmtoolsError:
@@ -157,7 +157,7 @@ def offered_services(
 ) -> list[OfferedService]:
     """Return the services that nodes announce, sorted by name.
 
-    ``namespace`` is a namespace or a pattern of those that are meant, "" for all; ``show_all``
+    ``namespace`` is a namespace or a pattern that selects services, "" for all; ``show_all``
     includes hidden names.
     """
     pattern = Pattern(namespace, hidden=show_all)
@@ -166,7 +166,7 @@ def offered_services(
 
 
 def full_service_name(name: str, namespace: str = "/") -> str:
-    """Return the service that a word means, resolved by the ROS rules.
+    """Return the service that an argument means, resolved by the ROS rules.
 
     Raises:
         UsageError: The name is empty or breaks the naming rules.
@@ -177,11 +177,11 @@ def full_service_name(name: str, namespace: str = "/") -> str:
 
 
 def find_service(graph: Graph, name: str, namespace: str = "/") -> OfferedService:
-    """Return the service that a word means.
+    """Return the service that an argument means.
 
     Raises:
         UsageError: The name is empty or breaks the naming rules.
-        LcmtoolsError: No node offers it; with a hint at what may have been meant.
+        LcmtoolsError: No node offers it; with a hint at the one that was probably meant.
     """
     service = _offered(graph, full_service_name(name, namespace))
     if not service.servers:
@@ -190,14 +190,14 @@ def find_service(graph: Graph, name: str, namespace: str = "/") -> OfferedServic
 
 
 def near_service(graph: Graph, name: str) -> str:
-    """Return a hint at the service that may have been meant instead."""
+    """Return a hint at the service that was probably meant."""
     known = [service.name for service in offered_services(graph, show_all=False)]
     usual = "lcmtools service list shows the services" if known else "no node offers a service"
     return _near(name, name, known) or usual
 
 
 def _offered(graph: Graph, name: str) -> OfferedService:
-    """A service; servers that are stale count only where there is no other."""
+    """A service; stale servers count only if there is no other."""
     ends = [(node, end) for node in graph.nodes for end in node.endpoints if end.topic == name]
     servers = [pair for pair in ends if pair[1].role is Role.SERVICE]
     alive = [pair for pair in servers if not pair[0].stale]
@@ -224,8 +224,8 @@ def near_node(graph: Graph, name: str) -> str:
 
 
 def _numbers(node: Node) -> list[str]:
-    """The spellings of a node's process: its pid, alone or behind its computer: "ada:1234"."""
-    if node.path:  # a number of another bus
+    """The ways to write a node's process: its pid, alone or with the computer: "ada:1234"."""
+    if node.path:  # behind a relay: the pid is another bus's
         return []
     computers = [node.host, *([node.sender.address] if node.sender else [])]
     return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]

@@ -1,7 +1,7 @@
-"""Whole messages of some channels, for who shows them while a monitor reads the heads of all.
+"""Whole messages of some channels, while a monitor reads only the heads of all.
 
-The channels change while it runs. Small messages come from the monitor; large ones, of which that
-reads the beginning only, by one tap for all of them, which is there while some are wanted.
+The channels may change at any time. Small messages come from the monitor; large ones, of which it
+reads only the beginning, from a single tap, which exists while some are wanted.
 """
 
 import threading
@@ -17,18 +17,18 @@ from lcmtools.wire.packet import Packet
 
 Take: TypeAlias = Callable[[Packet], None]  # called with each message, on another thread
 
-_TURN = 0.1  # [s] until a change of the channels shows at most
-_AGAIN = 0.5  # [s] before a network that fails is tried again
+_TURN = 0.1  # [s] at most until a change of the channels takes effect
+_AGAIN = 0.5  # [s] before a failed network is tried again
 
 
 class Following:
-    """The channels of a bus whose messages somebody wants, and who."""
+    """The followed channels of a bus, and the callbacks that take their messages."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
         self._lock = threading.Lock()
         self._takers: dict[str, tuple[Take, ...]] = {}
-        self._large: set[str] = set()  # channels of which the monitor reads heads only
+        self._large: set[str] = set()  # channels of which the monitor reads only the heads
         self._thread: threading.Thread | None = None
 
     @property
@@ -38,14 +38,14 @@ class Following:
             return sorted(self._takers)
 
     def add(self, channel: str, take: Take) -> Callable[[], None]:
-        """Pass a channel's whole messages on from now; return the end of that."""
+        """Pass a channel's whole messages on from now; return a call to end it."""
         with self._lock:
             self._takers[channel] = (*self._takers.get(channel, ()), take)
             self._attend_large()
         return partial(self._remove, channel, take)
 
     def pass_on(self, packet: Packet) -> None:
-        """Pass on what the monitor has read."""
+        """Pass on a packet that the monitor has read."""
         takers = self._takers.get(packet.channel)
         if not takers or packet.channel in self._large:
             return
@@ -57,7 +57,7 @@ class Following:
             self._attend_large()
 
     def close(self) -> None:
-        """Pass nothing on any more."""
+        """Stop passing packets on."""
         with self._lock:
             self._takers.clear()
             thread = self._thread
@@ -72,7 +72,7 @@ class Following:
             self._takers[channel] = tuple(takers)
             if not takers:
                 del self._takers[channel]
-                self._large.discard(channel)  # it may be small when somebody wants it again
+                self._large.discard(channel)  # it may be small when it is followed again
 
     def _attend_large(self) -> None:
         if self._thread is None and self._wanted():
@@ -104,7 +104,7 @@ class Following:
         with Tap(self._url, always_whole=wanted) as tap:
             while wanted:
                 for packet in tap.receive(_TURN):
-                    if packet.channel in wanted:  # others begin with the name of a wanted one
+                    if packet.channel in wanted:  # others only begin with a wanted one's name
                         _give(packet, self._takers.get(packet.channel, ()))
                 with self._lock:
                     before, wanted = wanted, self._wanted()

@@ -1,4 +1,4 @@
-"""Messages as text, JSON and comma-separated values: all of them, or parts, as echo shows them."""
+"""Messages as text, JSON and comma-separated values, whole or in parts, as echo shows them."""
 
 import csv
 import io
@@ -26,15 +26,15 @@ Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
 
 @dataclass(frozen=True, slots=True)
 class DisplayOptions:
-    """The form and the parts of messages that are shown."""
+    """The form in which messages are shown, and their shown parts."""
 
     form: Form = "text"
-    fields: tuple[Path, ...] = ()  # from where the topic's own path ends; none for all of it
+    fields: tuple[Path, ...] = ()  # relative to the topic's own path; empty for all of it
     condition: Filter | None = None  # that messages must fulfil
-    view: View = NOTHING  # values that are not shown as they are
-    writer: Writer = FREE  # of numbers in text
+    view: View = NOTHING  # values that are shown in another way
+    writer: Writer = FREE  # the format of numbers in text
     is_relative: bool = False  # times are relative to the message's arrival
-    message_class: MessageClass | None = None  # None where the fingerprints decide
+    message_class: MessageClass | None = None  # None: the fingerprints decide
 
     @property
     def is_raw(self) -> bool:
@@ -42,19 +42,19 @@ class DisplayOptions:
         return self.form in ("raw", "raw json")
 
     def paths(self, behind_topic: Path) -> tuple[Path, ...]:
-        """Return all parts to show, from the message on."""
+        """Return the paths of all shown parts, from the whole message."""
         paths = tuple(behind_topic.then(field) for field in self.fields) or (behind_topic,)
         if self.is_raw and any(path.steps for path in paths):
             raise UsageError("--raw shows whole messages", "leave out the field, or --raw")
         return paths
 
     def is_whole(self, paths: tuple[Path, ...], cls: MessageClass) -> bool:
-        """Return whether all of a message of a type is shown as text, as it is."""
+        """Return whether messages of a type are shown whole as text, without changes."""
         is_text = self.form == "text" and self.writer == FREE and not self.is_relative
         return is_text and paths == (Path(),) and not self.view.changes(cls)
 
     def check(self, types: tuple[str, ...], behind_topic: Path) -> None:
-        """Find unknown fields before a message has come, where one type is announced."""
+        """Find unknown fields before a message arrives, if a single type is announced."""
         paths = self.paths(behind_topic)
         cls = self.message_class or _announced_class(types)
         if cls is None:
@@ -66,7 +66,7 @@ class DisplayOptions:
 
 
 class MessageFormatter:
-    """Turns packets into texts, which name their topics if that ``is_one_of_many``.
+    """Turns packets into texts, which name their topic if it ``is_one_of_many``.
 
     ``notify`` is called with a sentence about what is left out, once for each reason.
     """
@@ -88,7 +88,7 @@ class MessageFormatter:
         self._has_shown = False
 
     def text(self, found: SelectedPacket) -> str | None:
-        """Return the text of a message; None for one that is not to be shown or has no fields.
+        """Return the text of a message; None if it must not be shown or has no fields.
 
         A message without the selected fields is left out with one notice, if others may have them.
         """
@@ -162,11 +162,11 @@ class MessageFormatter:
         return json.dumps({**topic, **content})
 
     def _headed(self, found: SelectedPacket, text: str) -> str:
-        """A text under its topic, as a comment in YAML, where there may be several."""
+        """A text below its topic's name, a YAML comment, if there may be several topics."""
         if not self._is_one_of_many():
             return text
         channel = found.packet.channel
-        if not channel.isprintable():  # nothing in it may end the comment, or colour the terminal
+        if not channel.isprintable():  # it must not end the comment or colour the terminal
             from lcmtools.graph.drawing.labels import printable
 
             channel = printable(channel)
@@ -207,7 +207,7 @@ def _kind(selection: SelectedValue) -> str:
 
 
 def _raw_text(packet: Packet, reason: str) -> str:
-    """A payload that cannot be decoded, as YAML all the same."""
+    """A payload that cannot be decoded, as YAML nevertheless."""
     shown = packet.payload[:_SHOWN_BYTES].hex(" ")
     more = " ..." if len(packet.payload) > _SHOWN_BYTES else ""
     return f"# {reason}\nbytes: {len(packet.payload)}\ndata: '{shown}{more}'"
@@ -216,8 +216,8 @@ def _raw_text(packet: Packet, reason: str) -> str:
 class CsvTable:
     """Rows of comma-separated values under the columns of the first one.
 
-    Rows of another kind of message are left out. ``tell`` is called with the reason for what is
-    left out, and a sentence.
+    Rows of another type of message are left out. ``tell`` is called with the reason and a sentence
+    if something is left out.
     """
 
     def __init__(self, tell: Callable[[str, str], None]) -> None:
@@ -228,8 +228,8 @@ class CsvTable:
     def row(self, cells: dict[str, Cell], kind: str) -> str | None:
         """The row of a message, after the line with the columns' names if it is the first.
 
-        A column that a message does not have is empty; values without a column are left out.
-        ``kind`` is the name of the values' type, or several.
+        A column without a value in the message is empty; values without a column are left out.
+        ``kind`` has the name of the values' type, or the names of several.
         """
         head = "" if self._columns else f"{_line(list(cells))}\n"
         if head:
@@ -249,7 +249,7 @@ class CsvTable:
 
 def _line(cells: "list[str] | list[Cell]") -> str:
     text = io.StringIO()
-    csv.writer(text).writerow(cells)  # its own line end, or it would not quote a line break
+    csv.writer(text).writerow(cells)  # its own line end: else a line break is not quoted
     return text.getvalue().removesuffix("\r\n")
 
 

@@ -1,4 +1,4 @@
-"""A log file with the index beside it: its messages, their senders, what the index knows."""
+"""A log file with the index beside it: its messages, their senders, and the index's information."""
 
 import mmap
 import stat
@@ -18,7 +18,7 @@ from lcmtools.wire.log_compression import Compression, compression_of, decompres
 from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
 from lcmtools.wire.packet import Packet, Sender
 
-_MOST_CHECKED = 100  # blocks of an index, whether they are of the log beside it
+_MOST_CHECKED = 100  # blocks of an index that are checked for belonging to the log
 _FOREIGN = {
     b"\x89MCAP0\r\n": "an MCAP file",
     b"#ROSBAG V": "a ROS bag",
@@ -39,14 +39,14 @@ class LogFile(AbstractContextManager["LogFile"]):
     """A log file that is open for reading.
 
     Raises:
-        BusError: The file cannot be read, or is no log.
+        BusError: The file cannot be read, or is not a log.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)  # the file
         with os_errors_as(f"cannot read the log '{path}'", kind=BusError):
-            self.data = _mapped(self.path)  # its bytes; of a compressed log those of the log itself
-        # What the index beside it says; an empty one where there is none that fits.
+            self.data = _mapped(self.path)  # its bytes; of a compressed log, decompressed
+        # The index beside it; an empty one if there is none that fits.
         self.index = _fitting(_read_index(self.path), self.data)
         # The senders by their numbers in the index, with their names.
         self.senders = {
@@ -54,7 +54,7 @@ class LogFile(AbstractContextManager["LogFile"]):
             for number, one in self.index.senders.items()
             if one.sender
         }
-        # the first message of a log may still be being written
+        # the first message of a log may not be written completely yet
         begins = SYNC.startswith(self.data[: len(SYNC)])
         if not begins and not self.index.blocks and next(self.events(), None) is None:
             self.close()
@@ -75,16 +75,16 @@ class LogFile(AbstractContextManager["LogFile"]):
         return len(self.data)
 
     def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
-        """Yield the places of the events that begin within some bytes, as they lie there."""
+        """Yield the places of the events that begin in this range of bytes, in the file's order."""
         return events(self.data, start, end)
 
     def packets(self, start: int = 0) -> Iterator[Packet]:
-        """Yield the messages from some byte on, with their senders where the index has them."""
+        """Yield the messages from a byte on, with their senders if the index has them."""
         for event, sender in self.placed(start):
             yield event.packet(self.data)._replace(sender=sender)
 
     def placed(self, start: int = 0) -> Iterator[tuple[Event, Sender | None]]:
-        """Yield the places of the events from some byte on, with their senders as above."""
+        """Yield the places of the events from a byte on, with their senders as in ``packets``."""
         for block in self.index.blocks:
             if block.end > start:
                 yield from self._of_block(block, start)
@@ -92,9 +92,9 @@ class LogFile(AbstractContextManager["LogFile"]):
             yield event, None
 
     def blocks(self, announced: Callable[[Packet], object] = lambda _: None) -> Iterator[Block]:
-        """Yield the blocks of the index, and those that are found behind them in the log.
+        """Yield the blocks of the index, and those found in the log after them.
 
-        ``announced`` is called with the announcements of nodes that are among these events.
+        ``announced`` is called with the announcements of nodes in the latter.
         """
         yield from self.index.blocks
         block = Block(self.index.end)
@@ -112,7 +112,7 @@ class LogFile(AbstractContextManager["LogFile"]):
             yield block
 
     def announcements(self) -> Iterator[Packet]:
-        """Yield the announcements of nodes that the index has."""
+        """Yield the announcements of nodes in the index."""
         for node in self.index.nodes:
             yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
 
@@ -126,7 +126,7 @@ class LogFile(AbstractContextManager["LogFile"]):
         return {sender: Loss(max(0, one.lost), one.sent) for sender, one in found.items()}
 
     def offset_at(self, time: int) -> int:
-        """Return a byte before which no event is of ``time`` [ns] or later, by the index."""
+        """Return, by the index, an offset before which all events are before ``time`` [ns]."""
         latest, last_times = 0, []
         for block in self.index.blocks:
             latest = max(latest, block.last_time)
@@ -139,7 +139,7 @@ class LogFile(AbstractContextManager["LogFile"]):
         found: Iterable[Event] = self.events(block.start, block.end)
         channels = block.channels
         if any(len(count.senders) > 1 for count in channels.values()):
-            # where events were damaged since, their order does not tell whose the others are
+            # if events were damaged later, their order no longer tells the others' senders
             found = list(found)
             counts = Counter(event.channel for event in found)
             channels = {
@@ -162,10 +162,10 @@ class LogFile(AbstractContextManager["LogFile"]):
 
 def _mapped(path: Path) -> "bytes | mmap.mmap":
     mode = path.stat().st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a pipe may never end
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # reading a pipe may never end
         raise BusError(f"{path} is not a file", "a log is read from a file")
     with path.open("rb") as file:
-        if path.stat().st_size == 0:  # it cannot be mapped
+        if path.stat().st_size == 0:  # an empty file cannot be mapped
             return b""
         head = file.read(max(map(len, _FOREIGN)))
         if kind := compression_of(head):
@@ -184,7 +184,7 @@ def _refuse_foreign(path: Path, head: bytes) -> None:
 
 
 def _decompressed(file: BinaryIO, kind: Compression) -> "bytes | mmap.mmap":
-    """Return the bytes of a compressed log, in a file that has no name."""
+    """Return the bytes of a compressed log, in an unnamed temporary file."""
     file.seek(0)
     with TemporaryFile() as plain:
         for part in decompressed(kind, iter(lambda: file.read(_CHUNK), b"")):
@@ -209,10 +209,10 @@ def _read_index(log: Path) -> LogIndex | None:
 
 
 def _fitting(index: LogIndex | None, data: "bytes | mmap.mmap") -> LogIndex:
-    """Return the index if it is of these bytes, else an empty one.
+    """Return the index if it belongs to these bytes, else an empty one.
 
-    Blocks must begin with an event: an index of another file, or of this one before it was
-    written again, says nothing.
+    Blocks must begin with an event. The index of another file, or of this one before it was
+    rewritten, is useless.
     """
     if index is None or index.end > len(data) or index.size not in (None, len(data)):
         return LogIndex()

@@ -1,6 +1,6 @@
 """Messages that did not arrive, counted per sender.
 
-Each sender numbers its messages, all its topics together: so loss is a sender's, not a topic's.
+A sender numbers the messages of all its topics together, so loss is a sender's, not a topic's.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,11 +18,11 @@ class Loss(NamedTuple):
 
     @property
     def share(self) -> float:
-        """The part that was lost, 0 to 1."""
+        """The lost fraction, 0 to 1."""
         return self.lost / self.sent if self.sent else 0.0
 
-    def __add__(self, other: "Loss") -> "Loss":  # type: ignore[override] # no tuple's
-        """Return both together, where a node has several senders."""
+    def __add__(self, other: "Loss") -> "Loss":  # type: ignore[override] # not tuple addition
+        """Return the sum of both, for a node with several senders."""
         return Loss(self.lost + other.lost, self.sent + other.sent)
 
     def __sub__(self, before: "Loss") -> "Loss":
@@ -32,7 +32,7 @@ class Loss(NamedTuple):
         return Loss(lost, lost + max(0, arrived))
 
     def __str__(self) -> str:
-        """Return the loss for people: "12 of 120 (10.0 %)"."""
+        """Return the loss as text: "12 of 120 (10.0 %)"."""
         return f"{self.lost} of {self.sent} ({100 * self.share:.1f} %)"
 
 
@@ -43,11 +43,11 @@ def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> d
     """Return the loss of each sender (see ``Tap.numbered``), since an earlier count."""
     return {
         sender: Loss(found.lost, found.lost + found.messages) - (since or {}).get(sender, Loss())
-        for sender, found in tuple(numbers.items())  # a thread that receives may add one now
+        for sender, found in tuple(numbers.items())  # the receiving thread may add one now
     }
 
 
 def total(senders: Iterable[Sender | None], known: Losses) -> Loss | None:
-    """Return the loss of several senders together; None where no numbers of theirs are known."""
+    """Return the loss of several senders together; None if they have no known numbers."""
     found = [known[sender] for sender in senders if sender is not None and sender in known]
     return sum(found, Loss()) if found else None

@@ -1,6 +1,6 @@
 """Measuring topics over windows of messages: the loop that hz, bw and delay share.
 
-Belongs here: when a report is due, and which is the last. Must not know what is measured.
+Belongs here: when a report is due, and which is the last. Must not know the measured quantity.
 """
 
 import math
@@ -32,10 +32,10 @@ from lcmtools.observe.selection import OneTopic
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
-_MOST_SIZES = 1000  # of messages, that are remembered
-_LONGEST = 0.5  # [s] that counters are compared over
-_ENOUGH = 4  # messages on each topic, to end sooner
-_AWAKENING = 0.3  # [s] that publishers have for a first message
+_MOST_SIZES = 1000  # sizes of messages that are remembered
+_LONGEST = 0.5  # [s] at most between two compared samples of counters
+_ENOUGH = 4  # messages on each topic are enough to end sooner
+_AWAKENING = 0.3  # [s] at most until publishers send a first message to a new listener
 _TOPIC: Callable[[SelectedPacket], str] = itemgetter(0)
 
 ItemT = TypeVar("ItemT")
@@ -46,7 +46,7 @@ Notify = Callable[[str], None]
 class Delays:
     """The delays of messages: from the stamps in their headers, or their utime, to their arrival.
 
-    ``notify`` is called with a sentence about stamps that are no times, once.
+    ``notify`` is called with a sentence once, if a stamp is not a time.
     """
 
     def __init__(self, decoder: Decoder, notify: Notify) -> None:
@@ -56,7 +56,7 @@ class Delays:
         self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
-        """Return the delay of a message [ns]; None where its stamp is no time.
+        """Return the delay of a message [ns]; None if its stamp is not a time.
 
         Raises:
             LcmtoolsError: Its type is unknown or has no header.
@@ -71,7 +71,7 @@ class Delays:
         return None
 
     def _stamp(self, packet: Packet) -> int:
-        """Read the stamp alone, where a message of the same type and size was whole."""
+        """Read the stamp; if a message of equal type and size has been decoded, read only that."""
         payload = packet.payload
         key = packet.channel, payload[:8], len(payload)
         if read := self._readers.get(key):
@@ -99,14 +99,14 @@ class Delays:
 
 @dataclass(frozen=True, slots=True)
 class ListenOptions:
-    """The messages that count, and the end of a measurement."""
+    """The messages that a measurement counts, and its end."""
 
-    timeout: float | None = None  # without a message [s]; None for no limit
-    count: int | None = None  # of reports; None for no limit
-    wall_time: bool = False  # the computer's clock even if a simulator publishes /clock
+    timeout: float | None = None  # longest time without a message [s]; None for no limit
+    count: int | None = None  # number of reports; None for no limit
+    wall_time: bool = False  # use the system clock even if a simulator publishes /clock
     condition: Filter | None = None  # that messages must fulfil
     names: Resolver = GLOBAL  # namespace and remaps of the topics
-    log_time: bool = True  # of a log, the times of recording even if /clock is in it
+    log_time: bool = True  # for a log, use the times of recording even if it has /clock
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,14 +118,15 @@ class MeasurementReport(Generic[FoundT]):
 
 
 class Measurement(Generic[ItemT, FoundT]):
-    """A measurement of topics on a bus; of a log, read at once, by its own times.
+    """A measurement of topics on a bus, or of a log, which is read at once by its own times.
 
-    ``windows`` has the window of each topic, as typed; ``item`` makes what a window takes of a
-    message, None for one that does not count. ``notify`` is called with a sentence for the person.
+    ``windows`` has the window of each topic, as typed; ``item`` returns what a window needs of a
+    message, or None if the message does not count. ``notify`` is called with a sentence for the
+    user.
 
     Raises:
-        ValueMismatch: The condition does not fit a type that is announced.
-        UsageError: A topic is a pattern, and no channel on the bus.
+        ValueMismatch: The condition does not fit an announced type.
+        UsageError: A topic is a pattern, and not a channel on the bus.
     """
 
     def __init__(
@@ -155,17 +156,17 @@ class Measurement(Generic[ItemT, FoundT]):
             strict_time=True,
             keep=self._counts if options.condition else None,
         )
-        self.is_simulated = self._stream.is_simulated  # simulated time is gone by
-        # The channels that are listened to, one for each topic; none on a log.
+        self.is_simulated = self._stream.is_simulated  # the times are simulated
+        # The channels that it listens to, one for each topic; none for a log.
         self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
 
     def reports(self) -> Iterator[MeasurementReport[FoundT]]:
-        """Return a report once a second, and a last one when Ctrl-C or a log's end ends it.
+        """Yield a report once a second, and a last one on Ctrl-C or at a log's end.
 
         Raises:
             KeyboardInterrupt: Ctrl-C, after the last report.
-            NothingReceived: No message came for as long as the timeout is.
-            LcmtoolsError: Nothing in a log is on the topics.
+            NothingReceived: No message came within the timeout.
+            LcmtoolsError: The log has no message on the topics.
             ValueMismatch: The condition does not fit a message.
         """
         try:
@@ -209,9 +210,9 @@ class Measurement(Generic[ItemT, FoundT]):
         )
 
     def _feed(self, batch: Batch) -> int:
-        """Add what has arrived to the windows; return how much of it counts."""
+        """Add arrivals to the windows; return the number of those that count."""
         before = sum(window.total for window in self._windows.values())
-        self._now = batch.now if self._monitor.is_live else 0  # a log has no now
+        self._now = batch.now if self._monitor.is_live else 0  # a log has no current time
         if not self._monitor.is_live:
             self._check_order(batch)
         if batch.is_reset:
@@ -261,13 +262,13 @@ class Measurement(Generic[ItemT, FoundT]):
         return f"came on {', '.join(self._windows)}{f', with {condition},' if condition else ''}"
 
     def _notify_silent(self) -> None:
-        """Say on which topics nothing has come, and what may have been meant."""
+        """Say on which topics nothing has come, and which topic was probably meant."""
         condition = f" with {self._options.condition}" if self._options.condition else ""
         for topic in self._silent:
             self._notify(f"no message on {topic}{condition} yet; {self._stream.situation(topic)}")
 
     def _notify_missing(self) -> None:
-        """Say the same of a log, and whether its times spoil the measurement."""
+        """Say the same for a log, and whether its times make the measurement useless."""
         if len(self._silent) == len(self._windows):
             topics = ", ".join(self._windows)
             hint = self._stream.near(next(iter(self._windows)))
@@ -281,7 +282,7 @@ class Measurement(Generic[ItemT, FoundT]):
 def lossy_senders(
     monitor: BusMonitor, topics: Sequence[str], names: Resolver = GLOBAL
 ) -> Iterator[str]:
-    """Return a sentence for each sender of the topics of which messages did not arrive."""
+    """Return a sentence for each sender of the topics whose messages did not all arrive."""
     graph, known = monitor.graph(), monitor.losses()
     for spelling in (spelling for topic in topics for spelling in names.spellings(topic)):
         for seen in graph.topic(spelling).traffic:
@@ -299,13 +300,13 @@ def watch_counters(
     *,
     with_messages: bool = False,
 ) -> tuple[Graph, Counters]:
-    """Return a bus's graph, and the counters of the endpoints in it, of topics as they are typed.
+    """Return a bus's graph, and the counters of the endpoints of topics, which are as typed.
 
-    It counts for ``wait`` [s], or for as long as it takes, half a second at most: ``with_messages``
-    also where the rates are announced but no message has come.
+    It counts for ``wait`` [s], or for as long as needed, at most half a second: ``with_messages``
+    also if the rates are announced but no message has come.
 
     Raises:
-        LcmtoolsError: A topic is not on the bus; with what may have been meant.
+        LcmtoolsError: A topic is not on the bus; the hint has the topic that was probably meant.
     """
     monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
     graph = monitor.settle()
@@ -319,7 +320,7 @@ def watch_counters(
     if wait is None and is_known and is_seen:
         return graph, Counters(graph, graph, monitor.losses())
     channels = [topic.name for topic in topics]
-    # some publish only what somebody listens to: the first messages may be a moment away
+    # some nodes publish only for a listener: their first messages may take a moment
     came = _listen(monitor, channels, _AWAKENING, 1)
     before = monitor.settle(foreign=False)
     if wait is not None:

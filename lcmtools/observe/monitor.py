@@ -1,4 +1,4 @@
-"""The monitor of a bus or a log: it pulls packets and learns the graph from them on the way.
+"""The monitor of a bus or a log, which pulls packets and learns the graph from them.
 
 It announces the topics that it listens to, as a node does with its subscriptions.
 """
@@ -35,15 +35,15 @@ from lcmtools.observe.senders import is_here
 from lcmtools.observe.sources import LogObserver, Observer, open_observer
 from lcmtools.wire.packet import Packet
 
-if TYPE_CHECKING:  # a bus does without logs
+if TYPE_CHECKING:  # not needed for a bus
     from lcmtools.observe.log_file import LogFile
 
 QUIET = 0.03  # the graph counts as complete when no node has appeared for so long [s]
-_AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
+_AT_LEAST = 0.05  # [s] that nodes have to answer, several times as long as they need
 _AT_LEAST_AFAR = 0.1  # [s] the same between computers: a wireless link may take some tens of ms
-_AHEAD = 0.025  # [s] before a look that count as waiting, where the request was sent so early
-_AGAIN = 0.02  # [s] after which a second request is sent, where datagrams may be lost
-_AT_MOST = 0.25  # [s] more on a bus where nodes keep appearing
+_AHEAD = 0.025  # [s] at most that count as waiting if the request was sent ahead
+_AGAIN = 0.02  # [s] before a second request, if datagrams may be lost
+_AT_MOST = 0.25  # [s] at most in addition, if nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
@@ -51,22 +51,22 @@ class BusMonitor:
     """The monitor of a bus or a log.
 
     Args:
-        url: The bus, or a log.
+        url: The URL of the bus, or of a log.
         tool: The command's name, announced while it listens ("echo").
         environment: The process's environment variables.
-        observer: The source of the messages; None for the best that the bus allows.
-        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
+        observer: The source of the messages; None for the best observer that the bus allows.
+        whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
         plays: Play a log at its own speed; else it is read at once.
-        on_outage: Called with what happened when the connection to a server is lost or back.
+        on_outage: Called with a sentence when the connection to a server is lost or restored.
         on_shutdown: Called when another program requests this one to end; None to ignore that.
-        asked: The moment at which ``observer`` has requested all nodes to announce themselves [s of
-            ``time.monotonic``]; 0 for not yet.
+        asked: The time at which ``observer`` requested all nodes to announce themselves [s of
+            ``time.monotonic``]; 0 if it has not.
 
     Raises:
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
 
-    def __init__(  # noqa: PLR0913 - each is an option of its own
+    def __init__(  # noqa: PLR0913 - each is a separate option
         self,
         url: BusUrl,
         tool: str,
@@ -81,7 +81,7 @@ class BusMonitor:
     ) -> None:
         self.url = url
         self._asked = asked
-        self.trouble = ""  # with the connection; "" for none
+        self.trouble = ""  # of the connection; "" for none
         self._on_outage = on_outage
         self._observer = observer or open_observer(
             url, whole=whole, plays=plays, on_outage=self._note_outage
@@ -110,14 +110,14 @@ class BusMonitor:
         self._observer.close()
 
     def listen_to(self, topics: Sequence[str]) -> None:
-        """Announce that this command listens to these topics; nothing on a log."""
+        """Announce that this command listens to these topics; does nothing on a log."""
         if not self.is_log:
             self._presence.listen_to([Endpoint(topic, Role.SUBSCRIBER) for topic in topics])
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
 
-        Returns as soon as there is any; hidden channels are included.
+        Returns as soon as a message arrives; hidden channels are included.
 
         Raises:
             EOFError: The bus is a log, and it has ended.
@@ -133,9 +133,9 @@ class BusMonitor:
         return packets
 
     def packets(self, duration: float | None = None) -> Iterator[Packet]:
-        """Return every packet as it comes, for ``duration`` [s]; without end when that is None.
+        """Yield every packet as it comes, for ``duration`` [s]; None for without end.
 
-        The end of a log ends it; one that is read at once is read to its end.
+        Ends at the end of a log; ``duration`` does not apply to one that is read at once.
         """
         deadline = math.inf if duration is None or not self.is_live else time.monotonic() + duration
         with contextlib.suppress(EOFError):
@@ -143,22 +143,22 @@ class BusMonitor:
                 yield from self.receive(min(PERIOD, left))
 
     def probe(self, target: str = "", nonce: int = 0) -> None:
-        """Request a node, or all, to announce themselves."""
+        """Request a node, or all, to announce itself."""
         self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
 
     def ask(self) -> None:
-        """Request all nodes to announce themselves, some time before ``settle`` waits for that."""
+        """Request all nodes to announce themselves, ahead of ``settle``, which waits for them."""
         self.probe()
         self._asked = time.monotonic()
 
     def ask_to_end(self, node: Node, nonce: int) -> None:
-        """Request a node's program to end, as SIGTERM does; it answers the nonce, and then ends."""
+        """Request a node's program to end, as SIGTERM does; it answers with the nonce first."""
         requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
         request = Shutdown(node.id, nonce, requester)
         self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
 
     def discover(self) -> Graph:
-        """Return the graph with all nodes that answer; at once on a log, where none can."""
+        """Return the graph with all nodes that answer; at once for a log, where none can."""
         return self.graph() if self.is_log else self.settle(foreign=False)
 
     def settle(
@@ -173,9 +173,9 @@ class BusMonitor:
         A log that is read at once is read to its end.
 
         Args:
-            foreign: Wait longer where programs that are no nodes publish, or, on this computer,
-                may be about to: these do not answer.
-            wait: The time to listen for such programs instead [s].
+            foreign: Wait longer if programs that are not nodes publish or, on this computer, may be
+                about to: these do not answer.
+            wait: The time to listen for such programs, instead of ``foreign`` [s].
             count: Called with each packet that arrives during ``wait``, or in a log.
         """
         if self.is_live:
@@ -186,14 +186,14 @@ class BusMonitor:
         return self.graph()
 
     def _request(self) -> float:
-        """Request all nodes to announce themselves, if that is not done; return the moment."""
+        """Request all nodes to announce themselves, unless ``ask`` did; return the time of that."""
         asked, self._asked = self._asked, 0.0
         if not asked:
             self.probe()
         now = time.monotonic()
         start = max(asked, now - _AHEAD) if asked else now
         if self._is_between_computers:
-            # the request, or an answer, may be lost: two are seldom lost
+            # the request or an answer may be lost, but seldom both of two
             deque(self.packets(start + _AGAIN - now), maxlen=0)
             self.probe()
             start = time.monotonic()
@@ -202,8 +202,8 @@ class BusMonitor:
     def _await_nodes(self, *, foreign: bool) -> None:
         start = changed = self._request()
         soonest = start + (_AT_LEAST_AFAR if self._is_between_computers else _AT_LEAST)
-        with contextlib.suppress(EOFError):  # a log that has ended is complete
-            # where this process itself was held up, what has come meanwhile still counts
+        with contextlib.suppress(EOFError):  # the graph of a log that has ended is complete
+            # if this process itself was delayed, messages that came meanwhile still count
             while (
                 time.monotonic() <= min(max(soonest, changed + QUIET), soonest + _AT_MOST)
                 or self._observer.is_awaiting
@@ -221,7 +221,7 @@ class BusMonitor:
             deque(self.packets(start + _FOREIGN - time.monotonic()), maxlen=0)
 
     def graph(self) -> Graph:
-        """Return the graph as it is known now, in a log read at once at its last message."""
+        """Return the graph as known now; for a log that is read at once, at its last message."""
         return self._builder.snapshot(time.time_ns() if self.is_live else self._last_time)
 
     @property
@@ -235,21 +235,21 @@ class BusMonitor:
 
     @property
     def _is_present(self) -> bool:
-        """True once it listens to topics, and so is to be seen."""
+        """True once it listens to topics, and is thus visible to others."""
         return bool(self._presence.node.endpoints)
 
     @property
     def tap(self) -> Tap | None:
-        """The tap, which knows the senders' datagrams; None where the bus is no multicast."""
+        """The tap, which knows the senders' datagrams; None if the bus is not multicast."""
         return self._observer if isinstance(self._observer, Tap) else None
 
     @property
     def log(self) -> "LogFile | None":
-        """The log that is read at once; None where the source is a bus."""
+        """The log that is read at once; None if the source is a bus."""
         return self._observer.file if isinstance(self._observer, LogObserver) else None
 
     def losses(self, since: Losses | None = None) -> Losses:
-        """Return the loss of each sender, since an earlier count; empty where none is known."""
+        """Return the loss of each sender, since an earlier count; empty if none is known."""
         if self.log:
             return self.log.losses()
         return losses(self._observer.numbered, since)
@@ -264,7 +264,7 @@ class BusMonitor:
         self._records.remove(node.id)
 
     def _learn_from(self, log: "LogFile") -> None:
-        """Learn the nodes and the types that a log knows."""
+        """Learn the nodes and types that a log's index has."""
         from lcmtools.packages import provide_recorded_types
 
         for packet in log.announcements():
@@ -288,16 +288,16 @@ class BusMonitor:
     def _awaits_known_node(self) -> bool:
         """True while a node of this computer that left a record and runs may answer late.
 
-        A computer with many busy programs gives each its turn seldom.
+        A computer with many busy programs runs each only now and then.
         """
         self._recall()
         silent = (node for node in self.graph().nodes if node.stale is Staleness.HANGS)
         return any(not is_stopped(node.pid) for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen while there are programs that do not answer; to the end where one may send.
+        """Listen while there may be programs that do not answer; to the deadline if any publishes.
 
-        The channels of a program show only by its messages: the first may be one of ten.
+        A program's channels show only in its messages, and the first shows only one of many.
         """
         while (left := deadline - time.monotonic()) > 0:
             ports = {s.port for s in self._builder.senders() if is_local(s.address)}

@@ -1,4 +1,4 @@
-"""A node, or a program that is none, as lines of text and as values for JSON."""
+"""A node, or a program that is not a node, as lines of text and as values for JSON."""
 
 import socket
 import time
@@ -30,7 +30,7 @@ _TITLES = {
 
 
 def listed(node: Node, now: int) -> str:
-    """Return a node as rosnode list -a has it, the address first, and behind the name its state."""
+    """Return a node as in rosnode list -a: first the address, and after the name its state."""
     seconds = _up_time(node, now)
     units = (("days", 86400), ("h", 3600), ("min", 60))
     spans = (f"{seconds / length:.1f} {unit}" for unit, length in units if seconds >= 2 * length)
@@ -56,7 +56,7 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
 
 
 def process(node: Node, now: int) -> list[str]:
-    """Return where it runs, since when, its use of resources, and what its callbacks raised."""
+    """Return its place, start time, use of resources, and callback errors."""
     rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
     if node.stale:
         rows.append(f"Stale: {node.stale}")
@@ -70,13 +70,13 @@ def process(node: Node, now: int) -> list[str]:
 
 
 def counters(node: Node) -> list[str]:
-    """Return each topic's messages, their average rate, and drops."""
+    """Return the number of messages, average rate and drops of each topic."""
     rows = [_counter(node, endpoint) for endpoint in _ends(node)]
     return ["Counters:", *rows] if rows else []
 
 
 def connections(node: Node, graph: Graph) -> list[str]:
-    """Return the other nodes at the other ends of its topics."""
+    """Return the other nodes that its topics connect it to."""
     rows = [
         row
         for topic, direction, peer in _peers(node, graph)
@@ -86,7 +86,7 @@ def connections(node: Node, graph: Graph) -> list[str]:
 
 
 def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
-    """Return all of it for JSON."""
+    """Return all of these for JSON."""
     taken = usage_of(node.pid) if is_here(node) and not node.stale else None
     return {
         **node_record(node),
@@ -108,13 +108,13 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
 
 
 def ping_reply(node: Node, seconds: float) -> str:
-    """Return the line of a node's answer, as rosnode ping has it."""
+    """Return the line for a node's answer, as in rosnode ping."""
     return f"reply from {node.name} ({node.host})\ttime={seconds * 1e3:.6f}ms"
 
 
 def ping_summary(times: Sequence[float]) -> list[str]:
-    """Return the average of several as rosnode ping has it, and the shortest and the longest."""
-    if len(times) < 2:  # noqa: PLR2004 - one is its own average
+    """Return the average of several answers as in rosnode ping, the shortest and the longest."""
+    if len(times) < 2:  # noqa: PLR2004 - a single one is its own average
         return []
     return [
         f"ping average: {sum(times) / len(times) * 1e3:.6f}ms",
@@ -123,7 +123,7 @@ def ping_summary(times: Sequence[float]) -> list[str]:
 
 
 def _usage(pid: int, now: int) -> list[str]:
-    """The resources that a process of this computer uses, where the system knows."""
+    """The resources that a process of this computer uses, if the system shows them."""
     taken = usage_of(pid)
     if taken is None:
         return []
@@ -158,7 +158,7 @@ def _ends(node: Node) -> tuple[Endpoint, ...]:
 
 
 def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
-    """A topic, the direction of its messages, and another node that has it."""
+    """A topic, the direction of its messages, and another node with it."""
     for endpoint in _ends(node):
         topic = graph.topic(endpoint.topic)
         outbound = endpoint.role is Role.PUBLISHER
@@ -184,7 +184,7 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
 
 
 def listed_program(program: Program) -> list[str]:
-    """Return a program as ``node list -a`` shows it: its place, its command, its part."""
+    """Return a program as ``node list -a`` shows it: its place, command and role."""
     user = f" (user {program.user})" if program.user else ""
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
     if program.listens:

@@ -1,4 +1,4 @@
-"""Requests to nodes over the bus, to answer or to end, and the programs that are not nodes."""
+"""Requests over the bus to nodes, to answer or to end; finding programs that are not nodes."""
 
 import os
 import socket
@@ -19,7 +19,7 @@ _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
 
 
 def _nonce() -> int:
-    """Return a number that no other request has; never 0, as announcements sent unasked have."""
+    """Return a number that no other request has; never 0, which unrequested announcements have."""
     return int.from_bytes(os.urandom(7), "big") | 1
 
 
@@ -27,12 +27,12 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     """Return the round trip time of one request to a node [s].
 
     Raises:
-        NothingReceived: The node did not answer in time, or cannot any more.
+        NothingReceived: The node did not answer in time, or has ended.
     """
     if node.stale is Staleness.ENDED:
         raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
     nonce = _nonce()
-    monitor.receive(0.0)  # a backlog is not to be read within the time measured
+    monitor.receive(0.0)  # a backlog must not count in the measured time
     start = time.monotonic()
     monitor.probe(node.name, nonce)
     while (left := start + timeout - time.monotonic()) > 0:
@@ -46,7 +46,7 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
 
 
 def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[float]:
-    """Yield the round trip time of a request once a second, without end; see ``ping``."""
+    """Yield the round trip time of one request per second, without end; see ``ping``."""
     while True:
         yield ping(monitor, node, timeout)
         time.sleep(_PING_PERIOD)
@@ -57,23 +57,23 @@ class NodeEnd:
     """The end of one node that was requested to end."""
 
     node: Node
-    nonce: int  # that its answer repeats
+    nonce: int  # which its answer repeats
     has_answered: bool = False  # to the request
     has_ended: bool = False  # it has said goodbye, or its process is gone
     others: tuple[str, ...] = ()  # names of other nodes of its process, which end with it
 
     def learn(self, announcement: Announcement) -> None:
-        """Learn from an announcement."""
+        """Update from an announcement."""
         if announcement.node.id == self.node.id:
             self.has_answered |= announcement.answers == self.nonce
             self.has_ended |= announcement.leaving
 
     def check_process(self) -> None:
-        """Learn from this computer's processes: a goodbye may be lost."""
+        """Update from this computer's processes, because a goodbye may be lost."""
         self.has_ended |= is_gone(self.node)
 
     def record(self) -> dict[str, object]:
-        """Return it for JSON."""
+        """Return the result for JSON."""
         return {
             "node": self.node.name,
             "host": self.node.host,
@@ -112,7 +112,7 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
 
 
 def nodes_to_end(graph: Graph) -> list[Node]:
-    """Return all nodes of this bus that run and are no commands."""
+    """Return all running nodes of this bus that are not commands."""
     return [
         node
         for node in graph.nodes
@@ -125,7 +125,7 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
 
     Raises:
         UsageError: The word is empty.
-        LcmtoolsError: There is none, there are several, it has ended, or is no node.
+        LcmtoolsError: There is none, there are several, or it has ended or is not a node.
     """
     try:
         found = find_nodes(graph, word)
@@ -164,7 +164,7 @@ def program_place(program: Program) -> str:
 
 
 def program_names(program: Program) -> set[str]:
-    """Return the words that mean a program: its place, its pid, its command and words of that."""
+    """Return the words that name a program: its place, pid, command and the command's words."""
     names = {program_place(program)}
     if program.process:
         command = program.process.command
@@ -180,7 +180,7 @@ def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement
 
 
 def _process_key(node: Node) -> tuple[str, str, int]:
-    """A key of a node's process; computers may have the same name, and often the same pids."""
+    """A key for a node's process: computers may share names, and often have the same pids."""
     return node.host, node.sender.address if node.sender else node.bus, node.pid
 
 

@@ -1,6 +1,6 @@
-"""The pixels in messages of images: their meaning, their numbers, and their rows.
+"""The pixels in messages of images: their meaning, number format and rows.
 
-Belongs here: what is known without reading an image file, and the colours of depth. Must not know
+Belongs here: what needs no image file to be read, and the colours of depth. Must not know
 Pillow.
 """
 
@@ -21,7 +21,7 @@ COLOR_MAPS: dict[str, tuple[Color, ...]] = {
     ),
     "grey": ((235, 235, 235), (45, 45, 45)),
 }  # fmt: skip
-"""By name: colours from near to far, evenly apart; nearer is lighter."""
+"""Colours from near to far by the map's name, evenly spaced; nearer is lighter."""
 _COMPRESSED_DEPTH_HEADER = 12  # bytes that ROS's compressedDepth puts before the PNG file
 
 
@@ -38,7 +38,7 @@ class PixelFormat:
     """The format of a pixel."""
 
     kind: Kind
-    number: str = "B"  # the type code of its numbers, as of ``array``: B, H or f
+    number: str = "B"  # the type code of its numbers, as in ``array``: B, H or f
     channels: str = "v"  # the order of its numbers: "rgb", "bgra", or one letter for a single one
 
     @property
@@ -48,7 +48,7 @@ class PixelFormat:
 
     @property
     def unit(self) -> str:
-        """The unit of depth: mm in whole numbers, else m (REP-118); "" for what has none."""
+        """The unit of depth: mm in whole numbers, else m (REP-118); "" if not depth."""
         return {"H": "mm", "f": "m"}[self.number] if self.kind is Kind.DEPTH else ""
 
 
@@ -70,7 +70,7 @@ FORMATS = {
     **{f"bayer_{order}8": _GREY for order in _BAYER},
     **{f"bayer_{order}16": _GREY_16 for order in _BAYER},
 }
-"""By sensor_msgs/Image's encoding; those of OpenCV as cv_bridge reads them, mosaics as grey."""
+"""By sensor_msgs/Image.encoding. OpenCV's are read as by cv_bridge, Bayer mosaics as grey."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,24 +80,24 @@ class Pixels:
     width: int  # number of columns
     height: int  # number of rows
     format: PixelFormat
-    data: bytes  # their numbers, the least significant byte first
+    data: bytes  # their numbers, little-endian
 
     def every(self, step: int) -> "Pixels":
-        """Return each ``step``-th pixel of each ``step``-th row, from the first on."""
+        """Return every ``step``-th pixel of every ``step``-th row, beginning with the first."""
         if step == 1:
             return self
         width, height = -(-self.width // step), -(-self.height // step)
         size = self.format.size
-        used = min(self.width, width * step) * size  # of a row
+        used = min(self.width, width * step) * size  # used bytes of a row
         rows = memoryview(self.data)
         starts = range(0, self.height * self.width * size, self.width * size * step)
-        padding = bytes(width * step * size - used)  # so that a pixel follows at equal distance
+        padding = bytes(width * step * size - used)  # so that pixels are evenly spaced across rows
         kept = b"".join(part for at in starts for part in (rows[at : at + used], padding))
         return replace(self, width=width, height=height, data=_strided(kept, size, step))
 
 
 def _strided(data: bytes, size: int, step: int) -> bytes:
-    """Return each ``step``-th of the elements of ``size`` bytes."""
+    """Return every ``step``-th element, of ``size`` bytes each."""
     if code := {1: "B", 2: "H", 4: "I"}.get(size):
         return array(code, data)[::step].tobytes()
     kept = bytearray(len(data) // step)
@@ -120,7 +120,7 @@ def read_pixels(message: Image) -> Pixels:
     what = f"{message.width} x {message.height} {message.encoding}"
     check_size(message.width, message.height, message.encoding)
     row_bytes = message.width * pixel.size
-    least = message.step * (message.height - 1) + row_bytes  # the last row may be short
+    least = message.step * (message.height - 1) + row_bytes  # the last row may lack padding
     if message.step < row_bytes or len(message.data) < least:
         raise DecodeError(
             f"{what} does not fit its data: {len(message.data)} bytes in rows of {message.step}"
@@ -137,7 +137,7 @@ def read_pixels(message: Image) -> Pixels:
 
 
 def image_file(message: CompressedImage) -> bytes:
-    """Return the image file in a message, without what ROS's compressedDepth puts before it."""
+    """Return the image file in a message, without the header of ROS's compressedDepth."""
     is_depth = "compressedDepth" in message.format
     return bytes(message.data)[_COMPRESSED_DEPTH_HEADER * is_depth :]
 
@@ -146,7 +146,7 @@ def check_size(width: int, height: int, encoding: str) -> None:
     """Refuse images without pixels, and those that would exhaust the memory.
 
     Raises:
-        DecodeError: With the size.
+        DecodeError: The size is refused; the error has it.
     """
     if width < 1 or height < 1 or width * height > MOST_PIXELS:
         raise DecodeError(f"a picture of {width} x {height} {encoding} is not shown")

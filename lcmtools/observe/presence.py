@@ -1,4 +1,4 @@
-"""The presence of a node on a bus that is no ``Node``: a command, a server, a relay.
+"""The presence on a bus of a node that is not a ``Node``: a command, a server or a relay.
 
 It announces itself as nodes do: once a second, when it is asked, and when it leaves.
 """
@@ -25,10 +25,11 @@ from lcmtools.graph.protocol import (
 
 
 class Presence:
-    """The announcements of one node on one bus; whoever receives from the bus calls it.
+    """The announcements of one node on one bus; the code that receives from the bus calls it.
 
-    ``send`` publishes a payload on a channel, and raises BusError where it cannot; ``on_shutdown``
-    is called when another program requests this one to end. ``records`` are of the nodes that run.
+    ``send`` publishes a payload on a channel, and raises BusError if it cannot; ``on_shutdown`` is
+    called when another program requests this one to end. ``records`` holds records of running
+    nodes.
     """
 
     def __init__(
@@ -38,7 +39,7 @@ class Presence:
         on_shutdown: Callable[[], None] | None = None,
         records: NodeRecords | None = None,
     ) -> None:
-        self.node = node  # as it is announced
+        self.node = node  # as announced
         self._records = records
         self.trouble = ""  # the reason why the last announcement was not sent
         self.send, self._on_shutdown = send, on_shutdown
@@ -50,12 +51,12 @@ class Presence:
         self.announce()
 
     def attend(self) -> None:
-        """Announce the node if it is time."""
+        """Announce the node if it is due."""
         if time.monotonic() >= self._next:
             self.announce()
 
     def answer(self, channel: str, payload: bytes) -> None:
-        """Answer a message of the protocol, if it is one that the node has to answer."""
+        """Answer a message of the protocol, if it is for this node."""
         if channel == PROBE_CHANNEL:
             probe = decode_probe(payload)
             if probe is not None and probe.target in ("", self.node.name):
@@ -73,7 +74,7 @@ class Presence:
         elif self._records and not self._next:  # the first time
             self._records.write(self.node)
         announcement = Announcement(self.node, leaving, answers)
-        # a network that is gone may come back: the next announcement is a period later
+        # a failed network may come back: the next announcement follows a period later
         try:
             self.send(NODE_CHANNEL, encode_announcement(announcement))
             self.trouble = ""
@@ -83,7 +84,7 @@ class Presence:
 
 
 def own_node(name: str, *, tool: bool) -> Node:
-    """Return the node of a name that this process is; a tool is one that only looks."""
+    """Return this process as a node of this name; a tool is a command that only observes."""
     return Node(
         name=name,
         id=f"{os.getpid()}-{time.time_ns():x}",

@@ -14,13 +14,13 @@ _SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
 
 @dataclass(frozen=True, slots=True)
 class ReportForm:
-    """The form of what was measured, by topic; None is for a topic with nothing new."""
+    """The form of measured values by topic; None stands for a topic with nothing new."""
 
     keys: Sequence[str]  # of the fields in JSON
-    columns: Sequence[str]  # of the table, behind the topic
-    text: str  # of cells or fields, in the lines of rostopic
+    columns: Sequence[str]  # of the table, after the topic
+    text: str  # a format for the fields, as lines of rostopic
     cells: Callable[[Any], list[str]]
-    fields: Callable[[Any], Sequence[object]] = tuple  # that text has
+    fields: Callable[[Any], Sequence[object]] = tuple  # the values that ``text`` formats
     nothing: str = "no new messages"
 
     def records(self, found: Mapping[str, Any]) -> Iterator[str]:
@@ -58,7 +58,7 @@ def _seconds(value: Statistics) -> list[str]:
 
 
 def _bytes(value: Bandwidth) -> list[str]:
-    """Average, mean, smallest and largest, all in the unit that suits the average."""
+    """Average, mean, smallest and largest, all in the average's unit."""
     sizes = ((1.0, "B"), (_KILO, "KB"), (_KILO**2, "MB"))
     factor, unit = sizes[(value.average >= _KILO) + (value.average >= _KILO**2)]
     numbers = (value.average, value.mean, value.smallest, value.largest)

@@ -1,6 +1,6 @@
 """Rate, bandwidth and delay: sums over a window of the latest arrivals of a topic.
 
-Plain arithmetic; times come in as arguments.
+Arithmetic only; times come in as arguments.
 """
 
 from abc import ABC, abstractmethod
@@ -10,16 +10,16 @@ from math import sqrt
 from operator import mul, sub
 from typing import Generic, NamedTuple, TypeVar
 
-_BLOCK = 1000  # numbers that are summed up once for all reports
+_BLOCK = 1000  # numbers whose sums are computed once for all reports
 ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
 
 
 class Statistics(NamedTuple):
-    """Rates or delays, as rostopic hz and delay sum them up."""
+    """Rates or delays, summed up as in rostopic hz and delay."""
 
     mean: float  # arrivals per second: 1 / the mean interval [Hz]; or the mean delay [s]
-    # The shortest interval or delay [s]; a delay is negative where a clock is ahead.
+    # The shortest interval or delay [s]; a delay is negative if a clock is ahead.
     shortest: float
     longest: float  # the longest one [s]
     deviation: float  # their population standard deviation [s]
@@ -27,10 +27,10 @@ class Statistics(NamedTuple):
 
 
 class Bandwidth(NamedTuple):
-    """The bandwidth, as rostopic bw sums it up."""
+    """The bandwidth, summed up as in rostopic bw."""
 
     # The window's bytes over the time since its first arrival [byte/s]; it falls when nothing
-    # comes any more.
+    # more arrives.
     average: float
     mean: float  # the mean size [byte]
     smallest: int  # the smallest size [byte]
@@ -41,12 +41,12 @@ class Bandwidth(NamedTuple):
 class Window(ABC, Generic[ItemT, FoundT]):
     """The latest arrivals of a topic."""
 
-    _least = 2  # arrivals
-    _repeats = False  # True if it tells something where nothing has arrived since the last time
+    _least = 2  # arrivals for a result
+    _repeats = False  # True if there is a result even if nothing has arrived since the last
 
     def __init__(self) -> None:
-        self.total = 0  # the number of arrivals ever
-        self._since = 0  # the total when time began
+        self.total = 0  # the number of arrivals in all
+        self._since = 0  # the total at the last ``clear``
         self._reported = 0
 
     def add(self, *items: ItemT) -> None:
@@ -55,12 +55,12 @@ class Window(ABC, Generic[ItemT, FoundT]):
         self._take_in(items)
 
     def clear(self) -> None:
-        """Forget all arrivals: time begins again."""
+        """Forget all arrivals, because time begins again."""
         self._forget()
         self._since = self._reported = self.total
 
     def take(self, now: int = 0) -> FoundT | None:
-        """Return the sums at a time [ns]; None for too few arrivals, or nothing new."""
+        """Return the result at a time [ns]; None if there are too few arrivals, or nothing new."""
         is_new = self._repeats or self.total != self._reported
         if not is_new or self.total - self._since < self._least:
             return None
@@ -121,7 +121,7 @@ class DelayWindow(Window[int, Statistics]):
 
 
 class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
-    """Times [ns] and sizes [byte] of ``size`` arrivals; the time is the last one's at least."""
+    """Times [ns] and sizes [byte] of ``size`` arrivals; time is at least the last one's."""
 
     _repeats = True
 
@@ -149,7 +149,7 @@ class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
 
 
 class _Sums(NamedTuple):
-    """Sums of whole numbers; those of some numbers are made of those of their parts."""
+    """Sums of integers; the sums of blocks of numbers can be combined."""
 
     count: int  # type: ignore[assignment] # not tuple.count
     total: int
@@ -159,12 +159,12 @@ class _Sums(NamedTuple):
 
 
 class _Numbers:
-    """The latest ``size`` whole numbers; a long window costs a report no more than a short one."""
+    """The latest ``size`` integers; a report on a long window costs no more than on a short one."""
 
     def __init__(self, size: int) -> None:
         self._size = size
         self._blocks: deque[tuple[list[int], _Sums]] = deque()
-        self._latest: list[int] = []  # too few for a block
+        self._latest: list[int] = []  # the newest, too few for a block
 
     def add(self, numbers: Iterable[int]) -> None:
         self._latest.extend(numbers)
@@ -179,7 +179,7 @@ class _Numbers:
         self._latest.clear()
 
     def sums(self) -> _Sums:
-        """Of one number at least."""
+        """Return the sums of all; at least one number is needed."""
         excess, latest = self._excess(), self._latest
         parts = [sums for _, sums in self._blocks]
         if excess > 0 and parts:
@@ -201,7 +201,7 @@ def _sums(numbers: Sequence[int]) -> _Sums:
 
 
 def _statistics(mean: float, sums: _Sums, window: int) -> Statistics:
-    # of whole numbers, so that the difference of large sums is exact
+    # integers, so that the difference of large sums is exact
     count, total, squares, shortest, longest = sums
     deviation = sqrt(count * squares - total * total) / count
     return Statistics(mean, shortest / 1e9, longest / 1e9, deviation / 1e9, window)

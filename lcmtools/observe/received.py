@@ -1,4 +1,4 @@
-"""Decoded messages of topics, from a bus or a log, for Python."""
+"""Decoded messages of topics, from a bus or a log, for Python programs."""
 
 import os
 from collections.abc import Callable, Generator, Iterator
@@ -27,13 +27,13 @@ class Arrival:
     """A message that arrived.
 
     Attributes:
-        topic: The topic, as it is called on the bus.
+        topic: The topic's name on the bus.
         message: The message.
-        time: When it arrived [ns since 1970]: the kernel's time; simulated time where a simulator
-            publishes ``/clock``; of a log, when it was recorded.
-        sender: The sender: a node's name, else a process, else an address; "unknown sender" where
-            the bus does not name it (tcpq, memq, logs).
-        packet: The message as it arrived, with its bytes and its number.
+        time: The time of arrival [ns since 1970]: from the kernel; simulated time if a simulator
+            publishes ``/clock``; in a log, the time of recording.
+        sender: The sender: a node's name, else a process, else an address; "unknown sender" if the
+            bus does not name it (tcpq, memq, logs).
+        packet: The message as it arrived, with its bytes and sequence number.
     """
 
     topic: str
@@ -43,7 +43,7 @@ class Arrival:
     packet: Packet
 
 
-def messages(  # noqa: PLR0913 - each is an option of its own
+def messages(  # noqa: PLR0913 - each is a separate option
     *topics: str,
     url: str | None = None,
     log: str | Path | None = None,
@@ -53,23 +53,23 @@ def messages(  # noqa: PLR0913 - each is an option of its own
     on_error: Callable[[DecodeError], None] | None = None,
     between: tuple[int, int] | None = None,
 ) -> Generator[Arrival, None, None]:
-    """Return the messages of topics as they arrive on a bus, or all those in a log.
+    """Yield the messages of topics as they arrive on a bus, or all those in a log.
 
-    The bus is opened at once, so that nothing is missed that is sent after the call. It is left
-    when the generator is closed: at the end of the log, by ``close()``, or by
-    ``contextlib.closing``. No signal handler is set and nothing is printed.
+    The bus is opened at once, so that no message sent after the call is missed. It is left when the
+    generator is closed: at the end of the log, by ``close()`` or by ``contextlib.closing``. No
+    signal handler is set and nothing is printed.
 
     Args:
-        *topics: Names or patterns (see ``lcmtools.names.Pattern``); a relative name is the plain
-            LCM channel or the topic in the namespace LCMTOOLS_NAMESPACE, whichever is there.
-        url: The bus; None for the one that the environment and the settings file name.
-        log: A log file, read at once, in place of a bus.
-        where: Only messages for which this expression is true, as of ``echo --filter``:
+        *topics: Names or patterns (see ``lcmtools.names.Pattern``). A relative name is the plain
+            LCM channel or the topic in the namespace LCMTOOLS_NAMESPACE, whichever exists.
+        url: The bus; None for the one that the environment and the settings file select.
+        log: A log file to read at once, instead of a bus.
+        where: Yield only messages for which this expression, as of ``echo --filter``, is true:
             ``"m.pose.pose.position.x > 1"``.
-        timeout: The longest time without a message [s]; None for without end.
-        wall_time: Use the computer's time even if a simulator publishes /clock.
-        on_error: Called for a message that cannot be decoded, which is left out; None to raise.
-        between: Of a log, only messages recorded from one time to another [ns since 1970].
+        timeout: The longest time without a message [s]; None for no limit.
+        wall_time: Use the system clock even if a simulator publishes /clock.
+        on_error: Called if a message cannot be decoded, which is then left out; None to raise.
+        between: For a log, first and last time of recording of the messages [ns since 1970].
 
     Raises:
         UsageError: A topic, the URL or the expression is wrong.
@@ -77,7 +77,7 @@ def messages(  # noqa: PLR0913 - each is an option of its own
         NothingReceived: No message came for ``timeout`` seconds.
         DecodeError: A message cannot be decoded, and ``on_error`` is None.
         ValueMismatch: The expression does not fit a message.
-        LcmtoolsError: The log has no message of the topics.
+        LcmtoolsError: The log has no message on the topics.
     """
     if not topics:
         raise UsageError("no topic is named", 'for example messages("/chatter")')
@@ -94,12 +94,12 @@ def messages(  # noqa: PLR0913 - each is an option of its own
         )
         arrivals = _decoded(monitor, stream, condition, on_error)
         found = _left_in_the_end(stack.pop_all(), taken(stream, arrivals, timeout))
-    next(found)  # from here on its end is the bus's
+    next(found)  # runs to its first yield: from now on, closing it leaves the bus
     return cast("Generator[Arrival, None, None]", found)
 
 
 def usual_names() -> Resolver:
-    """Return the namespace that relative names are read by: LCMTOOLS_NAMESPACE."""
+    """Return a resolver that puts relative names into the namespace LCMTOOLS_NAMESPACE."""
     return Resolver(resolve_namespace(usual_namespace(os.environ)))
 
 
@@ -142,7 +142,7 @@ def _decoded(
 def _left_in_the_end(
     stack: ExitStack, arrivals: Iterator[Arrival]
 ) -> Generator[Arrival | None, None, None]:
-    """Yield None, then the arrivals; the stack is closed with the generator."""
+    """Yield None, then the arrivals; close the stack with the generator."""
     with stack:
         yield None
         yield from arrivals

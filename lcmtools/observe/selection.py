@@ -1,6 +1,6 @@
-"""The topics that an argument selects: one, or all that a pattern matches; and a field path.
+"""The topics that an argument selects(one, or all that a pattern matches), and its field path.
 
-Only the bus can tell topics from the field paths behind them. Must not know how a message is shown.
+Only the bus can tell a topic from the field path after it. Must not know how a message is shown.
 """
 
 from collections.abc import Iterable
@@ -13,11 +13,11 @@ from lcmtools.observe.find import GLOBAL
 
 
 class OneTopic:
-    """A topic and, with ``with_path``, the field path behind it; raises UsageError for none."""
+    """A topic and, if ``with_path``, the field path after it; raises UsageError if wrong."""
 
     def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
         self.text = argument
-        self.is_fixed = not with_path  # the selection does not depend on the topics on the bus
+        self.is_fixed = not with_path  # True if it does not depend on the bus's topics
         self._names = names
         self.path = Path()
         self._is_found = self.is_fixed
@@ -36,12 +36,12 @@ class OneTopic:
                 return
 
     def is_told_by(self, channels: AbstractSet[str]) -> bool:
-        """Return whether some new channels tell the topic."""
+        """Return whether one of these new channels settles which part is the topic."""
         found = (name for topic, _ in splits(self.text) for name in self._names.spellings(topic))
         return not (self._is_found or channels.isdisjoint(found))
 
     def path_on(self, channel: str) -> Path | None:
-        """Return the path, on the topic; None on others."""
+        """Return the path for the topic; None for other channels."""
         return self.path if channel in self._spellings else None
 
     def channels(self) -> Iterable[str]:
@@ -50,18 +50,18 @@ class OneTopic:
 
 
 class TopicPattern:
-    """All topics that a pattern matches (see ``names.Pattern``), and the field path behind them.
+    """All topics that a pattern matches (see ``names.Pattern``), and the field path after it.
 
-    A topic whose name is the pattern, to the letter, is meant alone. A wildcard is never in the
-    path. With ``**``, which would take the path's names for topics', there is no path. An error in
-    the path raises UsageError.
+    If a topic's name is exactly the pattern, only this topic is meant. Wildcards are never part of
+    the path. A pattern with ``**``, which would take the path's names for topics', has no path. An
+    error in the path raises UsageError.
     """
 
     def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
         self.text = argument
         last = max(argument.rfind("*"), argument.rfind("?"))
         _, bracket, index = argument[last:].partition("[")
-        parse_path(bracket + index)  # an error in it is found at once
+        parse_path(bracket + index)  # raises at once if there is an error in it
         is_whole = "**" in argument or not with_path
         readings = [(argument, "")] if is_whole else list(splits(argument))
         self._readings = [  # the longest topic first
@@ -74,7 +74,7 @@ class TopicPattern:
 
     @property
     def is_literal(self) -> bool:
-        """True if it is the name of a topic on the bus, and not a pattern."""
+        """True if it is the name of a topic on the bus rather than a pattern."""
         return self._literal is not None
 
     def learn(self, graph: Graph) -> None:
@@ -85,11 +85,11 @@ class TopicPattern:
             self.path_on(name)
 
     def is_told_by(self, channels: AbstractSet[str]) -> bool:
-        """Return whether one of some new channels has the pattern for its name."""
+        """Return whether one of these new channels has exactly the pattern as its name."""
         return self.text in channels
 
     def path_on(self, channel: str) -> Path | None:
-        """Return the path behind the longest reading of the pattern that matches a channel."""
+        """Return the path after the longest reading of the pattern that matches a channel."""
         if self._literal is not None:
             return Path() if channel == self._literal else None
         if channel not in self._paths:
@@ -99,7 +99,7 @@ class TopicPattern:
         return self._paths[channel]
 
     def channels(self) -> list[str]:
-        """Return the channels that match, of those that are known."""
+        """Return the known channels that match."""
         if self._literal is not None:
             return [self._literal]
         return [channel for channel, path in self._paths.items() if path is not None]
@@ -108,12 +108,12 @@ class TopicPattern:
 def select_topics(
     argument: str, names: Resolver = GLOBAL, *, with_path: bool = True
 ) -> OneTopic | TopicPattern:
-    """Return the selection that an argument means (see ``OneTopic`` and ``TopicPattern``)."""
+    """Return the selection for an argument (see ``OneTopic`` and ``TopicPattern``)."""
     kind = TopicPattern if has_wildcard(argument) else OneTopic
     return kind(argument, names, with_path=with_path)
 
 
 def _is_there(topic: Topic) -> bool:
-    """Return whether a topic has more than subscribing commands."""
+    """Return whether anything but subscribing commands has a topic."""
     nodes = any(not node.tool for node, _ in topic.subscribers)
     return bool(topic.publishers or topic.traffic or nodes)

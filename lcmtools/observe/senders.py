@@ -1,8 +1,8 @@
-"""The programs behind messages: names of senders, and programs on a bus that are no nodes.
+"""The programs behind messages: names of senders, and programs on a bus that are not nodes.
 
-A sender is named by its node, else its process, else its address. Programs that are no nodes are
+A sender is named by its node, else its process, else its address. Programs that are not nodes are
 seen from outside: by the ports that messages come from, and by this computer's socket table. The
-names of other computers' programs, and the channels that a program subscribes to, do not show.
+names of programs on other computers, and the channels that a program subscribes to, are unknown.
 """
 
 import os
@@ -30,11 +30,11 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Graph, Node, Traffic
 from lcmtools.wire.packet import Sender
 
-_Key = tuple[Process | None, int | None, str]  # process, user's number, address or ""
+_Key = tuple[Process | None, int | None, str]  # process, user id, address or ""
 
-UNKNOWN = "unknown sender"  # the name where the bus does not name senders: tcpq, memq and logs
+UNKNOWN = "unknown sender"  # the name if the bus does not identify senders: tcpq, memq and logs
 
-_RETRY = 5.0  # [s] before one that was not found is looked up again
+_RETRY = 5.0  # [s] before a sender that was not found is looked up again
 _TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")
 _INTERPRETERS = ("python", "pypy", "java", "ruby", "perl", "lua", "node", "bash", "sh")
 
@@ -43,35 +43,35 @@ class SocketTable(NamedTuple):
     """The UDP sockets of this computer at one time, and the processes behind them."""
 
     rows: Mapping[int, UdpSocket]  # the sockets by inode
-    holders: Mapping[int, Process]  # the processes that this user may look into, by inode
+    holders: Mapping[int, Process]  # the processes that this user may inspect, by inode
 
     @classmethod
     def read(cls, ports: Collection[int] | None = None) -> "SocketTable":
-        """Read the system's table; only the sockets on these local ports, where some are given."""
+        """Read the system's table; only sockets on these local ports, if given."""
         rows = {row.inode: row for row in udp_sockets() if ports is None or row.port in ports}
         return cls(rows, owners(rows))
 
     def sockets(self, sender: Sender) -> list[UdpSocket]:
-        """Return the sockets that a sender may be; none for a sender on another computer."""
+        """Return the sockets that may be a sender's; none for a sender on another computer."""
         if sender.name or not is_local(sender.address):
             return []
         return [row for row in self.rows.values() if row.port == sender.port]
 
     def processes(self, sender: Sender) -> PossibleSenders:
-        """Return the processes that a sender may be, as far as the system tells."""
+        """Return the processes that may be a sender, as far as the system shows them."""
         return senders_from(sender.port, self.sockets(sender), self.holders)
 
 
 def process_name(process: Process) -> str:
-    """Return a process by its program's short name and its number: "driver.py (pid 12)"."""
+    """Return a process as its program's short name and its pid: "driver.py (pid 12)"."""
     return f"{program_name(process.command)} (pid {process.pid})"
 
 
 class SenderNames:
     """Names of senders: by node, else by process, else by address.
 
-    Looking a process up goes through all processes of this computer, so it is done once a sender.
-    ``now`` is a monotonic clock [s], ``called`` the name of a process.
+    Looking up a process goes through all processes of this computer, so it is done once per sender.
+    ``now`` is a monotonic clock [s]; ``called`` returns the name of a process.
     """
 
     def __init__(
@@ -97,15 +97,15 @@ class SenderNames:
         self._processes.update({sender: process for sender, process in found.items() if process})
 
     def node(self, sender: Sender | None) -> Node | None:
-        """Return the node that sends from there."""
+        """Return the node that a sender belongs to."""
         return self._nodes.get(sender) if sender else None
 
     def process(self, sender: Sender | None) -> Process | None:
-        """Return the process of this computer that sends from there, where that is known."""
+        """Return a sender's process on this computer, if known."""
         return self._processes.get(sender) if sender else None
 
     def name(self, sender: Sender | None) -> str:
-        """Return the name of a sender; its address where nothing better is known."""
+        """Return the name of a sender; its address if nothing better is known."""
         if sender is None:
             return UNKNOWN
         if node := self.node(sender):
@@ -119,7 +119,7 @@ class SenderNames:
 
 
 def program_name(command: str) -> str:
-    """Return the short name of a program, of an interpreter's the script's: "driver.py"."""
+    """Return the short name of a program; for an interpreter, the script's: "driver.py"."""
     words = command.split() or ["?"]
     name = PurePath(words[0]).name
     if not name.startswith(_INTERPRETERS):
@@ -135,28 +135,28 @@ def program_name(command: str) -> str:
 
 
 class Program(NamedTuple):
-    """A program that is no node."""
+    """A program that is not a node."""
 
-    process: Process | None  # its process; None where the system does not show it
-    user: str  # the user of its process; "" if unknown
-    address: str  # its computer's address as messages come from it; "" for a local listener
-    ports: tuple[int, ...]  # the UDP ports that it was seen to send from
-    traffic: tuple[Traffic, ...]  # the messages that it was seen to publish
+    process: Process | None  # None if the system does not show it
+    user: str  # the user who runs it; "" if unknown
+    address: str  # the address that its messages come from; "" for a local listener
+    ports: tuple[int, ...]  # the UDP ports that it sends from
+    traffic: tuple[Traffic, ...]  # its observed messages
     listens: bool | None  # True if it receives from the bus; None if unknown
-    # Those that it receives from the bus with, as far as that shows.
+    # The sockets that receive from the bus, as far as the system shows them.
     sockets: tuple[UdpSocket, ...] = ()
-    # The processes that it may be, where its own does not show.
+    # The processes that it may be, if its own is not shown.
     candidates: tuple[Process, ...] = ()
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """The channels that it was seen to publish on, sorted, each once."""
+        """The channels on which it was seen to publish, sorted, each once."""
         return tuple(sorted({seen.channel for seen in self.traffic}))
 
 
 def programs(graph: Graph, url: BusUrl) -> list[Program]:
-    """Return the programs of a bus that are no nodes, those of this computer first."""
-    is_log = url.provider == "file"  # of programs that need not run now, or not here
+    """Return the programs on a bus that are not nodes, those of this computer first."""
+    is_log = url.provider == "file"  # whose programs need not run now, or here
     table = SocketTable({}, {}) if is_log else SocketTable.read()
     listening = frozenset() if is_log else listening_sockets(url)
     others = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) - table.holders.keys()
@@ -165,7 +165,7 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     for seen in graph.foreign():
         found.setdefault(_key(seen.sender, table), []).append(seen)
     receivers: dict[Process | None, list[UdpSocket]] = {}
-    for inode in listening - others:  # but for nodes and commands of other users
+    for inode in listening - others:  # except nodes and commands of other users
         process, row = table.holders.get(inode), table.rows.get(inode)
         if process is None or process.pid not in known:
             found.setdefault((process, row.uid if row else None, ""), [])
@@ -180,7 +180,7 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
 
 
 def is_here(node: Node) -> bool:
-    """Return whether a node runs on this computer; not one of a log, nor behind a relay."""
+    """Return whether a node runs on this computer; False for one in a log or behind a relay."""
     if node.is_recorded or node.path:
         return False
     if node.sender is not None and not is_local(node.sender.address):
@@ -189,7 +189,7 @@ def is_here(node: Node) -> bool:
 
 
 def is_gone(node: Node) -> bool:
-    """Return whether a node of this computer has no process any more."""
+    """Return whether a node's process on this computer has ended."""
     return is_here(node) and process_of(node.pid) is None
 
 
@@ -231,7 +231,7 @@ def _order(program: Program) -> tuple[bool, int, str]:
 
 
 def user_name(uid: int) -> str:
-    """Return the name of a user; the number where that is not known."""
+    """Return the name of a user; the user id if unknown."""
     try:
         return pwd.getpwuid(uid).pw_name
     except KeyError:

@@ -1,6 +1,6 @@
-"""Sources of packets: a bus, or a log that is read at once by its own times.
+"""Sources of packets: a bus, or a log, which is read at once by its own times.
 
-Belongs here: which observer a URL takes. Nothing above needs to know which one it is.
+Belongs here: the choice of the observer for a URL. Nothing above needs to know it.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,33 +13,33 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 
-_BATCH = 100  # messages of a log at a time, so that reading can be stopped
+_BATCH = 100  # messages of a log are read at a time, so that reading can be stopped
 
 
 class Observer(Protocol):
     """A source that sees all messages: the tap, a subscription to everything, or a log."""
 
-    is_live: bool  # messages come in real time; else a log is read at once by its own times
+    is_live: bool  # messages come in real time; else a log is read at once, by its own times
 
     @property
     def is_awaiting(self) -> bool:
-        """True while answers to a probe may still come, where the bus knows."""
+        """True while answers to a probe may still come, if the bus can tell."""
 
     @property
     def has_strangers(self) -> bool:
-        """True if the bus knows of programs that do not answer probes, and may send."""
+        """True if the bus knows of programs that do not answer probes, and may publish."""
 
     @property
     def numbered(self) -> Mapping[Sender, Sequence]:
-        """The sequences of senders whose numbers show their losses."""
+        """The sequences of those senders whose sequence numbers show losses."""
 
     @property
     def is_log(self) -> bool:
-        """True for a log, also one that is played: no node answers and none subscribes."""
+        """True for a log, even a played one: no node answers or subscribes."""
 
     @property
     def port(self) -> int:
-        """The UDP port that ``send`` sends from; 0 when there is none."""
+        """The UDP port that ``send`` sends from; 0 if there is none."""
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first.
@@ -56,9 +56,9 @@ class Observer(Protocol):
 
 
 class LogObserver:
-    """The messages of a log file, as fast as they are read, with the times of the recording.
+    """The messages of a log file, as fast as they can be read, with the times of recording.
 
-    ``between`` are the times from which and to which messages count [ns since 1970].
+    ``between`` is the first and last time of the messages that count [ns since 1970].
     """
 
     port = 0
@@ -76,14 +76,14 @@ class LogObserver:
             self._packets = (packet for packet in found if first <= packet.time <= last)
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
-        """Return the next messages; raises BusError where the file cannot be read."""
+        """Return the next messages; raises BusError if the file cannot be read."""
         packets = list(islice(self._packets, _BATCH))
         if not packets:
             raise EOFError
         return packets
 
     def send(self, channel: str, payload: bytes) -> None:
-        """Send nothing: there is no subscriber."""
+        """Do nothing: a log has no subscriber."""
 
     def close(self) -> None:
         """Close the file."""
@@ -100,8 +100,8 @@ def open_observer(
 ) -> Observer:
     """Return the best observer of a bus or a log; see ``BusMonitor``.
 
-    ``on_outage`` is called when the connection is lost or back, with a sentence and with the
-    trouble now, "" for none.
+    ``on_outage`` is called when the connection is lost or restored, with a sentence and the current
+    problem, "" for none.
     """
     if url.is_multicast:
         return Tap(url, whole=whole)

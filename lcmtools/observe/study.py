@@ -1,7 +1,7 @@
 """One channel in detail: its latest message, decoded, and the history of its numbers.
 
-Messages arrive on one thread and are read from another. Only so many messages a second are decoded
-as a person and this computer can follow.
+Messages arrive on one thread and are read from another. Only as many messages per second are
+decoded as a person and this computer can follow.
 """
 
 import math
@@ -19,7 +19,7 @@ from lcmtools.wire.packet import Packet
 Sample = tuple[int, float]  # a time [ns] and a number
 
 KEPT = 2400  # samples of each number
-_MOST_PATHS = 300  # whose samples are kept
+_MOST_PATHS = 300  # fields whose samples are kept
 _SMALL, _LARGE = 1_000_000_000 // 55, 250_000_000  # [ns] on average between decoded messages
 _LARGE_BYTES = 200_000
 _HEAD_BYTES = 256
@@ -27,18 +27,18 @@ _HEAD_BYTES = 256
 
 @dataclass(frozen=True, slots=True)
 class ChannelState:
-    """The messages of a channel at one time."""
+    """The state of a channel at one time."""
 
-    # The latest message; empty before the first, and if it cannot be decoded.
+    # The latest message; empty before the first one, and if it cannot be decoded.
     lines: tuple[FieldLine, ...] = ()
     type: str = ""  # its type; "" if it was not decoded
     others: tuple[str, ...] = ()  # other types with its fingerprint
-    fingerprint: int | None = None  # its fingerprint; None for none
+    fingerprint: int | None = None  # its fingerprint; None if it has none
     problem: str = ""  # the reason why it cannot be decoded; "" if it was
-    head: bytes = b""  # the beginning of its payload
+    head: bytes = b""  # the first bytes of its payload
     size: int = 0  # bytes of the payload
     messages: int = 0  # the number of messages so far
-    decoded: int = 0  # the number of decoded ones
+    decoded: int = 0  # the number of decoded messages
     time: int = 0  # arrival of the latest [ns since 1970]
 
 
@@ -57,7 +57,7 @@ class Study:
         self._messages = self._decoded = self._next = 0
 
     def take(self, packet: Packet) -> None:
-        """Take a packet into account; those of other channels are ignored."""
+        """Process a packet; packets of other channels are ignored."""
         if packet.channel != self.channel:
             return
         with self._lock:
@@ -68,7 +68,7 @@ class Study:
                 self._decode(packet)
 
     def announced(self, types: Sequence[str]) -> None:
-        """Take the types that nodes announce now."""
+        """Set the types that nodes now announce."""
         if tuple(types) != self._types:
             self._types = tuple(types)
             self._decoder = Decoder(lambda _: self._types)
@@ -90,7 +90,7 @@ class Study:
             return list(self._samples.get(path, ()))
 
     def state(self) -> ChannelState:
-        """Return the messages as they are now."""
+        """Return the current state."""
         with self._lock:
             lines = tuple(field_lines(self._message, self._toggled)) if self._message else ()
             return replace(self._state, lines=lines, messages=self._messages, decoded=self._decoded)
@@ -120,20 +120,20 @@ class Study:
 
 @dataclass(frozen=True, slots=True)
 class Sparkline:
-    """A number over time, the smallest and the largest."""
+    """A number over time, with its smallest and largest value."""
 
-    # Its mean in each interval, the newest last, scaled to 0 .. 1; an interval without samples
-    # repeats the one before. There are none before the first sample.
+    # The mean in each interval, newest last, scaled to 0 .. 1; an interval without samples repeats
+    # the one before. Intervals before the first sample have no bar.
     bars: tuple[float, ...] = ()
     low: float = 0.0
     high: float = 0.0
 
 
 def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Sparkline:
-    """Return the curve of a number from samples in the order of time, up to ``now`` [ns].
+    """Return the curve of a number from samples in order of time, up to ``now`` [ns].
 
-    There are ``count`` bars at most, of ``bin_ns`` each: fixed intervals, against flicker. Samples
-    that are not finite are left out.
+    There are at most ``count`` bars, of ``bin_ns`` each: the intervals are fixed, to avoid flicker.
+    Samples that are not finite are left out.
     """
     first = now // bin_ns - count + 1
     bins: dict[int, list[float]] = {}
@@ -154,10 +154,10 @@ def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Spark
     for place in range(count):
         if values := bins.get(place):
             mean = math.fsum(value / len(values) for value in values)
-            before = max(min(values), min(mean, max(values)))  # a constant stays one when rounded
+            before = max(min(values), min(mean, max(values)))  # rounding must not change a constant
         if before is not None:
             bars.append(before)
     low, high = min(bars), max(bars)
-    scale = high / 2 - low / 2  # halves, as the difference may be infinite
+    scale = high / 2 - low / 2  # halves, because the difference may overflow
     scaled = tuple((bar / 2 - low / 2) / scale if scale else 0.0 for bar in bars)
     return Sparkline(scaled, min(known), max(known))

@@ -8,16 +8,16 @@ from lcmtools.observe.describe import by_computer, type_text
 
 
 class TopicList(NamedTuple):
-    """The topics that are listed, and the form."""
+    """The choice of the listed topics, and their form."""
 
-    published: bool  # those that are published are listed
+    published: bool  # list the published topics
     subscribed: bool
-    verbose: bool  # in rostopic's sections
-    types: bool  # each with its type
-    rates: Mapping[str, float] | None  # [Hz] by topic; None where they are not shown
+    verbose: bool  # in sections, as in rostopic
+    types: bool  # show each topic's type
+    rates: Mapping[str, float] | None  # [Hz] by topic; None if not shown
 
     def has(self, topic: Topic) -> bool:
-        """Return whether a topic is listed at all."""
+        """Return whether a topic is listed."""
         has_publisher = bool(topic.publishers or topic.traffic)
         return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
@@ -33,7 +33,7 @@ class TopicList(NamedTuple):
         return [f"{name:<{width}}  {rate}" for name, rate in zip(names, rates, strict=True)]
 
     def rows_by_host(self, topics: Sequence[Topic]) -> list[str]:
-        """Return the same for each computer, indented, as rostopic list --host."""
+        """Return the same for each computer, indented, as in rostopic list --host."""
         rows = []
         for host, there in by_computer(topics).items():
             if shown := list(filter(self.has, there)):

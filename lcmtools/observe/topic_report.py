@@ -17,7 +17,7 @@ from lcmtools.observe.losses import Loss
 
 
 def topic_rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
-    """Return the lines of rostopic info, each node with its process, its counters below."""
+    """Return the lines of rostopic info, each node with its process and, below, its counters."""
     rows = [f"Type: {type_text(topic)}"]
     if not topic.types or verbose:
         rows += fingerprint_rows(topic)
@@ -65,7 +65,7 @@ def topic_record(topic: Topic, counters: Counters) -> dict[str, object]:
 
 
 def service_rows(service: OfferedService, *, is_only: bool) -> Iterator[str]:
-    """Yield the lines of a service with its nodes; its name too where it is not the only one."""
+    """Yield the lines of a service with its nodes, with its name unless it is the only one."""
     yield from [] if is_only else [f"Service: {service.name}"]
     for node, endpoint in service.servers:
         took = callback_times(endpoint)
@@ -95,7 +95,7 @@ def service_record(service: OfferedService) -> dict[str, object]:
 def _nodes(
     endpoints: Sequence[tuple[Node, Endpoint]], counters: Counters, *, verbose: bool
 ) -> list[list[str]]:
-    """Of each node what it is, and what there is to say of it."""
+    """The lines of each node: its description, then its counters."""
     return [
         [node_text(node), counters.of_endpoint(node, end), *[f"command: {node.command}"] * verbose]
         for node, end in endpoints
@@ -116,6 +116,6 @@ def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _lost_record(loss: Loss | None) -> dict[str, object]:
-    """The messages that did not arrive, of all that were sent; null where that is not known."""
+    """The messages that did not arriveand all that were sent; null if unknown."""
     known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

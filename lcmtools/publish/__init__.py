@@ -1,4 +1,4 @@
-"""Publishing for a person: values from YAML, a file or a stream; services and parameters.
+"""Publishing for commands and scripts: values from YAML, files or streams; services, parameters.
 
 Nothing here prints or knows a command line. ``publish`` is what ``lcmtools pub`` does.
 """

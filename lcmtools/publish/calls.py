@@ -1,4 +1,4 @@
-"""Calling services for a person: the type and values of a call, waiting, requests in time."""
+"""Calling services for commands: the types and values of calls, waiting, requests at a rate."""
 
 import itertools
 import os
@@ -19,7 +19,7 @@ from lcmtools.publish.schedule import due_times
 from lcmtools.publish.subscriber_wait import wait_until
 
 _TYPE = re.compile(r"[A-Za-z]\w*[/.](srv[/.])?[A-Za-z]\w*", re.ASCII)
-_USUAL_RATE = 1.0  # [Hz] of a service that is called so many times
+_USUAL_RATE = 1.0  # [Hz] of repeated calls
 _POLL = 0.05  # [s]
 _MOST_SHOWN = 8
 
@@ -31,7 +31,7 @@ def split_type(
 
     Raises:
         UsageError: The type is unknown, or not the service's.
-        LcmtoolsError: The type that is announced is not known here.
+        LcmtoolsError: The announced type is not known here.
     """
     announced = service.types[0] if service.types else ""
     if not words or not _is_type(service, words[0]):
@@ -43,10 +43,10 @@ def split_type(
 
 
 def wait_for_service(monitor: BusMonitor, name: str, longest: float, notify: Notify) -> None:
-    """Wait until a living node offers a service of this full name; ``notify`` if it takes long.
+    """Wait until a living node offers the service of this full name; ``notify`` if it takes long.
 
     Raises:
-        NothingReceived: None does within ``longest`` seconds.
+        NothingReceived: No node does within ``longest`` seconds.
     """
 
     def tell() -> None:
@@ -73,10 +73,10 @@ def call_all(
     timeout: float,
     url: BusUrl,
 ) -> Iterator[Message]:
-    """Call a service with each request when it is taken; yield the responses.
+    """Call a service with each request, one after the other; yield the responses.
 
     Raises:
-        ServiceTimeout: A response did not come in time; with the state of the server.
+        ServiceTimeout: A response did not come in time; the error states what became of the server.
         ServiceError: The service reports a failure.
     """
     with own_node("service_call", url) as node:
@@ -91,9 +91,9 @@ def call_all(
 def requests_in_time(
     requests: Sequence[Template], rate: float | None, times: int | None
 ) -> Iterator[Template]:
-    """Yield requests when they are due, over and over; each once without ``rate`` and ``times``.
+    """Yield requests when due, repeatedly; without ``rate`` and ``times``, each at once, and once.
 
-    The usual rate is 1 Hz. A slow service gets no burst later.
+    The default rate is 1 Hz. Requests that a slow service delayed do not follow in a burst.
     """
     if rate is None and times is None:
         yield from requests
@@ -105,7 +105,7 @@ def requests_in_time(
 
 
 def _state(service: OfferedService, url: BusUrl) -> str:
-    """The state of the node that did not answer, by a new look at the bus."""
+    """The state of the node that did not answer, from another look at the bus."""
     server = service.servers[0][0]
     with BusMonitor(url, "service_call", os.environ) as monitor:
         now = [node for node in monitor.settle(foreign=False).nodes if node.id == server.id]
@@ -117,7 +117,7 @@ def _state(service: OfferedService, url: BusUrl) -> str:
 
 
 def _is_type(service: OfferedService, word: str) -> bool:
-    """True if a word is a type, and no value; "maps/yard" is a value where a text is expected."""
+    """True if a word is a type, not a value: "maps/yard" is a value if a text is expected."""
     try:
         named = service_name(word)
     except UnknownType:

@@ -1,4 +1,4 @@
-"""Messages to publish and requests to send: from values, a file, or a stream as it comes.
+"""Messages to publish and requests to send, from values, a file or a live stream.
 
 Belongs here: reading them, and errors that name the source. Must not know YAML.
 """
@@ -28,20 +28,20 @@ Template: TypeAlias = MessageTemplate[Message]
 Notify: TypeAlias = Callable[[str], None]
 
 _BLOCK_BYTES = 1 << 16
-_POLL = 0.02  # [s] between two turns of the caller while nothing comes
-_PATIENCE = 2.0  # [s] before the person reads that nothing comes
+_POLL = 0.02  # [s] between two returns to the caller while no message comes
+_PATIENCE = 2.0  # [s] before the user is told that nothing has come
 
 
 class Incoming(NamedTuple):
     """Messages to be sent."""
 
-    templates: Iterator[Template | None]  # None where the next one has not come yet
-    is_file: bool = False  # they are in a file, all of them read and checked
-    is_one: bool = False  # there is one message, which may be sent again and again
+    templates: Iterator[Template | None]  # None if the next one has not come yet
+    is_file: bool = False  # the messages are in a file, and all are read and checked
+    is_one: bool = False  # there is a single message, which may be sent repeatedly
 
     @property
     def is_stream(self) -> bool:
-        """True if they come one by one and their number is unknown."""
+        """True if the messages come one by one and their number is unknown."""
         return not (self.is_file or self.is_one)
 
 
@@ -53,9 +53,9 @@ def read_incoming(
     *,
     noun: str = "message",
 ) -> Incoming:
-    """Return the messages of a command line; all of them are checked, unless it is a stream.
+    """Return the messages of a command line, all checked unless they come from a stream.
 
-    Without values, the content of a pipe or a file on standard input is meant, as with rostopic.
+    Without values, messages are read from a pipe or file on standard input, as with rostopic.
 
     Raises:
         UsageError: Values and a file are both given, or the file has no message.
@@ -108,7 +108,7 @@ class _Reader:
         return Incoming(iter(found), is_file=True, is_one=is_one)
 
     def templates(self, *, may_be_empty: bool = True) -> Iterator[Template | None]:
-        """The messages; ``notify`` is called when the first takes long."""
+        """The messages; ``notify`` is called if the first takes long."""
         deadline = time.monotonic() + _PATIENCE
         is_empty = True
         try:
@@ -128,7 +128,7 @@ class _Reader:
             raise UsageError(f"{self._source} has no {self._noun} in it", hint)
 
     def _lines(self) -> Iterator[str | None]:
-        """The lines as they come; None where there is none for a moment."""
+        """The lines as they come; None while there is none."""
         rest = bytearray()
         while True:
             try:
@@ -161,7 +161,7 @@ class _Reader:
 
 
 def _is_piped() -> bool:
-    """True if standard input is a pipe or a file, not a terminal nor closed."""
+    """True if standard input is a pipe or a file, not a terminal and not closed."""
     try:
         mode = os.fstat(0).st_mode
     except OSError:

@@ -16,13 +16,13 @@ _NOTHING_SAID = NodeArguments()
 def own_node(
     tool: str, url: BusUrl, arguments: NodeArguments = _NOTHING_SAID, *, simulated: bool = False
 ) -> Iterator[Node]:
-    """A node on a connection of its own, beside the other nodes of this process.
+    """A node on a separate connection, independent of the other nodes of this process.
 
-    Of ``arguments`` name, namespace and remaps count. Simulated time comes from /clock.
+    The name, namespace and remaps of ``arguments`` apply. Simulated time comes from /clock.
 
     Raises:
         InvalidName: A name breaks the naming rules.
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
     parameters = {"use_sim_time": "true"} if simulated else {}
     context = open_context(url, arguments._replace(parameters=parameters))

@@ -1,7 +1,7 @@
-"""A file of parameters, and what it changes.
+"""Files of parameters, and the changes that they make.
 
 Belongs here: YAML and JSON in the forms of rosparam (nested namespaces), ros2 (``ros__parameters``)
-and ``lcmtools param dump``, compared with the parameters that nodes have.
+and ``lcmtools param dump``, compared with the nodes' parameters.
 """
 
 import contextlib
@@ -53,7 +53,7 @@ Changes: TypeAlias = Mapping[str, Mapping[str, Change]]
 
 
 def read_leaves(text: str, source: str) -> list[FileParameter]:
-    """Return the values in the text of a file; InvalidFile for no YAML of names and values."""
+    """Return the values in the text of a file; InvalidFile unless YAML of names and values."""
     found: list[FileParameter] = []
     for document in _documents(text, source):
         if not isinstance(document.value, dict):
@@ -71,11 +71,11 @@ def known_name(path: Sequence[str], has: Parameters) -> str | None:
 
 
 def changes_of(leaves: Sequence[FileParameter], known: Answers, node: str | None) -> Changes:
-    """Return the changes that a file's values mean; values that name no node are for ``node``.
+    """Return the changes that a file's values ask for; values without a node are for ``node``.
 
     Raises:
-        LcmtoolsError: There is no such node or parameter; with file and line.
-        InvalidFile: A value is of another type than the parameter; with file and line.
+        LcmtoolsError: There is no such node or parameter; the error has file and line.
+        InvalidFile: A value has another type than the parameter; the error has file and line.
     """
     changes: dict[str, dict[str, Change]] = {}
     for leaf in leaves:
@@ -96,7 +96,7 @@ def make_changes(client: ParameterClient, node: str, changes: Mapping[str, Chang
     """Change parameters of one node, all or none.
 
     Raises:
-        LcmtoolsError: The node refuses; with the file and line of what it refuses.
+        LcmtoolsError: The node refuses; the error has the file and line of the refused value.
         ServiceError: It did not answer.
     """
     try:

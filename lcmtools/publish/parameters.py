@@ -1,6 +1,6 @@
 """The parameters of other nodes: finding, reading and changing them.
 
-A parameter is named as in rosparam, ``/husky0/driver/gain``, or as in ros2, by two words:
+A parameter is named as in rosparam, ``/husky0/driver/gain``, or by two words as in ros2:
 ``/husky0/driver gain``.
 """
 
@@ -21,11 +21,11 @@ from lcmtools.observe.find import find_node
 from lcmtools.publish.own_node import own_node
 from lcmtools.types import lcmtools_msgs as msgs
 
-_AT_ONCE = 16  # nodes that are read at the same time
+_AT_ONCE = 16  # nodes whose parameters are read at the same time
 
 
 class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as in errors.py
-    """A node has not changed its parameters; ``reasons`` has one for each that is wrong."""
+    """A node has refused to change its parameters; ``reasons`` has one for each wrong parameter."""
 
     def __init__(self, node: str, reasons: tuple[str, ...]) -> None:
         text = "; ".join(reasons)
@@ -47,7 +47,7 @@ class ParameterClient:
     timeout: float
 
     def get_all(self, nodes: Sequence[Node]) -> tuple[Answers, list[ServiceError]]:
-        """Return the parameters of nodes, and why some did not answer."""
+        """Return the parameters of nodes, and the errors of those that did not answer."""
         if not nodes:
             return {}, []
         with own_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
@@ -58,19 +58,19 @@ class ParameterClient:
             try:
                 wait(asked.values())
             except BaseException:
-                own.context.stop()  # or Ctrl-C would wait for nodes that do not answer
+                own.context.stop()  # else Ctrl-C would wait for nodes that do not answer
                 raise
         answers: dict[str, Parameters] = {}
         errors: list[ServiceError] = []
         for name, answer in asked.items():
             try:
                 answers[name] = answer.result()
-            except ServiceError as error:  # noqa: PERF203 - each node for itself
+            except ServiceError as error:  # noqa: PERF203 - each node fails on its own
                 errors.append(error)
         return answers, errors
 
     def request(self, node: str, texts: Mapping[str, str] | None = None) -> Parameters:
-        """Change parameters of one node, or only read all; see ``request_parameters``."""
+        """Change parameters of one node, or only read them; see ``request_parameters``."""
         with own_node("param", self.url) as own:
             return request_parameters(own, node, self.timeout, texts)
 
@@ -78,13 +78,13 @@ class ParameterClient:
 def request_parameters(
     own: nodes.Node, node: str, timeout: float, texts: Mapping[str, str] | None = None
 ) -> Parameters:
-    """Change parameters, all or none, if texts are given (YAML, by name); return all, sorted.
+    """Set the parameters that ``texts`` has, all or none; return all of the node's, sorted.
 
     Args:
-        own: The node that asks.
-        node: The full name of the node that is asked.
+        own: The node that sends the request.
+        node: The full name of the node with the parameters.
         timeout: Longest wait for the answer [s].
-        texts: The new values.
+        texts: The new values as YAML, by name; None to read only.
 
     Raises:
         RefusedParameters: The node has changed nothing.
@@ -112,7 +112,7 @@ def request_parameters(
 
 
 def value_of(parameter: msgs.Parameter) -> ParameterValue:
-    """Return a parameter's value; the text of one that this version cannot read."""
+    """Return a parameter's value; its text if this version cannot read its type."""
     try:
         return read_setting(parameter.value, parameter.type, parameter.name)
     except (ValueMismatch, KeyError):
@@ -125,7 +125,7 @@ def has_parameters(node: Node) -> bool:
 
 
 def nodes_with_parameters(graph: Graph) -> list[Node]:
-    """Return the nodes that have parameters, sorted by name; of one name the living ones."""
+    """Return the nodes that have parameters, sorted by name; of those of one name, a living one."""
     found: dict[str, Node] = {}
     for node in graph.nodes:
         known = found.get(node.name)
@@ -135,7 +135,7 @@ def nodes_with_parameters(graph: Graph) -> list[Node]:
 
 
 def require_parameters(node: Node) -> Node:
-    """Return a node that runs and has parameters; LcmtoolsError for another."""
+    """Return a node that runs and has parameters; LcmtoolsError if it does not."""
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
     if not has_parameters(node):
@@ -149,7 +149,7 @@ def require_parameters(node: Node) -> Node:
 
 
 def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.Parameter:
-    """Return a parameter by its name; LcmtoolsError, with a hint, where the node has none."""
+    """Return a parameter by its name; LcmtoolsError, with a hint, if the node does not have it."""
     if name not in parameters:
         hint = did_you_mean(name, parameters) or f"it has {', '.join(parameters)}"
         raise LcmtoolsError(f"{place}{node} has no parameter '{name}'", hint)
@@ -158,7 +158,7 @@ def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.
 
 @dataclass(frozen=True, slots=True)
 class ParameterTarget:
-    """One node, with a parameter or None for all; or the nodes of a namespace."""
+    """One node and its parameter (None: all of them), or the nodes of a namespace."""
 
     nodes: tuple[Node, ...]
     parameter: str | None = None
@@ -174,7 +174,7 @@ class ParameterTarget:
 
 
 def find_target(graph: Graph, words: Sequence[str]) -> ParameterTarget:
-    """Return the node, the parameter, or the namespace with nodes that one word or two mean.
+    """Return the node, parameter or namespace with nodes that one or two words name.
 
     Raises:
         UsageError: A name is empty.
@@ -198,7 +198,7 @@ def find_target(graph: Graph, words: Sequence[str]) -> ParameterTarget:
 
 
 def _splits(word: str) -> Iterator[tuple[str, str]]:
-    """A name cut into a node's and a parameter's, at each slash, the longest node first."""
+    """Split a name into a node's and a parameter's at each slash, the longest node name first."""
     end = len(word)
     while end > 0:
         yield word[:end], word[end + 1 :]

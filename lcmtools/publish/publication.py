@@ -19,9 +19,9 @@ from lcmtools.publish.subscriber_wait import SubscriberWait
 from lcmtools.settings import read_user_file
 
 One: TypeAlias = "Message | Value"
-"""A message: itself, or the fields as YAML, a dict, or a list of all of them in order."""
+"""A message, or its fields: as YAML, a dict, or a list of all of them in order."""
 Values: TypeAlias = "One | Iterator[One] | Incoming"
-"""A message, or messages that are sent as they come."""
+"""One message, or several that are sent as they come."""
 
 
 def publish(  # noqa: PLR0913 - one parameter an option of pub
@@ -43,10 +43,10 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     on_start: Callable[[Schedule], None] = lambda _: None,
     on_sent: OnSent = lambda *_: None,
 ) -> int:
-    """Publish messages on a topic by a node made for it; return how many were sent.
+    """Publish messages on a topic with a temporary node; return the number of sent messages.
 
-    With neither ``rate``, ``count`` nor ``keep_alive`` one message is latched, as with ``pub``: it
-    is sent to each new subscriber until the program is interrupted.
+    With none of ``rate``, ``count`` and ``keep_alive`` a single message is latched, as with
+    ``pub``: it is sent to each new subscriber until the program is interrupted.
 
         publish("/chatter", "std_msgs/String", "data: hello", count=1)
         publish("/cmd_vel", Twist, {"linear": [0.5, 0, 0]}, rate=10, count=50)
@@ -56,18 +56,18 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         message_type: The messages' class, or its name ("geometry_msgs/Twist").
         values: One message, or an iterator of messages that are sent as they come. None for the
             type's default message. Times may be "now" and headers "auto": they are set on sending.
-        rate: [Hz]; without ``count``, one message is repeated without end.
-        count: How many messages to send, over and over if there are fewer; 1 Hz or ``rate``.
-        latch: Stay, and send the last message to each new subscriber.
-        keep_alive: How long to stay after the last message [s], latching it.
-        subscribers: How many nodes must subscribe before the first message; None: wait up to a
-            second for one.
-        timeout: Longest wait for them, and for /clock [s]; None for as long as it takes.
-        simulated: Take stamps from /clock.
-        literal: The topic is the LCM channel, to the letter.
-        url: The bus; None for that of the environment and the settings file.
-        arguments: Name, namespace and remaps of the node.
-        notify: Gets what a person should read, as that subscribers are waited for.
+        rate: Messages per second [Hz]; without ``count``, a single message is repeated without end.
+        count: The number of messages to send, at ``rate`` or 1 Hz; fewer messages are repeated.
+        latch: Keep running, and send the last message to each new subscriber.
+        keep_alive: Time to keep running after the last message, and to latch it [s].
+        subscribers: The number of nodes that must subscribe before the first message; None: wait up
+            to a second for one.
+        timeout: Longest wait for these nodes and for /clock [s]; None for no limit.
+        simulated: Take time stamps from /clock.
+        literal: The topic is the exact LCM channel.
+        url: The bus; None for the one that the environment and the settings file select.
+        arguments: The node's name, namespace and remaps.
+        notify: Called with sentences for the user, for example while it waits for subscribers.
         on_start: Called with the schedule before the first message.
         on_sent: Called with each message that was sent; see ``OnSent``.
 
@@ -77,7 +77,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         UsageError: The rate or the count is not positive.
         InvalidName: The topic's name breaks the naming rules.
         NothingReceived: Too few nodes subscribe, or /clock is silent, until ``timeout``.
-        BusError: The bus cannot be reached, or does not take a message.
+        BusError: The bus cannot be reached, or does not accept a message.
     """
     if not has_supply():
         provide_user_types()
@@ -106,10 +106,10 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
 
 
 def check_topic(topic: str, *, literal: bool) -> None:
-    """Refuse a topic that no node could announce; naming rules are checked by the node.
+    """Refuse a topic that no node could announce; the node checks the naming rules.
 
     Raises:
-        UsageError: With the reason.
+        UsageError: The topic is refused; the error has the reason.
     """
     if not literal and not topic.strip("/ "):
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
@@ -128,7 +128,7 @@ def _template(kind: type[Message], value: One) -> Template:
         return MessageTemplate(value)
     if isinstance(value, str):
         return draft_from_values(kind, [value])
-    return draft(kind, value)  # type: ignore[arg-type] # a message of another type does not fit
+    return draft(kind, value)  # type: ignore[arg-type] # draft refuses a message of another type
 
 
 def _bus_url(url: str | BusUrl | None) -> BusUrl:

@@ -1,4 +1,4 @@
-"""A node's parameters within some hundredths of a second, for completion: without a node."""
+"""Reading a node's parameters within a few hundredths of a second, for completion."""
 
 import contextlib
 import uuid
@@ -13,17 +13,17 @@ from lcmtools.node.service import reply_channel, request_channel
 from lcmtools.types.lcmtools_msgs import Parameter, Parameters, ServiceReply, ServiceRequest
 from lcmtools.wire.datagram import short_message
 
-_ANSWER = 0.08  # [s] that a node has to answer
+_ANSWER = 0.08  # [s] within which a node must answer
 
 
 def parameters_of(node: str, url: BusUrl) -> Sequence[Parameter]:
-    """Return the parameters of a node by its full name; none where it does not answer.
+    """Return the parameters of a node by its full name; none if it does not answer.
 
     Raises:
-        BusError: The bus is no multicast, or cannot be reached.
+        BusError: The bus is not multicast, or cannot be reached.
     """
     service = service_name(node)
-    request = ServiceRequest()  # that changes no parameter
+    request = ServiceRequest()  # an empty request, which changes no parameter
     request.client, request.sequence = uuid.uuid4().hex, 1
     request.payload = encode(Parameters.Request())
     datagram = short_message(0, request_channel(service), encode(request))

@@ -1,4 +1,4 @@
-"""Sending messages in time: as they come, at a rate, and again to late subscribers.
+"""Sending messages on schedule: as they come, at a rate, and again to late subscribers.
 
 Belongs here: the schedule. Must not know where messages come from.
 """
@@ -18,22 +18,22 @@ from lcmtools.node.spinning import spin_once
 from lcmtools.publish.incoming import Incoming, Notify, Template
 
 OnSent: TypeAlias = Callable[[int, Message, bool], None]
-"""Called with the number of a message, the message, and True where it was sent again."""
+"""Called with a message's number, the message, and True if it was sent again."""
 
-_POLL = 0.02  # [s] between two looks for new subscribers
-_MOST_BEHIND = 0.1  # [s] that are made up for; a computer that slept sends no burst
-_FILE_RATE = 10.0  # [Hz], as rostopic
-_TIMES_RATE = 1.0  # [Hz], as ros2
+_POLL = 0.02  # [s] between two checks for new subscribers
+_MOST_BEHIND = 0.1  # [s] of delay that is made up for; after a suspend no burst is sent
+_FILE_RATE = 10.0  # [Hz], as in rostopic
+_TIMES_RATE = 1.0  # [Hz], as in ros2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Schedule:
     """The schedule of messages, by the rules of rostopic and ros2."""
 
-    rate: float | None = None  # [Hz]; None for as they come
-    count: int | None = None  # of messages; None for all
+    rate: float | None = None  # [Hz]; None to send messages as they come
+    count: int | None = None  # number of messages; None for all
     is_endless: bool = False  # start again after the last one
-    stay: float = 0.0  # time after the last [s], for late subscribers
+    stay: float = 0.0  # time to wait after the last message for late subscribers [s]
     notice: str = field(default="", compare=False)  # for the person, where more goes on
 
 
@@ -74,10 +74,10 @@ def schedule_for(
 
 
 def due_times(rate: float | None, most_behind: float = 0.0) -> Iterator[float]:
-    """Yield the times [s, monotonic] at which to send, from now on; at once without a rate [Hz].
+    """Yield the times [s, monotonic] to send at, from now on; without a rate [Hz], immediately.
 
-    Take each when the last has gone. A delay up to ``most_behind`` [s] is made up for; after a
-    longer one the rest is postponed.
+    Take each when the previous message has been sent. A delay of up to ``most_behind`` [s] is made
+    up for; a longer one postpones the rest.
     """
     period = 1 / rate if rate else 0.0
     due = time.monotonic()
@@ -88,7 +88,7 @@ def due_times(rate: float | None, most_behind: float = 0.0) -> Iterator[float]:
 
 
 class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in errors.py
-    """A stream went wrong after some of its messages had been sent."""
+    """A stream failed after some of its messages had been sent."""
 
     exit_code = 1
 
@@ -99,22 +99,22 @@ class ScheduledPublisher:
 
     node: Node
     publisher: Publisher[Message]
-    latch: bool  # send the last message again to late subscribers
-    endures: bool  # wait for a network that fails after the first message
+    latch: bool  # send the last message again to each late subscriber
+    endures: bool  # if the network fails after the first message, wait for it
     notify: Notify
     on_sent: OnSent
-    count: int = 0  # of messages that have been sent
+    count: int = 0  # number of messages sent
     _is_cut_off: bool = False
     _last: Template | None = None
     _served: frozenset[str] = frozenset()
     _next_look: float = 0.0
 
     def send_all(self, incoming: Incoming, schedule: Schedule) -> None:
-        """Send messages until there are no more, or enough of them.
+        """Send messages until there are no more, or enough have been sent.
 
         Raises:
-            BusError: The bus does not take one, and that is not endured.
-            BrokenOff: The stream goes wrong after some messages.
+            BusError: The bus does not accept one, and ``endures`` does not apply.
+            BrokenOff: The stream fails after some messages.
         """
         repeats = schedule.is_endless or (schedule.count and not incoming.is_stream)
         templates = itertools.cycle(incoming.templates) if repeats else incoming.templates
@@ -135,7 +135,7 @@ class ScheduledPublisher:
         return bool(self.node.get_parameter("use_sim_time").value)
 
     def _unbroken(self, templates: Iterator[Template | None]) -> Iterator[Template | None]:
-        """The messages; an error after some of them reports the number that has been sent."""
+        """The messages; if an error follows some, it reports the number that has been sent."""
         try:
             yield from templates
         except UsageError as error:
@@ -155,7 +155,7 @@ class ScheduledPublisher:
         self.on_sent(self.count, template.message, False)  # noqa: FBT003 - the first time
 
     def _pause(self, seconds: float) -> None:
-        """Let time pass, and serve late subscribers meanwhile."""
+        """Wait, and serve late subscribers meanwhile."""
         end = time.monotonic() + seconds
         while True:
             self._attend()
@@ -181,7 +181,7 @@ class ScheduledPublisher:
         self._served = present
 
     def _is_sent(self, template: Template) -> bool:
-        """Send a message; return False where the network is gone, which is notified once."""
+        """Send a message; return False if the network has failed, which is notified once."""
         payload = template.payload(self.node.get_clock().now())
         try:
             self.publisher.publish_payload(payload)

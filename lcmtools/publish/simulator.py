@@ -30,10 +30,10 @@ def call_simulator(
     timeout: float,
     **fields: object,
 ) -> ResponseT:
-    """Call ``<node>/<verb>`` of the simulator ``name``, or of the only one, with these fields.
+    """Call ``<node>/<verb>`` of the simulator ``name``, or of the only one, with this request.
 
     Raises:
-        LcmtoolsError: There is no simulator, or it could not do it, with the reason.
+        LcmtoolsError: There is no simulator, or it refused; the error has its reason.
         ServiceTimeout: It did not answer.
     """
     request = service_type.Request()
@@ -51,7 +51,7 @@ def call_simulator(
 
 
 def find_simulator(graph: Graph, name: str | None) -> str:
-    """Return the full name of the simulator's node; for None, the only one or the leading one.
+    """Return the full name of the simulator's node; for None, the only one, or the one with /clock.
 
     Raises:
         LcmtoolsError: There is none of this name, none at all, or there are several.
@@ -65,7 +65,7 @@ def find_simulator(graph: Graph, name: str | None) -> str:
             known = f"simulators: {', '.join(simulators)}" if simulators else _HOW_TO_START
             raise LcmtoolsError(f"{node.name} is no simulator", known)
         return node.name
-    if len(simulators) > 1 and len(leaders) == 1:  # the others follow its clock
+    if len(simulators) > 1 and len(leaders) == 1:  # the others follow the clock of this one
         return leaders.pop()
     if len(simulators) > 1:
         raise LcmtoolsError("several simulators run", f"choose one: --sim {', '.join(simulators)}")
@@ -75,7 +75,7 @@ def find_simulator(graph: Graph, name: str | None) -> str:
 
 
 def _may_be_late(graph: Graph) -> bool:
-    """True if a busy simulator may not have answered yet; another one would be taken for it."""
+    """True if a busy simulator may not have answered yet: another must not be taken for it."""
     hangs = any(node.stale is Staleness.HANGS for node in graph.nodes)
     return hangs or not any(map(_is_mark, offered_services(graph)))
 

@@ -19,10 +19,10 @@ from lcmtools.node.publisher import Publisher
 from lcmtools.node.spinning import spin_once
 from lcmtools.publish.incoming import Notify
 
-_LONGEST = 1.0  # [s] for any subscriber, where no number was given
-_ANSWERED = 0.25  # [s] after which every node that is there has announced itself
-_SOONEST = 0.05  # [s] after which those of this computer have, if those with a record have
-_PATIENCE = 2.0  # [s] before a person reads about the wait
+_LONGEST = 1.0  # [s] to wait for any subscriber, if no number was given
+_ANSWERED = 0.25  # [s] after which every running node has announced itself
+_SOONEST = 0.05  # [s] the same on this computer, once all nodes with a record have
+_PATIENCE = 2.0  # [s] before the user is told about the wait
 _POLL = 0.01  # [s]
 
 
@@ -37,13 +37,13 @@ class SubscriberWait:
         self._notify = notify
         self._url = url
         self._sockets = listening_sockets(url)
-        publisher.subscriber_ids()  # probes the nodes: they answer while other things are done
+        publisher.subscriber_ids()  # probes the nodes, which answer while other work is done
 
     def wait(self, subscribers: int | None, timeout: float | None) -> None:
-        """Wait for so many subscribers, for ``timeout`` seconds; for None, up to a second for one.
+        """Wait ``timeout`` seconds for this many subscribers; for None, up to a second for one.
 
         Raises:
-            NothingReceived: They do not come within the time.
+            NothingReceived: They do not appear in time.
         """
         if subscribers is None:
             self._wait_for_any()
@@ -77,7 +77,7 @@ class SubscriberWait:
             )
 
     def _wait_for_any(self) -> None:
-        """Plain LCM programs never announce their subscriptions: for them there is no waiting."""
+        """Wait up to 1 s for a node; not if plain LCM programs listen, which announce nothing."""
         soonest, recorded = time.monotonic() + _SOONEST, self._recorded_here()
 
         def have_answered() -> bool:
@@ -100,19 +100,19 @@ class SubscriberWait:
             )
 
     def _recorded_here(self) -> frozenset[str]:
-        """The ids of the nodes that run on this computer; of none that is, if others take part."""
+        """The ids of the nodes on this computer; an impossible id if other computers take part."""
         if not self._url.is_multicast or self._url.ttl:
             return frozenset({""})
         records = NodeRecords(self._url, os.environ).read()
         return frozenset(node.id for node in records if node.stale is Staleness.HANGS)
 
     def _has_plain_listeners(self) -> bool:
-        """True if programs that are no nodes receive from the bus, on whatever channel."""
+        """True if programs that are not nodes receive from the bus, on any channel."""
         nodes = {node.pid for node in self._node.graph().nodes} | {os.getpid()}
         return any(process.pid not in nodes for process in listening_processes(self._sockets))
 
     def _misfits(self) -> str:
-        """The nodes that subscribe to the topic as another type; "" for none."""
+        """The nodes that subscribe to the topic with another type; "" for none."""
         own = self._publisher.endpoint()
         names = [
             f"{node.name} does as {endpoint.type}"
@@ -129,9 +129,9 @@ def wait_until(
     tell: Callable[[], None] | None = None,
     pause: Callable[[float], object] = time.sleep,
 ) -> bool:
-    """Return whether a condition comes true within so many seconds (None: any time).
+    """Return whether a condition comes true within ``timeout`` seconds (None: no limit).
 
-    ``tell`` is called once when that takes long; ``pause`` lets some seconds pass.
+    ``tell`` is called once if that takes long; ``pause`` waits for a number of seconds.
     """
     start = time.monotonic()
     while not condition():
