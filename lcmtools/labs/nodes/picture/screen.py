@@ -117,7 +117,7 @@ class ScreenDisplay(Display):
             pressed = self._keys.read(0.0)
             self.is_over = self._keys.is_over or bool({"q", "Q", ESCAPE} & set(pressed))
         if not self._is_single and (is_resumed or _screen_size() != self._size):
-            self._draw(begin=_CLEAR)
+            self._draw(clears=True)
 
     def close(self) -> None:
         """Free what the terminal keeps, and restore it."""
@@ -125,8 +125,11 @@ class ScreenDisplay(Display):
             self._drawn.cleanup()
         self._terminal.__exit__()
 
-    def _draw(self, begin: str = "") -> None:
-        self._console.size = self._size = _screen_size()
+    def _draw(self, *, clears: bool = False) -> None:
+        """Draw what is shown; ``clears`` the screen first, as another size than before does."""
+        size = _screen_size()
+        begin = _CLEAR if clears or size != self._size else ""
+        self._console.size = self._size = size
         before, self._drawn = self._drawn, None
         with self._console.capture() as capture:
             if isinstance(self._shown, str):
