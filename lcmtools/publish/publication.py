@@ -111,7 +111,7 @@ def check_topic(topic: str, *, literal: bool) -> None:
     Raises:
         UsageError: The topic is refused; the error has the reason.
     """
-    if not literal and not topic.strip("/ "):
+    if not (topic if literal else topic.strip("/ ")):
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
     if any("\ud800" <= character <= "\udfff" for character in topic):
         raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
