@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from lcmtools.clock import NANOSECONDS
-from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
+from lcmtools.errors import DecodeError, LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement, encode_announcement
 from lcmtools.messages.filter import Filter
 from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden
@@ -71,14 +71,23 @@ def between(packets: Iterable[Packet], first: int, last: int) -> Iterator[Packet
 def matching(
     packets: Iterable[Packet], condition: Filter, types_of: Callable[[str], Sequence[str]]
 ) -> Iterator[Packet]:
-    """Yield the messages that meet a condition; not those that cannot be decoded."""
+    """Yield the messages that meet a condition; not those that cannot be decoded.
+
+    Raises:
+        ValueMismatch: A message has no such field.
+    """
     decoder = Decoder(types_of)
     for packet in packets:
         try:
             message = decoder.decode(packet)
         except DecodeError:
             continue
-        if condition.matches(message):
+        try:
+            is_match = condition.matches(message)
+        except ValueMismatch as mismatch:
+            hint = mismatch.hint or "-t chooses topics, -s and -e times"
+            raise ValueMismatch(mismatch.what, hint) from None
+        if is_match:
             yield packet
 
 

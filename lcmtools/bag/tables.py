@@ -20,6 +20,8 @@ from lcmtools.wire.packet import Packet
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array
 
+_ALL_VALUES = ".jsonl, .npz and .parquet have all of its values"
+
 Tell = Callable[[str, str], None]  # takes the reason for what is left out, and a sentence
 
 
@@ -89,7 +91,7 @@ class CsvFiles(AbstractContextManager["CsvFiles"]):
         file = self._stack.enter_context(
             path.open("x", encoding="utf-8", errors="backslashreplace")
         )
-        self._tables[topic] = file, CsvTable(self._tell)
+        self._tables[topic] = file, CsvTable(self._tell, _ALL_VALUES)
         return self._tables[topic]
 
 

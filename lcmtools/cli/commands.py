@@ -74,9 +74,9 @@ pkg = _group(
     has_bus=False,
 )
 _SRV = _entries("""\
-list  cli.msg.list:list_services  List the service types.
-show  cli.msg.show:show_service   Show the fields of a service type.
-info  cli.msg.show:show_service   = show, as ROS.
+list  cli.msg.list:list_services     List the service types.
+show  cli.msg.services:show_service  Show the fields of a service type.
+info  cli.msg.services:show_service  = show, as ROS.
 """)
 srv = _group("srv", "Show service types.", _SRV, "list", "show std_srvs/Trigger", has_bus=False)
 _SERVICE = _entries("""\

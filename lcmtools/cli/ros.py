@@ -178,6 +178,7 @@ _OPTIONS: Mapping[str, str] = {
     "bag record --max-bag-duration": _SPLIT,
     "bag record --max-bag-size": _SPLIT,
     "bag record --regex": "TOPIC may be a pattern in quotes: '/husky*/**'",
+    "bag record --repeat-latched": "each file of --split begins with what is latched",
     "bag record --size": _SPLIT,
     "launch -p": "LCM has no master; --lcm-url and --domain choose the bus",
     "launch --required": "required is a key of a node in the file",

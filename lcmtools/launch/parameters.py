@@ -4,7 +4,7 @@ Belongs here: the values of parameters, and the nodes that get them. There is no
 LCM: each node gets its own on its command line.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.formats.strict_xml import Element
@@ -17,6 +17,7 @@ from lcmtools.names import check_legal, namespace_of
 
 _KINDS = {"str": "string", "int": "int", "double": "float", "bool": "bool"}
 _SOURCES = ("value", "textfile", "command", "binfile")
+_MOST_NAMED = 5
 
 
 def param(element: Element, scope: Scope) -> tuple[str, str] | None:
@@ -58,15 +59,26 @@ def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
 
     A node in ROS would find those above by looking in its namespace and those around it.
     """
-    namespace = namespace_of(node)
-    found: dict[str, str] = {}
-    for name, text in sorted(everywhere.items(), key=lambda item: item[0].count("/")):
-        around = namespace_of(name)
-        if name.startswith(f"{node}/"):
-            found[name[len(node) + 1 :]] = text
-        elif f"{namespace.rstrip('/')}/".startswith(f"{around.rstrip('/')}/"):
-            found[name.rpartition("/")[2]] = text
-    return found
+    from_above = sorted(everywhere, key=lambda name: name.count("/"))
+    return {own: everywhere[name] for name in from_above if (own := _own_name(node, name))}
+
+
+def note_on_lost(nodes: Collection[str], everywhere: Mapping[str, str]) -> Iterator[str]:
+    """Yield a sentence on the parameters that no node gets, if there are any."""
+    lost = [name for name in everywhere if not any(_own_name(node, name) for node in nodes)]
+    if lost:
+        more = f" and {len(lost) - _MOST_NAMED} more" if len(lost) > _MOST_NAMED else ""
+        names = ", ".join(lost[:_MOST_NAMED])
+        yield f"no node gets the parameters {names}{more}: there is none in their namespaces"
+
+
+def _own_name(node: str, parameter: str) -> str:
+    """Return what a node calls a parameter with a full name; "" for one that it does not get."""
+    if parameter.startswith(f"{node}/"):
+        return parameter[len(node) + 1 :]
+    around = f"{namespace_of(parameter).rstrip('/')}/"
+    is_above = f"{namespace_of(node).rstrip('/')}/".startswith(around)
+    return parameter.rpartition("/")[2] if is_above else ""
 
 
 def _read(element: Element, name: str, scope: Scope) -> str:

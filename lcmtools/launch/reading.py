@@ -17,7 +17,7 @@ from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
 from lcmtools.launch.nodes import find_node, node_name, plan_node
 from lcmtools.launch.packages import LABS, path_from
-from lcmtools.launch.parameters import own_parameters, param, rosparam
+from lcmtools.launch.parameters import note_on_lost, own_parameters, param, rosparam
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.launch.scope import Scope, located
 from lcmtools.launch.tags import known_children, notes_on
@@ -88,6 +88,7 @@ class _Reading:
                 what = f"{node.place}: the node {name} is already defined by {other.place}"
                 raise InvalidFile(what, "give it another name or namespace")
             plans[name] = node
+        self.notes += note_on_lost(plans, self.parameters)
         return Plan(tuple(plans.values()), tuple(dict.fromkeys(self.files)), tuple(self.notes))
 
     def _children(self, element: Element, scope: Scope) -> Scope:

@@ -28,6 +28,7 @@ Step: TypeAlias = str | int | Slice
 _STEP = re.compile(r"[./]([^./\[\]]+)|\[([^\]]*)\]")
 _WHOLE = re.compile(r"[+-]?\d{1,18}", re.ASCII)
 _MOST_PARTS = 3  # of a slice
+_WIDEST = 10_000  # elements of a slice whose columns are known before its messages
 _DEEPEST = 4  # levels of messages that a field is looked for in
 _EXAMPLES = "write [0], [-1], [0:5] or [::2]"
 
@@ -40,6 +41,15 @@ class Path(NamedTuple):
     def __str__(self) -> str:
         """The path as ROS 2 writes it: ``pose.covariance[0:3]``."""
         return "".join(map(_written, self.steps)).removeprefix(".")
+
+    @property
+    def width(self) -> int:
+        """The most elements of the slice at its end, as of [0:5]; 0 for one without such bounds."""
+        last = self.steps[-1] if self.steps else ""
+        start, stop, step = last if isinstance(last, tuple) else (0, 0, 1)
+        if stop is None or min(start or 0, stop, step or 1) < 0 or stop > _WIDEST:
+            return 0
+        return len(range(start or 0, stop, step or 1))
 
     def then(self, other: "Path") -> "Path":
         """This path and, from where it ends, another."""

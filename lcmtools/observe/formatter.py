@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
@@ -20,6 +20,7 @@ from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unk
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64
+_SLICE = "--field with a slice such as [0:5] gives all rows the same columns"
 
 Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
 
@@ -128,7 +129,9 @@ class MessageFormatter:
         if self._whole[whole]:
             return self._headed(found, f"{format_message(message)}\n---")
         selected = {str(path): select(message, path) for path in paths}
-        plain = _plain(selected, self._view(found))
+        # slices have the same columns in each row, also where an array is shorter
+        widths = {str(path): path.width for path in paths} if form == "csv" else {}
+        plain = _plain(selected, self._view(found), widths)
         if form == "json" and self._is_one_of_many():
             return plain_json({"topic": found.packet.channel, "message": plain})
         if form == "json":
@@ -196,8 +199,13 @@ class MessageFormatter:
             self._notify(text)
 
 
-def _plain(found: dict[str, SelectedValue], view: View) -> Plain:
+def _plain(found: dict[str, SelectedValue], view: View, widths: Mapping[str, int]) -> Plain:
+    """The selected values; arrays of single values are filled up to ``widths`` with empty ones."""
     plain = {path: plain_value(one.value, one.target, view) for path, one in found.items()}
+    for path, width in widths.items():
+        values, kind = plain[path], found[path].target
+        if isinstance(values, list) and kind.depth == 1 and kind.message_class is None:
+            values += [""] * (width - len(values))
     return plain if len(plain) > 1 else next(iter(plain.values()))
 
 
@@ -217,10 +225,11 @@ class CsvTable:
     """Rows of comma-separated values under the columns of the first one.
 
     Rows of another type of message are left out. ``tell`` is called with the reason and a sentence
-    if something is left out.
+    if something is left out; the sentence ends with the ``remedy`` where values have no column.
     """
 
-    def __init__(self, tell: Callable[[str, str], None]) -> None:
+    def __init__(self, tell: Callable[[str, str], None], remedy: str = _SLICE) -> None:
+        self._remedy = remedy
         self._columns: list[str] = []
         self._kind = ""
         self._tell = tell
@@ -242,7 +251,7 @@ class CsvTable:
             self._tell(
                 "more",
                 f"no column for {more} more in an array that was shorter in the first message;"
-                " --field with a slice gives all rows the same columns",
+                f" {self._remedy}",
             )
         return head + _line([cells.get(column, "") for column in self._columns])
 

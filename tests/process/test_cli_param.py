@@ -108,6 +108,7 @@ def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: s
         (["name", "eve"], "/husky0/driver refuses: eve may not drive"),
         (["gian", "1"], "/husky0/driver has no parameter 'gian'; did you mean gain?"),
         (["{gain: 2, name: eve}"], "/husky0/driver refuses: eve may not drive"),
+        (["{pid: {}}"], "/husky0/driver has no parameter 'pid'; did you mean pid.kp?"),
         (["{pid: {kq: 2}}"], "/husky0/driver has no parameter 'pid/kq'; did you mean pid.kp?"),
     ],
 )

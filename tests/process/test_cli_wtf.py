@@ -55,6 +55,9 @@ def test_killed_node_is_stale_until_it_is_cleaned_up(
     ) in text
     assert lcmtools("node", "list").stdout == "/talker (stale: ended without saying goodbye)\n"
     assert "Stale: ended without saying goodbye\n" in lcmtools("node", "info", "talker").stdout
+    assert lcmtools("node", "info", "-q", "talker").stderr == (
+        "lcmtools node info: /talker is stale: ended without saying goodbye\n"
+    )
     assert lcmtools("list").stdout == ""
 
     assert lcmtools("node", "cleanup").stdout == "/talker\n"

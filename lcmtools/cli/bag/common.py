@@ -11,6 +11,7 @@ from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import progress, show
+from lcmtools.errors import UsageError
 from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
 from lcmtools.wire.packet import Packet
@@ -91,3 +92,13 @@ def write(
         **(more or {}),
     }
     show(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
+
+
+def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
+    """Raise UsageError for a word that is meant as a remap, or as one more topic of ``-t``."""
+    for word in (word for word in words if not Path(word).exists()):
+        if ":=" in word:
+            what = f"'{word}' is no remap, as its names are no names of ROS"
+            raise UsageError(what, "lcmtools bag rename IN OUT OLD:=NEW takes any names")
+        if topics and word.startswith("/"):
+            raise UsageError(f"there is no file {word}", f"for one more topic, add -t {word}")

@@ -14,7 +14,7 @@ from lcmtools.cli.bag.common import (
 )
 from lcmtools.cli.declare import argument, examples, option, rate, subcommand, whole_number
 from lcmtools.cli.declare import duration as time_span
-from lcmtools.errors import UsageError, ValueMismatch
+from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
 from lcmtools.observe.log_file import LogFile
 
@@ -56,11 +56,7 @@ def filter_(
             found = edits.between(found, *span)
         if condition:
             found = edits.matching(found, condition, known_nodes(log).types_of)
-        try:
-            write(target, found, log, force=force, as_json=as_json, between=span)
-        except ValueMismatch as mismatch:
-            hint = mismatch.hint or "-t chooses topics, -s and -e times"
-            raise ValueMismatch(mismatch.what, hint) from None
+        write(target, found, log, force=force, as_json=as_json, between=span)
 
 
 @subcommand("cut", made_options)

@@ -1,14 +1,12 @@
 """``lcmtools bag play``."""
 
-from pathlib import Path
-
 import click
 
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
 from lcmtools.bag.playlist import Choice
 from lcmtools.bag.times import LogTime
-from lcmtools.cli.bag.common import exclude_option, topics_option, window_options
+from lcmtools.cli.bag.common import exclude_option, refuse_no_files, topics_option, window_options
 from lcmtools.cli.bag.progress_line import ProgressLine
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
@@ -25,16 +23,6 @@ def _rate(value: str | float) -> float:
     if not 0 <= number < float("inf"):
         raise click.BadParameter("the rate must be positive, or 0 for as fast as possible")
     return number
-
-
-def _refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
-    """Raise UsageError for a word that is meant as a remap, or as one more topic of ``-t``."""
-    for word in (word for word in words if not Path(word).exists()):
-        if ":=" in word:
-            what = f"'{word}' is no remap, as its names are no names of ROS"
-            raise UsageError(what, "lcmtools bag rename IN OUT OLD:=NEW takes any names")
-        if topics and word.startswith("/"):
-            raise UsageError(f"there is no file {word}", f"for one more topic, add -t {word}")
 
 
 @subcommand("play", names_options, bus_options)
@@ -100,7 +88,7 @@ def command(
     """
     if pause and not has_keys():
         raise UsageError("--pause needs a terminal, because only a key resumes", "leave it out")
-    _refuse_no_files(files, wanted)
+    refuse_no_files(files, wanted)
     choice = Choice(
         topics=TopicChoice(wanted, excluded), names=bus_choice().names, keeps_clock=clock
     )

@@ -1,19 +1,10 @@
-"""The commands of ``lcmtools msg`` and ``srv`` that show types."""
-
-import sys
+"""The commands of ``lcmtools msg`` that show a type."""
 
 from lcmtools.cli.declare import argument, examples, flag, subcommand
+from lcmtools.cli.msg.services import piped_type, print_service
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
-from lcmtools.errors import UsageError
-from lcmtools.messages.registry import (
-    fingerprint,
-    message_class,
-    service_class,
-    service_name,
-    type_name,
-    type_names,
-)
+from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 from lcmtools.messages.type_source import shown
 
 
@@ -63,9 +54,9 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     from lcmtools.messages.definition import definition
     from lcmtools.packages.user_types import source_file, source_text
 
-    type_ = _piped("msg show geometry_msgs/Twist") if type_ == "-" else type_
+    type_ = piped_type("msg show geometry_msgs/Twist") if type_ == "-" else type_
     if "/srv/" in type_:  # as ros2 interface show takes it
-        _show_service(type_, raw=raw, as_json=as_json)
+        print_service(type_, raw=raw, as_json=as_json)
         return
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
@@ -77,46 +68,3 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     else:
         data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
         talk(f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}")
-
-
-def _piped(example: str) -> str:
-    example = f"for example lcmtools {example}"
-    if sys.stdin is None or sys.stdin.isatty():
-        raise UsageError("no type is given", example)
-    words = sys.stdin.read().replace(",", " ").split()
-    if len(words) != 1:
-        raise UsageError(f"standard input has {'several types' if words else 'no type'}", example)
-    return words[0]
-
-
-@subcommand("show", json_option)
-@examples(
-    "srv show std_srvs/SetBool",
-    "srv show Trigger --json",
-    "service type /reset | lcmtools srv show",
-)
-@argument("type_", metavar="[TYPE]", default="-", completer="messages:service_types")
-@flag("-r", "--raw", help="Show the .lcm or .srv files, with the comments.")
-def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
-    """Show the fields of a service type: the request's, a line of dashes, the response's.
-
-    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger; "-" or none reads
-    it from standard input.
-    """
-    type_ = _piped("srv show std_srvs/SetBool") if type_ == "-" else type_
-    _show_service(type_, raw=raw, as_json=as_json)
-
-
-def _show_service(type_: str, *, raw: bool, as_json: bool) -> None:
-    from lcmtools.messages.definition import definition
-    from lcmtools.packages.user_types import source_file, source_text
-
-    pair, name = service_class(type_), service_name(type_)
-    text = source_text if raw else definition
-    request, response = text(pair.Request), text(pair.Response)
-    heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
-    if raw and source_file(type_name(pair.Request)).endswith(".srv"):  # which has both
-        request, response = (part.strip() for part in f"\n{request}\n".split("\n---", 1))
-    record = {"type": name, "request": request, "response": response}
-    rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
-    show(record, rows, as_json=as_json)

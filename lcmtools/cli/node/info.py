@@ -2,7 +2,7 @@
 
 import time
 
-from lcmtools.cli.bus import in_names, open_monitor
+from lcmtools.cli.bus import in_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
@@ -45,7 +45,9 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
             lines(report.program_rows(one, now, quiet=quiet))
             continue
         lines(report.roles(one, show_hidden=show_hidden))
-        if not quiet:
+        if quiet and one.stale:
+            notify(f"{one.name} is stale: {one.stale}")
+        elif not quiet:
             sections = (
                 report.process(one, now),
                 _parameters(one, known),

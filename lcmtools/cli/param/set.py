@@ -59,7 +59,7 @@ def _texts(client: ParameterClient, target: ParameterTarget, value: str) -> Mapp
 def _leaves(values: Mapping[str, Value]) -> Iterator[tuple[tuple[str, ...], Value]]:
     """Yield the values of nested dicts, each with the keys that lead to it."""
     for key, part in values.items():
-        if isinstance(part, Mapping):
+        if part and isinstance(part, Mapping):
             yield from (((key, *path), value) for path, value in _leaves(part))
         else:
             yield (key,), part

@@ -234,6 +234,22 @@ def test_what_means_nothing_is_noted_with_its_line(xml: Make) -> None:
     assert len(plan.nodes) == 1
 
 
+def test_parameters_that_no_node_gets_are_named(xml: Make) -> None:
+    plan = xml(
+        f"""<rosparam>
+        t: {{rate: 1}}
+        everywhere: 2
+        ctl: {{a: 1, b: 2, c: 3, d: {{e: 4}}, f: 5}}
+        </rosparam><param name="lost/p" value="6"/>{TALKER}"""
+    )
+    assert words(plan)[2:] == ("_everywhere:=2", "_rate:=1")
+    (note,) = plan.notes
+    assert note == (
+        "no node gets the parameters /ctl/a, /ctl/b, /ctl/c, /ctl/d/e, /ctl/f and 1 more:"
+        " there is none in their namespaces"
+    )
+
+
 def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: Make) -> None:
     plan = xml(TALKER.replace("/>", ' args="-- x"/>'))
     assert words(plan) == ("__ns:=/", "__name:=t", "--", "x")

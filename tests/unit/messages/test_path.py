@@ -56,6 +56,18 @@ def test_dots_and_slashes_mean_the_same(text: str) -> None:
     assert str(parse_path(text)) == "pose.pose.position.x"
 
 
+@pytest.mark.parametrize(
+    ("text", "width"),
+    [
+        *(("ranges[0:5]", 5), ("ranges[2:8:3]", 2), ("ranges[:3]", 3), ("ranges[3:1]", 0)),
+        *(("ranges", 0), ("ranges[1]", 0), ("ranges[:]", 0), ("ranges[:-1]", 0)),
+        *(("ranges[-3:2]", 0), ("ranges[5:0:-1]", 0), ("ranges[0:1000000000]", 0)),
+    ],
+)
+def test_a_slice_with_bounds_has_a_width(text: str, width: int) -> None:
+    assert parse_path(text).width == width
+
+
 @pytest.mark.parametrize("text", ["", "/"])
 def test_an_empty_path_is_the_whole_message(text: str) -> None:
     message = Odometry()

@@ -25,7 +25,7 @@ def test_values_without_a_column_are_left_out_and_that_is_said() -> None:
     assert row(table, 3, {"a": [4, 5]}) == "3,4"
     assert dict(said) == {
         "more": "no column for 1 more in an array that was shorter in the first message;"
-        " --field with a slice gives all rows the same columns"
+        " --field with a slice such as [0:5] gives all rows the same columns"
     }
 
 

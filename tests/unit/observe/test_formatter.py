@@ -62,6 +62,16 @@ def test_arrays_that_are_too_short_at_times_are_said_once(
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_a_slice_has_its_columns_before_an_array_is_as_long(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    one = formatter(DisplayOptions(form="csv"))
+    assert one.text(match(joints(1), "position[0:3]")) == ("%time,field0,field1,field2\n0,1.0,,")
+    assert one.text(match(joints(1, 2, 3, 4), "position[0:3]")) == "0,1.0,2.0,3.0"
+    assert one.text(match(joints(), "position[0:3]")) == "0,,,"
+    assert capsys.readouterr().err == ""
+
+
 def test_the_first_message_without_the_field_is_a_mistake() -> None:
     with pytest.raises(ValueMismatch):
         formatter(DisplayOptions()).text(match(String(), "header"))
