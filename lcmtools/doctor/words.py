@@ -29,6 +29,8 @@ TITLES = {
     "duplicate-names": "{count} nodes have the name {name}:",
     "environment": "The environment of this shell is not in order:",
     "firewall": "The firewall {firewall} is enabled, and no other computer is seen",
+    "frame-loop": "The following frames are below themselves:",
+    "frame-parents": "The following frames have several parents:",
     "future": "Messages are stamped with a time to come:",
     "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
     "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
@@ -118,6 +120,8 @@ FACTS = {
     "dropped-without-spin": f"{_LOST}: no callback has run",
     "expects": "{node} expects {type}",
     "firewall-enabled": "the firewall {firewall} is enabled",
+    "frame-loop": "{frames}, from {senders:and}",
+    "frame-parents": "{frame} is in {parents:and}",
     "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
     "hanging-callback": f"{{node}}, {{topic}}: {_HANGS}",
     "in-container": "this is a {container}, which may not forward multicast",
@@ -214,6 +218,8 @@ REMEDIES = {
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
     " one: pip uninstall, pip install lcm",
+    "exchange-frames": "header.frame_id is the parent, child_frame_id the child: exchange them in"
+    " one of the transforms",
     "export": "`export {variable}='{value}'`",
     "find-second-way": "look for a second way to this computer: a circle of cables or bridges, two"
     " interfaces on one network, a port that mirrors; or a sender that sends all twice",
@@ -236,6 +242,8 @@ REMEDIES = {
     "name-here": "those without a variable have their bus in their code or arguments: name this one"
     " there, or none: lcm.LCM()",
     "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
+    "one-parent": "let one program send where a frame is, in one header.frame_id, or give the"
+    " frames of different things different names",
     "open-circle": "a program that passes on what it receives makes a circle, if that comes back to"
     " it: let it publish on another channel",
     "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",

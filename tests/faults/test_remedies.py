@@ -38,6 +38,17 @@ _CLOCK = (
     "m = Clock(); m.clock.sec, m.clock.nsec = divmod(20_000_000 * (%s), 10**9);"
     " bus.publish('/clock', m.encode())"
 )
+_FRAMES = """
+from lcmtools.types.tf2_msgs import TFMessage
+m = TFMessage()
+for parent, child in (%s):
+    transform = TransformStamped()
+    transform.header.frame_id, transform.child_frame_id = parent, child
+    transform.transform.rotation.w = 1.0
+    m.transforms.append(transform)
+m.transforms_length = len(m.transforms)
+bus.publish('/tf', m.encode())
+"""
 _TWISTS = "bus.publish('/cmd_vel', Twist().encode())"
 
 
@@ -132,6 +143,10 @@ EDITED = (
          _stamped(_NOW), (_hears("IMU"),)),
     Edit("stamp-utc", "stamps", _stamped("m.header.stamp.sec = int(time.monotonic())"),
          _stamped(_NOW), (_hears("IMU"),)),
+    Edit("one-parent", "frames", _FRAMES % "('odom', 'base'), ('map', 'base')",
+         _FRAMES % "('odom', 'base'), ('map', 'odom')", (_hears("/tf"),)),
+    Edit("exchange-frames", "frames", _FRAMES % "('odom', 'base'), ('base', 'odom')",
+         _FRAMES % "('odom', 'base'),", (_hears("/tf"),)),
     Edit("time-rises", "slow-simulator", _CLOCK % "number % 10", _CLOCK % "number",
          (_hears("/clock"),)),
     Edit("use-lcm-gen", "undecodable", "bus.publish('A', Twist().encode()[:-3])",
