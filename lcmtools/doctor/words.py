@@ -177,7 +177,7 @@ FACTS = {
     "switch-forgets": "if messages stop some minutes after a start, a switch has forgotten the"
     " members of the group",
     "text": "{text}",
-    "two-channels": "{topic} from {sender}, and {other_topic} from {other_sender}",
+    "two-channels": "{topic:repr} from {sender}, and {other_topic:repr} from {other_sender}",
     "unknown-type": "{topic} from {senders:and}: {type}",
     "user-programs": "{user}: {programs:list}",
 }

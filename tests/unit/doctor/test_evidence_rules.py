@@ -344,6 +344,9 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     findings = [f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
     assert findings[1].items == (" * 'POSE' from alice, and 'Pose' from alice",)
+    streams = (stream("/pose", 1, 3), stream("/pose ", 1, 3))
+    (*_, alike) = (f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names")
+    assert alike.items == (" * '/pose' from alice, and '/pose ' from alice",)
     long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
     assert long.severity is Severity.NOTE
 
