@@ -279,8 +279,7 @@ REMEDIES = {
     "smaller-messages": "send smaller messages",
     "spin": "let {node} spin: lcmtools.spin(node), or often spin_once",
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
-    "stamp-if-no-log": "if it is no log, stamp with the time of sending: time.time(),"
-    " node.get_clock().now()",
+    "stamp-if-no-log": "if it is no log, stamp with the time at which it is sent",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
     "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",

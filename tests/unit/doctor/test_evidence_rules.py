@@ -177,6 +177,9 @@ def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
         senders = (SenderFacts(ALICE, "/morse", is_local=is_local),)
         finding = found(replace(HEALTHY, oddities=odd, senders=senders))["stamps"]
         assert finding.remedies[0].startswith(remedy)
+    of_lcm = (replace(odd[0], text="utime is odd"),)
+    remedies = found(replace(HEALTHY, oddities=of_lcm, senders=senders))["stamps"].remedies
+    assert remedies[0].startswith(here if kind == "replayed" else "message.utime = time.time_ns()")
     log = replace(HEALTHY, url="file:///ride.lcmlog", oddities=odd, senders=senders)
     assert found(log)["stamps"].remedies[0].startswith(there)
 
