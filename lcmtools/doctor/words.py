@@ -216,6 +216,7 @@ REMEDIES = {
     "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
     "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
+    "correct-file": "correct the file that cannot be read: {problem}",
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
     " one: pip uninstall, pip install lcm",
     "exchange-frames": "header.frame_id is the parent, child_frame_id the child: exchange them in"
