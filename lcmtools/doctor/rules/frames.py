@@ -15,7 +15,7 @@ def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
     can be looked up.
     """
     trees: dict[str, dict[str, list[FrameParent]]] = defaultdict(lambda: defaultdict(list))
-    for one in evidence.frames:
+    for one in sorted(evidence.frames, key=repr):  # the same in each look
         trees[one.tree][one.child].append(one)
     several, loops = [], []
     for tree in trees.values():

@@ -35,12 +35,16 @@ def test_a_tree_of_frames_is_no_finding() -> None:
 
 
 def test_a_frame_with_two_parents_is_told_with_who_sends_them() -> None:
-    found = heard((ALICE, "/tf", "map>odom odom>base"), (BOB, "/tf_static", "map>base"))
-    assert found == [(" * base is in odom (by alice) and map (by bob)",)]
+    sent = (ALICE, "/tf", "map>odom odom>base"), (BOB, "/tf_static", "map>base")
+    assert (
+        heard(*sent)
+        == heard(*reversed(sent))
+        == [(" * base is in map (by bob) and odom (by alice)",)]
+    )
     assert heard((ALICE, "/a/tf", "odom>base"), (BOB, "/b/tf", "map>base")) == []
 
 
 def test_frames_below_themselves_are_told_once_as_a_circle() -> None:
     found = heard((ALICE, "/tf", "map>odom odom>base base>camera"), (BOB, "/tf", "base>map"))
-    assert found == [(" * odom -> map -> base -> odom, from alice and bob",)]
+    assert found == [(" * base -> odom -> map -> base, from alice and bob",)]
     assert heard((ALICE, "/tf", "base>base")) == [(" * base -> base, from alice",)]
