@@ -174,6 +174,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
             for one in _listeners(begin, still_on_bus, names, overflows, monitor.url.host)
         ),
         oddities=listening.oddities(names.name),
+        frames=listening.frames(names.name),
         logs=listening.logs(),
         clock=clock_of(listening, after, names, busy),
         processes=tuple(replace(one, state="") if one.pid in running else one for one in processes),

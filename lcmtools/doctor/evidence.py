@@ -134,6 +134,16 @@ class Oddity:
 
 
 @dataclass(frozen=True, slots=True)
+class FrameParent:
+    """A coordinate frame and the one that a transform puts it into."""
+
+    tree: str  # the namespace of the topic: each has frames of its own
+    child: str
+    parent: str
+    name: str  # the sender, for people
+
+
+@dataclass(frozen=True, slots=True)
 class LogLine:
     """A warning or an error that came on ``/rosout``."""
 
@@ -201,6 +211,7 @@ class Evidence:
     remembered: Sequence[Publication] = ()  # of senders that may still be there
     listeners: Sequence[Listener] = ()  # on this computer
     oddities: Sequence[Oddity] = ()
+    frames: Sequence[FrameParent] = ()
     logs: Sequence[LogLine] = ()
     clock: SimulatedClock | None = None  # None without a simulator
     processes: Sequence[LcmProcess] = ()

@@ -177,8 +177,11 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
         yield "the Python package lcm is missing: nodes cannot run"
     elif not any(list(Path(folder).glob("_lcm.*")) for folder in folders or ()):
         yield f"'import lcm' finds {spec.origin}, which may not be LCM's package"
+    url, domain = environment.get("LCM_DEFAULT_URL"), environment.get("LCMTOOLS_DOMAIN")
     try:
-        choose_url("", "", environment)
+        chosen, _ = choose_url("", "", environment)
+        if url and domain and choose_url("", domain, {})[0].file_name != chosen.file_name:
+            yield f"LCMTOOLS_DOMAIN={domain} has no effect beside LCM_DEFAULT_URL={url}"
     except LcmtoolsError as error:
         yield str(error)
 

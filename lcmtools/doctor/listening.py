@@ -11,28 +11,33 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING, cast
 
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
-from lcmtools.doctor.evidence import LogLine, Oddity, RelayEnd, Stream
+from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.messages.codec import decode
 from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
-from lcmtools.messages.registry import Message
-from lcmtools.names import is_hidden
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.decoding import Decoder
 from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
+if TYPE_CHECKING:  # to import it takes longer than most looks need
+    from lcmtools.types.tf2_msgs import TFMessage
+
 _CLOCK, _LOG = "/clock", "/rosout"
+_TRANSFORMS = "tf2_msgs/TFMessage"
 _LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
 _CLOCK_SPAN = 0.3  # [s] of ticks show how fast simulated time is
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
-_MOST_ODDITIES, _MOST_LOGS = 200, 50
+_MOST_ODDITIES, _MOST_LOGS, _MOST_FRAMES = 200, 50, 2000
 _MOST_COMPARED = 1000  # messages of a channel
 _COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
@@ -73,6 +78,7 @@ class Listening:
         self._streams: dict[_Key, _Stream] = {}
         self._compared: dict[str, dict[int, Sender | None]] = {}  # who sent a payload first
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
+        self._frames: dict[tuple[str, str, str], Sender | None] = {}  # by tree, child and parent
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
         self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
         self._start = time.monotonic()
@@ -143,6 +149,10 @@ class Listening:
         is_even = passed and 1 / _FASTEST < advance / passed < _FASTEST
         return "replayed" if is_even else "old"
 
+    def frames(self, name: Callable[[Sender | None], str]) -> tuple[FrameParent, ...]:
+        """The frames of transforms with their parents, each pair once."""
+        return tuple(FrameParent(*link, name(sender)) for link, sender in self._frames.items())
+
     def logs(self) -> tuple[LogLine, ...]:
         """The warnings and errors on ``/rosout``, each once."""
         return tuple(LogLine(*entry, count) for entry, count in self._logs.items())
@@ -201,11 +211,19 @@ class Listening:
             entry = message.name, _LEVELS[message.level], text
             if entry in self._logs or len(self._logs) < _MOST_LOGS:
                 self._logs[entry] += 1
+        self._note_frames(packet, message)
         odd = list(oddities(message))
         for kind, text in odd:
             self._note(kind, key, text)
         if not any(kind == "nsec" for kind, _ in odd):
             self._check_stamp(message, packet.time, key)
+
+    def _note_frames(self, packet: Packet, message: Message) -> None:
+        if type_name(message) == _TRANSFORMS:
+            tree, transforms = namespace_of(packet.channel), cast("TFMessage", message).transforms
+            for one in transforms[: _MOST_FRAMES - len(self._frames)]:
+                names = one.child_frame_id.strip("/"), one.header.frame_id.strip("/")
+                self._frames.setdefault((tree, *names), packet.sender)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
         stamped, place = stamp(message), "header.stamp"

@@ -215,10 +215,11 @@ def _topics(
             time.sleep(_LISTEN)
             for bus, probe in probes.items():
                 graph = probe.graph()
-                pids -= {node.pid for node in graph.nodes}
+                pids -= {node.pid for node in graph.nodes if is_here(node)}
                 topics[bus] |= _published(graph)
                 for node, end in loose_ends(graph, Role.SUBSCRIBER):
-                    awaited[node.pid].add(end.topic)
+                    if is_here(node):
+                        awaited[node.pid].add(end.topic)
             if not pids or missed.issubset(chain.from_iterable(topics.values())):
                 break
     return topics, awaited

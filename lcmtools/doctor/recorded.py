@@ -22,7 +22,7 @@ OF_LOGS = frozenset(
     {
         *("loss", "competing-publishers", "slow-simulator", "type-mismatch", "unknown-type"),
         *("names", "callback-errors", "logged", "not-finite", "quaternions", "covariances"),
-        *("stamps", "undecodable", "damaged-log"),
+        *("stamps", "undecodable", "frames", "damaged-log"),
     }
 )
 """The rules that judge messages alone."""
@@ -54,6 +54,7 @@ def collect_log(path: str | Path) -> Evidence:
             ),
             streams=tuple(replace(one, name=names.name(one.sender)) for one in listening.streams()),
             oddities=listening.oddities(names.name),
+            frames=listening.frames(names.name),
             logs=listening.logs(),
             clock=clock_of(listening, graph, names, {}),
             damaged_bytes=_damaged_bytes(monitor.log) if monitor.log else 0,

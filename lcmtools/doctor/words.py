@@ -29,6 +29,8 @@ TITLES = {
     "duplicate-names": "{count} nodes have the name {name}:",
     "environment": "The environment of this shell is not in order:",
     "firewall": "The firewall {firewall} is enabled, and no other computer is seen",
+    "frame-loop": "The following frames are below themselves:",
+    "frame-parents": "The following frames have several parents:",
     "future": "Messages are stamped with a time to come:",
     "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
     "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
@@ -118,6 +120,8 @@ FACTS = {
     "dropped-without-spin": f"{_LOST}: no callback has run",
     "expects": "{node} expects {type}",
     "firewall-enabled": "the firewall {firewall} is enabled",
+    "frame-loop": "{frames}, from {senders:and}",
+    "frame-parents": "{frame} is in {parents:and}",
     "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
     "hanging-callback": f"{{node}}, {{topic}}: {_HANGS}",
     "in-container": "this is a {container}, which may not forward multicast",
@@ -173,7 +177,7 @@ FACTS = {
     "switch-forgets": "if messages stop some minutes after a start, a switch has forgotten the"
     " members of the group",
     "text": "{text}",
-    "two-channels": "{topic} from {sender}, and {other_topic} from {other_sender}",
+    "two-channels": "{topic:repr} from {sender}, and {other_topic:repr} from {other_sender}",
     "unknown-type": "{topic} from {senders:and}: {type}",
     "user-programs": "{user}: {programs:list}",
 }
@@ -212,8 +216,11 @@ REMEDIES = {
     "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
     "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
+    "correct-file": "correct the file that cannot be read: {problem}",
     "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
     " one: pip uninstall, pip install lcm",
+    "exchange-frames": "header.frame_id is the parent, child_frame_id the child: exchange them in"
+    " one of the transforms",
     "export": "`export {variable}='{value}'`",
     "find-second-way": "look for a second way to this computer: a circle of cables or bridges, two"
     " interfaces on one network, a port that mirrors; or a sender that sends all twice",
@@ -236,6 +243,8 @@ REMEDIES = {
     "name-here": "those without a variable have their bus in their code or arguments: name this one"
     " there, or none: lcm.LCM()",
     "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
+    "one-parent": "let one program send where a frame is, in one header.frame_id, or give the"
+    " frames of different things different names",
     "open-circle": "a program that passes on what it receives makes a circle, if that comes back to"
     " it: let it publish on another channel",
     "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
@@ -271,8 +280,7 @@ REMEDIES = {
     "smaller-messages": "send smaller messages",
     "spin": "let {node} spin: lcmtools.spin(node), or often spin_once",
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
-    "stamp-if-no-log": "if it is no log, stamp with the time of sending: time.time(),"
-    " node.get_clock().now()",
+    "stamp-if-no-log": "if it is no log, stamp with the time at which it is sent",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
     "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",

@@ -38,6 +38,17 @@ _CLOCK = (
     "m = Clock(); m.clock.sec, m.clock.nsec = divmod(20_000_000 * (%s), 10**9);"
     " bus.publish('/clock', m.encode())"
 )
+_FRAMES = """
+from lcmtools.types.tf2_msgs import TFMessage
+m = TFMessage()
+for parent, child in (%s):
+    transform = TransformStamped()
+    transform.header.frame_id, transform.child_frame_id = parent, child
+    transform.transform.rotation.w = 1.0
+    m.transforms.append(transform)
+m.transforms_length = len(m.transforms)
+bus.publish('/tf', m.encode())
+"""
 _TWISTS = "bus.publish('/cmd_vel', Twist().encode())"
 
 
@@ -132,6 +143,10 @@ EDITED = (
          _stamped(_NOW), (_hears("IMU"),)),
     Edit("stamp-utc", "stamps", _stamped("m.header.stamp.sec = int(time.monotonic())"),
          _stamped(_NOW), (_hears("IMU"),)),
+    Edit("one-parent", "frames", _FRAMES % "('odom', 'base'), ('map', 'base')",
+         _FRAMES % "('odom', 'base'), ('map', 'odom')", (_hears("/tf"),)),
+    Edit("exchange-frames", "frames", _FRAMES % "('odom', 'base'), ('base', 'odom')",
+         _FRAMES % "('odom', 'base'),", (_hears("/tf"),)),
     Edit("time-rises", "slow-simulator", _CLOCK % "number % 10", _CLOCK % "number",
          (_hears("/clock"),)),
     Edit("use-lcm-gen", "undecodable", "bus.publish('A', Twist().encode()[:-3])",
@@ -302,8 +317,12 @@ def test_the_folder_of_types_is_named(world: Any, tmp_path: Path) -> None:
     found = world.finds("unknown-type")
     assert [action["kind"] for action in found.actions] == ["type-path"]
     (tmp_path / "types").mkdir()
+    (tmp_path / "types/State.lcm").write_text(definition.replace(";", ""))
+    types = {"LCMTOOLS_TYPE_PATH": str(tmp_path / "types")}
+    found = world.finds("unknown-type", "State.lcm:1: ", **types)
+    assert [action["kind"] for action in found.actions] == ["correct-file", "type-path"]
     (tmp_path / "types/State.lcm").write_text(definition)
-    world.is_silent(LCMTOOLS_TYPE_PATH=str(tmp_path / "types"))
+    world.is_silent(**types)
 
 
 def test_a_utime_is_sent_in_microseconds(world: Any, tmp_path: Path) -> None:
@@ -371,6 +390,7 @@ ELSEWHERE = {  # the tests that do them
     "carry-less": "test_a_relay_that_drops_what_its_line_does_not_take",
     "close-files": "test_a_program_with_nearly_all_files_open",
     "connect": "test_a_link_is_connected_or_the_route_led_elsewhere",
+    "correct-file": "test_the_folder_of_types_is_named",
     "correct-environment": "test_a_variable_is_corrected",
     "end-standby": "test_a_relay_beside_another_one",
     "export": "test_a_program_on_another_bus",

@@ -53,12 +53,21 @@ def test_this_computer_is_described(bus_url: str) -> None:
     ("variables", "complaint"),
     [
         ({"PYTHONPATH": "/no/such/folder"}, "PYTHONPATH has /no/such/folder, which does not exist"),
+        (
+            {"LCM_DEFAULT_URL": "udpm://239.255.76.67:7667?ttl=1", "LCMTOOLS_DOMAIN": "3"},
+            "LCMTOOLS_DOMAIN=3 has no effect beside LCM_DEFAULT_URL=udpm://239.255.76.67:7667",
+        ),
         ({"LCM_DEFAULT_URL": "udp://x"}, "LCM_DEFAULT_URL 'udp://x': no LCM provider 'udp'"),
     ],
 )
 def test_variables_that_are_wrong_are_told(variables: dict[str, str], complaint: str) -> None:
     (line,) = host(parse_url("udpm://"), variables).environment
     assert line.startswith(complaint)
+
+
+def test_two_variables_that_name_the_same_bus_are_fine() -> None:
+    variables = {"LCM_DEFAULT_URL": "udpm://239.255.76.67:7670?ttl=1", "LCMTOOLS_DOMAIN": "3"}
+    assert host(parse_url("udpm://"), variables).environment == ()
 
 
 def test_a_package_of_types_in_two_places_is_told(tmp_path: Path) -> None:

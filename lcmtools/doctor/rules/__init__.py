@@ -10,6 +10,7 @@ from lcmtools.doctor.rules import (
     callbacks,
     connections,
     content,
+    frames,
     listeners,
     network,
     nodes,
@@ -23,7 +24,7 @@ from lcmtools.doctor.rules import (
 
 _FAMILIES = (
     *(bus, network, relays, nodes, reports, callbacks, types, connections, services, pace),
-    *(traffic, listeners, content),
+    *(traffic, listeners, content, frames),
 )
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from shlex import quote
 
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.evidence import Evidence, Oddity
 from lcmtools.doctor.findings import Finding, Severity, found, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
 
@@ -59,8 +59,7 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "unit", "microseconds")
     yield from _odd(evidence, "old", *_clocks(evidence, "old"), "use-sim-time")
-    remedies = _clocks(evidence, "replayed", "if-no-log", "stamp-if-no-log")
-    yield from _odd(evidence, "replayed", *remedies, severity=Severity.NOTE)
+    yield from _odd(evidence, "replayed", *_clocks(evidence, "replayed"), severity=Severity.NOTE)
 
 
 @rule("undecodable", "generate the sender's types again from the same .lcm files")
@@ -83,14 +82,20 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     return iter(())
 
 
-def _clocks(
-    evidence: Evidence, kind: str, there: str = "set-clocks", here: str = "stamp-utc"
-) -> list[str]:
+def _clocks(evidence: Evidence, kind: str) -> list[str]:
     """The remedies for stamps: only other computers have another clock than this one."""
-    names = {odd.name for odd in evidence.oddities if odd.kind == kind}
     is_log = evidence.url.startswith(_LOG)
     own = {sender.name for sender in evidence.senders if sender.is_local and not is_log}
-    return [there] * bool(names - own) + [here] * bool(names & own)
+    is_replayed = kind == "replayed"
+
+    def remedy(odd: Oddity) -> str:
+        if odd.name not in own:
+            return "if-no-log" if is_replayed else "set-clocks"
+        usual = "microseconds" if odd.text.startswith("utime") else "stamp-utc"
+        return "stamp-if-no-log" if is_replayed else usual
+
+    remedies = [remedy(odd) for odd in evidence.oddities if odd.kind == kind]
+    return list(dict.fromkeys(remedies))
 
 
 def _odd(

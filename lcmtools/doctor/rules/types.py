@@ -19,7 +19,7 @@ from lcmtools.doctor.findings import (
 )
 from lcmtools.doctor.near_types import nearest_type
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
-from lcmtools.messages.registry import candidates, type_names
+from lcmtools.messages.registry import candidates, problems, type_names
 from lcmtools.names import is_hidden
 from lcmtools.observe.senders import UNKNOWN
 from lcmtools.wire.packet import Sender
@@ -99,7 +99,9 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             kept.append(fact)
     note = Severity.NOTE
     yield from found("unknown-type", near, "same-lcm-files", severity=note)
-    yield from found("types-without-file", unknown, "type-path", severity=note)
+    files = problems()[:1] if unknown else ()  # the one that is missed may be in there
+    broken = (state("correct-file", problem=str(problem.error())) for problem in files)
+    yield from found("types-without-file", unknown, *broken, "type-path", severity=note)
     yield from found("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
 
 

@@ -8,6 +8,7 @@ from fixtures.judging import judge
 
 from lcmtools.doctor.evidence import (
     Evidence,
+    FrameParent,
     Host,
     HostClock,
     LcmProcess,
@@ -99,6 +100,10 @@ EVIDENCE = {
     "duplicate-names": graph(TALKER, TALKER._replace(id="u", pid=9), EAR),
     "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),
     "firewall": host(firewall="ufw"),
+    "frames": replace(
+        GOOD,
+        frames=(FrameParent("/", "base", "odom", "/a"), FrameParent("/", "base", "map", "/b")),
+    ),
     "igmp-querier": host(bridge="br0"),
     "interfaces": replace(host(joined=("wlan0",)), listeners=(Listener("l", 1, 0, is_node=True),)),
     "irregular": replace(GOOD, streams=(GAP,)),

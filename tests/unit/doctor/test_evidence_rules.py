@@ -177,6 +177,9 @@ def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
         senders = (SenderFacts(ALICE, "/morse", is_local=is_local),)
         finding = found(replace(HEALTHY, oddities=odd, senders=senders))["stamps"]
         assert finding.remedies[0].startswith(remedy)
+    of_lcm = (replace(odd[0], text="utime is odd"),)
+    remedies = found(replace(HEALTHY, oddities=of_lcm, senders=senders))["stamps"].remedies
+    assert remedies[0].startswith(here if kind == "replayed" else "message.utime = time.time_ns()")
     log = replace(HEALTHY, url="file:///ride.lcmlog", oddities=odd, senders=senders)
     assert found(log)["stamps"].remedies[0].startswith(there)
 
@@ -344,6 +347,9 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     findings = [f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
     assert findings[1].items == (" * 'POSE' from alice, and 'Pose' from alice",)
+    streams = (stream("/pose", 1, 3), stream("/pose ", 1, 3))
+    (*_, alike) = (f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names")
+    assert alike.items == (" * '/pose' from alice, and '/pose ' from alice",)
     long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
     assert long.severity is Severity.NOTE
 

@@ -10,6 +10,7 @@ from fixtures.judging import judge
 
 from lcmtools.doctor.evidence import (
     Evidence,
+    FrameParent,
     Host,
     HostClock,
     LcmProcess,
@@ -50,6 +51,7 @@ EVERYTHING = Evidence(
     remembered=(Publication("A", ALICE, "alice", 5, 10.0, 0.5, 3),),
     listeners=(LISTENER,),
     oddities=(Oddity("old", "A", "alice", "x", 2),),
+    frames=(FrameParent("/", "base", "odom", "a"),),
     logs=(LogLine("/n", "error", "it burns", 2),),
     clock=SimulatedClock("sim", 0.5, None, 0.25),
     processes=(LcmProcess(1, "c", "b", "v", 2, 3, "T", ("t",)),),
