@@ -60,6 +60,8 @@ class Mujoco:
         option.timestep, option.gravity = scene.dt, [0.0, 0.0, -scene.gravity]
         option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
         option.tolerance = 1e-10
+        # A URDF file may have moments of inertia that no body has: MuJoCo takes their mean.
+        spec.compiler.balanceinertia = True
         geom.solref = [_STEPS * scene.dt, _DAMPING]
         geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
         # A body of one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
