@@ -50,8 +50,7 @@ class McapFile(AbstractContextManager["McapFile"]):
         """Write a message with the time of its arrival.
 
         Raises:
-            DecodeError: It cannot be decoded, or ROS cannot say its type.
-            LcmtoolsError: Another type of its name came before.
+            DecodeError: It cannot be decoded, or ROS cannot say its type beside those before.
         """
         message = decoder.decode(packet)
         channel = self._channel(packet.channel, type(message))

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
 
 _MCAP, _ROS_1 = b"\x89MCAP0", b"#ROSBAG V"
 _SCHEMAS = ("ros1msg", "ros2msg", "ros2idl")
-_BROKEN = (AssertionError, EOFError, KeyError, LookupError, OSError, ValueError, struct.error)
+_LIBRARIES = ("mcap", "rosbags", "zstandard")
+_BROKEN = (
+    *(AssertionError, EOFError, KeyError, LookupError, OSError, ValueError, struct.error),
+    *(RuntimeError, MemoryError, OverflowError),  # of lz4; for lengths that cannot be
+)
 """The errors of the libraries for damaged files, besides their own."""
 
 
@@ -169,7 +173,7 @@ def _readable(path: Path) -> Iterator[None]:
     except LcmtoolsError:
         raise
     except Exception as error:
-        is_of_library = type(error).__module__.partition(".")[0] in ("mcap", "rosbags")
+        is_of_library = type(error).__module__.partition(".")[0] in _LIBRARIES
         if not (is_of_library or isinstance(error, _BROKEN)):
             raise
         reason = str(error).partition("\n")[0] or type(error).__name__

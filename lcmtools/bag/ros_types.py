@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from lcmtools.errors import DecodeError, LcmtoolsError, needing_extra
+from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.fields import Field, fields, holds_itself, is_time
 from lcmtools.messages.registry import Message, type_name
 
@@ -218,8 +218,7 @@ class RosTypes(Conversion):
         """Return the type of ROS for a class.
 
         Raises:
-            DecodeError: ROS cannot say the class.
-            LcmtoolsError: Another class of its name came before.
+            DecodeError: ROS cannot say the class, or another one of its name came before.
         """
         name = self._add(cls)
         return RosType(name, *self.store.generate_msgdef(name, ros_version=self.version))
@@ -258,15 +257,16 @@ class RosTypes(Conversion):
             raise DecodeError(f"{type_name(cls)} contains itself, which ROS cannot represent")
         from rosbags.typesys.base import TypesysError
 
-        name = self._names[cls] = ros_name(cls)
-        known = self._known.store.fielddefs
+        name, known = ros_name(cls), self._known.store.fielddefs
         try:
             if self._known.fits(cls, name):
                 self.store.register({one: known[one] for one in parts(name, known)})
             else:
                 self.store.register({name: ([], [*self._described(cls)])})
         except TypesysError as error:
-            raise LcmtoolsError(f"{type_name(cls)} as a type of ROS: {error}") from error
+            reason = f"another {type_name(cls)} came before, and ROS has one type of a name"
+            raise DecodeError(reason) from error
+        self._names[cls] = name
         return name
 
     def _described(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":

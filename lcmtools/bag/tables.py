@@ -120,7 +120,7 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
 
     def __init__(self, path: Path, tell: Tell) -> None:
         self._path, self._tell = path, tell
-        self._packets: dict[tuple[str, type[Message]], tuple[list[int], list[bytes]]] = {}
+        self._packets: dict[str, tuple[type[Message], list[int], list[bytes]]] = {}
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """Write the arrays, unless an error has occurred; raises OSError."""
@@ -128,25 +128,21 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             self.write(self.tables())
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
-        """Take a message; DecodeError where its type is not known, or holds itself."""
-        key = packet.channel, decoder.message_class(packet)
-        require_columns(key[1])
+        """Take a message; DecodeError where columns cannot have its type, or have another one."""
+        cls = decoder.message_class(packet)
+        require_columns(cls)
         if not -(2**63) <= packet.time < 2**63:
             raise DecodeError("the time of their recording is too far from 1970")
-        times, payloads = self._packets.setdefault(key, ([], []))
+        first, times, payloads = self._packets.setdefault(packet.channel, (cls, [], []))
+        if first is not cls:
+            raise DecodeError(f"of {type_name(cls)}, and {type_name(first)} came before")
         times.append(packet.time)
         payloads.append(packet.payload)
 
     def tables(self) -> "Mapping[str, Mapping[str, Array]]":
         """Return the columns of each topic, with the times of arrival first."""
         found: dict[str, Mapping[str, Array]] = {}
-        for (topic, cls), (times, payloads) in self._packets.items():
-            if topic in found:
-                self._tell(
-                    f"kind {topic}",
-                    f"messages of {type_name(cls)} on {topic} are left out: it has other types too",
-                )
-                continue
+        for topic, (cls, times, payloads) in self._packets.items():
             made = table(cls, payloads)
             found[topic] = with_times(times, made)
             if made.malformed:

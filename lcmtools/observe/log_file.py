@@ -201,8 +201,11 @@ def index_path(log: Path) -> Path:
 
 
 def _read_index(log: Path) -> LogIndex | None:
+    path = index_path(log)
     try:
-        with index_path(log).open(encoding="utf-8", errors="replace") as lines:
+        if not path.is_file():  # a pipe may never end
+            return None
+        with path.open(encoding="utf-8", errors="replace") as lines:
             return parse_index(lines)
     except OSError:
         return None

@@ -165,6 +165,16 @@ def test_bodies_keep_their_motion_when_others_come_and_go() -> None:
             assert steps == pytest.approx([0.5] * 3, abs=0.01)
 
 
+@pytest.mark.parametrize("engine", [name for name in ENGINES if is_installed(name)])
+def test_a_thing_of_hardly_any_mass_falls_as_others_do(engine: str) -> None:
+    crumb = SceneObject("crumb", (Part(Sphere(0.001)),), Pose(0, 0, 2), mass=1e-10)
+    with Simulation(Scene("crumb", objects=(crumb,)), engine=engine) as simulation:
+        for _ in range(120):
+            simulation.step()
+        height = simulation.objects[0].frame.position[2]
+    assert 2 - height == pytest.approx(9.81 / 8, abs=0.03)
+
+
 @mujoco_only
 def test_mujoco_has_memory_for_more_contacts_than_it_expects_of_so_few_bodies(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.engines import ENGINES, is_installed
 from lcmtools_sim.geometry import yaw_of
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.simulation import Simulation
@@ -118,3 +119,16 @@ def test_a_crate_of_a_gazebo_world_can_be_pushed(
     (pushed,) = robot.world.moving_parts(robot.body)
     assert robot.state(0).position[0] > 1.5
     assert pushed.position[0] > robot.state(0).position[0] + 0.2
+
+
+@pytest.mark.parametrize("engine", [name for name in ENGINES if is_installed(name)])
+def test_moments_of_inertia_that_no_body_has_end_no_engine(tmp_path: Path, engine: str) -> None:
+    (tmp_path / "cart.urdf").write_text(CART.replace('izz="0.125"', 'izz="9"'))
+    text = (
+        "robots: [{model: cart.urdf, namespace: a,"
+        " drive: {left: [left_joint], right: [right_joint]}}]"
+    )
+    scene = read_scene(text, str(tmp_path / "yard.yaml"))
+    with Simulation(scene, engine=engine) as simulation:
+        simulation.step()
+        assert simulation.robots[0].stands

@@ -27,6 +27,7 @@ _DAMPING = 2.0
 """Damping ratio of contacts: what collides comes apart at 6 % of its speed; with 1, at 16 %."""
 _BRAKING = 20.0  # [m/s^2] most that friction's reference asks for: see _set_friction
 _LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo takes no less
+_LEAST_MASS = 1e-14  # [kg, kg m^2] above mjMINVAL, likewise
 _ROUGH, _SMOOTH = 3, 1
 """condim: contacts with friction, and without; the higher one of two shapes holds."""
 _CONTACTS: dict[type[Shape], int] = {Cuboid: 4, Cylinder: 2, Sphere: 1}
@@ -60,6 +61,9 @@ class Mujoco:
         option.timestep, option.gravity = scene.dt, [0.0, 0.0, -scene.gravity]
         option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
         option.tolerance = 1e-10
+        # A URDF file may have moments of inertia that no body has: MuJoCo takes their mean.
+        spec.compiler.balanceinertia = True
+        spec.compiler.boundmass = spec.compiler.boundinertia = _LEAST_MASS
         geom.solref = [_STEPS * scene.dt, _DAMPING]
         geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
         # A body of one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").

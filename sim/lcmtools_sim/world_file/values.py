@@ -264,6 +264,10 @@ def _beside(source: str, path: str) -> Path:
 
 def _model_file(place: Path) -> Path | None:
     """The file itself, or the SDF file of a model's folder: the newest, if there are several."""
+    try:
+        place.stat()
+    except (OSError, ValueError):  # it is not there, must not be read, or is no path
+        return None
     if place.is_file():
         return place
     plain = place / "model.sdf"

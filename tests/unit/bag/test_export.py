@@ -184,6 +184,15 @@ def test_what_cannot_be_decoded_is_told_and_left_out(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize("target", ["a.npz", "a.parquet"])
+def test_columns_of_a_topic_are_of_its_first_type(target: str, tmp_path: Path) -> None:
+    other = Packet("/cmd", encode(_names(2)), 1)
+    done = _export(iter([*_of("/cmd", _packets()), other]), tmp_path / target)
+    assert done.messages == 4
+    (told,) = done.left_out.values()
+    assert told.endswith(": of sensor_msgs/JointState, and geometry_msgs/Twist came before")
+
+
 def test_nothing_stays_where_nothing_is_written(tmp_path: Path) -> None:
     for name in ("a.jsonl", "a.npz", "a.mcap", "a.bag"):
         with pytest.raises(LcmtoolsError, match=r"nothing is written to .*; messages on /x are"):

@@ -126,6 +126,18 @@ def test_a_damaged_file_is_one_line(name: str, tmp_path: Path) -> None:
         list(RosImport().read(path))
 
 
+@pytest.mark.parametrize("name", ["a.mcap", "ros1.mcap"])
+def test_a_damaged_chunk_is_one_line(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    _written(_TARGETS[name], path, _messages())
+    written = path.read_bytes()
+    magic = b"\x28\xb5\x2f\xfd" if name == "a.mcap" else b"\x04\x22\x4d\x18"
+    place = written.index(magic) + 4
+    path.write_bytes(written[:place] + b"\xff" * 20 + written[place + 20 :])
+    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of a kind"):
+        list(RosImport().read(path))
+
+
 def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"\x89PNG....")
     (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")

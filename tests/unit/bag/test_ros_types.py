@@ -3,8 +3,9 @@
 import pytest
 
 from lcmtools.bag.ros_types import Conversion, RosTypes, RosVersion, ros_name
+from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message, message_class, type_names
+from lcmtools.messages.registry import Message, message_class, type_name, type_names
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.builtin_interfaces import Time
 from lcmtools.types.nav_msgs import Odometry
@@ -120,3 +121,13 @@ def test_a_type_with_other_fields_does_not_fit() -> None:
     assert conversion.fits(LaserScan, "sensor_msgs/msg/LaserScan")
     assert not conversion.fits(Image, "sensor_msgs/msg/LaserScan")
     assert not conversion.fits(Image, "sensor_msgs/msg/None")
+
+
+@_BOTH
+def test_of_two_types_of_one_name_ros_has_the_first(version: RosVersion) -> None:
+    types, first = RosTypes(version), ControllerEvaluationStat
+    later = type(first.__name__, (UInt64,), {"__module__": first.__module__})
+    types.serialize(first())
+    for _ in range(2):
+        with pytest.raises(DecodeError, match=f"another {type_name(first)} came before"):
+            types.serialize(later())

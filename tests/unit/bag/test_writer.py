@@ -102,6 +102,14 @@ def test_an_index_of_another_file_says_nothing(path: Path) -> None:
         assert [packet.sender for packet in log.packets()] == [None, None]
 
 
+def test_a_pipe_in_place_of_the_index_is_not_waited_for(path: Path) -> None:
+    LogWriter(path).close()
+    index_path(path).unlink()
+    os.mkfifo(index_path(path))
+    with LogFile(path) as log:
+        assert log.index.blocks == []
+
+
 def test_the_times_of_the_index_are_those_of_the_log(path: Path) -> None:
     with LogWriter(path) as writer:
         writer.add(Packet("/a", b"", 1_234_567))

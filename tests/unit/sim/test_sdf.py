@@ -216,6 +216,12 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
     )
 
 
+def test_a_model_whose_name_no_file_can_have_is_not_found(tmp_path: Path) -> None:
+    long = "a" * 300
+    found = read(tmp_path, f"<include><uri>model://{long}</uri></include>")
+    assert found.notes == (f"{tmp_path}/yard.world: left out: model://{long} (not found, 1)",)
+
+
 def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path: Path) -> None:
     inside = static(f"<collision name='c'>{BOX}</collision>", "1 0 0 0 0 0")
     (tmp_path / "yard.world").write_text(world(inside + "<light name='a'/>"))
