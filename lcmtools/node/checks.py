@@ -15,6 +15,7 @@ from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.layout import is_generated
 from lcmtools.messages.registry import Message, message_class, service_class, type_name
 from lcmtools.messages.scalars import given
+from lcmtools.names import check_channel
 
 _ROS_SPELLINGS = {
     **dict.fromkeys(("get_name", "get_fully_qualified_name"), "node.name"),
@@ -47,6 +48,8 @@ def check_endpoint(call: str, kinds: Sequence[object], topic: object, depth: obj
     if not kinds:
         raise UsageError(f"{call}: there is no type")
     check_text(call, "topic", topic)
+    if not topic:  # it would be resolved to the namespace
+        check_channel("")
     if not hasattr(depth, "__index__"):
         got = described(depth)
         raise UsageError(f"{call}: the depth is a number of messages, such as 10; got {got}")

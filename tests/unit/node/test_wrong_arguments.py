@@ -99,6 +99,10 @@ _TYPES_AND_TOPICS = [
         "create_publisher: the topic is a text, got None",
     ),
     (
+        lambda n: n.create_publisher(String, ""),
+        "'': a channel name must not be empty or contain a zero byte",
+    ),
+    (
         lambda n: n.create_subscription(String, n.turn, "chatter"),
         (
             "create_subscription: the topic is a text, got the function turn; "
