@@ -110,8 +110,9 @@ def _synopsis(command: click.Command) -> Iterator[str]:
     for one in command.params:
         if isinstance(one, click.Argument):
             name = one.metavar or str(one.name).upper()
-            many = "..." if one.nargs == -1 and not name.endswith(("...", "...]")) else ""
-            is_whole = one.required or name.startswith("[")
+            is_all = " " in name  # it has the words of several arguments
+            many = "..." if one.nargs == -1 and not is_all and "..." not in name else ""
+            is_whole = one.required or is_all or name.startswith("[")
             yield f"{name}{many}" if is_whole else f"[{name}{many}]"
     if isinstance(command, click.Group):
         yield "COMMAND [ARGS...]"

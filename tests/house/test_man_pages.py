@@ -28,7 +28,9 @@ def test_pages_have_what_a_page_has_and_no_line_that_roff_misreads() -> None:
 def test_page_of_echo_says_what_its_help_says() -> None:
     rows = page(("lcmtools", "echo")).splitlines()
     assert "lcmtools\\-echo \\- print the messages of a topic" in rows
+    assert "[OPTIONS] TOPIC... [TYPE]" in rows
     assert "[OPTIONS] [TYPE]" in page(("lcmtools", "msg", "show")).splitlines()
+    assert "[OPTIONS] [FILE] [NODE]" in page(("lcmtools", "param", "dump")).splitlines()
     assert ".B \\-1, \\-\\-once" in rows
     assert rows[rows.index(".SH EXAMPLES") + 1] == ".nf"
     assert ".B LCM_DEFAULT_URL" in rows

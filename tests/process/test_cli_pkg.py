@@ -297,6 +297,7 @@ def test_a_main_function_gets_its_words_with_and_without_a_parameter(
     [
         ("lcmtools run air", "air_lab0"),
         ("lcmtools run air_lab0 ", "simple_controller"),
+        ("lcmtools launch air", "air_lab0"),
         ("lcmtools pkg build ", "air_lab0"),
         ("lcmtools msg show air_lab0/S", "air_lab0/Stat"),
         ("lcmtools pkg create other --deps nav", "nav_msgs"),

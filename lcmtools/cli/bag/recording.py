@@ -77,7 +77,8 @@ def last_word(progress: Progress, series: LogSeries) -> str:
     where = (
         f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
     )
-    what = f"{_counted(progress.messages)} ({size_text(progress.bytes)}) in {where}"
+    among = ", the last ones" if series.count > len(paths) else ""
+    what = f"{_counted(progress.messages)} ({size_text(progress.bytes)}){among} in {where}"
     return f"{what}; {losses_text(progress.losses)}"
 
 

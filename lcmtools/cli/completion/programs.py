@@ -96,6 +96,7 @@ def launch_words(situation: Situation) -> Iterator[Candidate]:
     if situation.word.startswith(_NAMESPACE):
         yield from _values(situation, "bus:namespaces", _NAMESPACE)
     elif not places:
+        yield from packages(situation)
         yield from (Candidate(name, package) for package, name in lab_files())
         yield FILES
     else:

@@ -24,9 +24,9 @@ def _here(folder: Path) -> None:
     assert folder == Path.cwd()
 
 
-def test_files_of_the_labs_and_all_files_come_first() -> None:
+def test_packages_files_of_the_labs_and_all_files_come_first() -> None:
     labs = ["simple_controller.launch", "empty_world.launch", "pre_assignment2.launch"]
-    assert complete("programs:launch_words", "", []) == [*labs, "files"]
+    assert complete("programs:launch_words", "", []) == ["some_package", *labs, "files"]
 
 
 def test_arguments_that_are_not_given_yet_follow_the_file() -> None:
