@@ -193,6 +193,6 @@ class ScheduledPublisher:
             self._is_cut_off = True
             return False
         if self._is_cut_off:
-            self.notify("messages leave again")
+            self.notify("messages are sent again")
         self._is_cut_off = False
         return True

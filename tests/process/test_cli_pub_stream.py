@@ -172,7 +172,7 @@ def test_what_echo_prints_can_be_published_again(topic: str, cli: Cli) -> None:
         (
             "# nothing\n---\n",
             2,
-            "standard input has no message in it; write YAML documents, separated by ---",
+            "standard input does not contain a message; write YAML documents, separated by ---",
         ),
     ],
 )

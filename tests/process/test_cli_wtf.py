@@ -292,7 +292,7 @@ def test_options_of_a_url_that_lcm_reads_otherwise_are_named(
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url.replace("ttl=0", "tll=1&ttl=256"))
     text = lcmtools("wtf", "--wait", "0.1s", "--rule", "environment").stdout
     assert "tll=1 has no effect; did you mean ttl?\n" in text
-    assert "ttl=256 is sent as 0; the greatest is 255\n" in text
+    assert "ttl=256 is sent as 0; the maximum is 255\n" in text
 
 
 def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(

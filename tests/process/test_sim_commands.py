@@ -204,4 +204,4 @@ def test_another_node_is_no_simulator(
     result = lcmtools("sim", "pause", "--sim", "talker")
 
     assert result.returncode == 1
-    assert result.stderr == "lcmtools sim pause: /talker is no simulator; simulators: /yard\n"
+    assert result.stderr == "lcmtools sim pause: /talker is not a simulator; simulators: /yard\n"

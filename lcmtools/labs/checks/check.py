@@ -61,7 +61,7 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
     for option, text in programs.items():
         if option not in known:
             hint = ", ".join(f"--{name}" for name in known)
-            raise UsageError(f"--{option} is no program of the lab {lab.name}", f"it has {hint}")
+            raise UsageError(f"--{option} is not a program of the lab {lab.name}", f"it has {hint}")
         words = split_command(text)
         is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
         if not any(":=" in word for word in words):

@@ -77,8 +77,8 @@ def test_all_evidence_comes_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "it is no JSON"),
-        ("[" * 100_000, "it is no JSON"),
+        ("", "it is not JSON"),
+        ("[" * 100_000, "it is not JSON"),
         ("[]", "it is other JSON"),
         ('{"rule": "loss"}', "it is other JSON"),
         ('{"lcmtools_evidence": 2, "evidence": {}}', "it is version 2, not 1"),

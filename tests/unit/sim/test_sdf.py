@@ -231,7 +231,7 @@ WRONG = [
     ("", "<sdf/>", ":1: the file holds no <world> and no <model>"),
     ("", "<sdf><world>", (":1: not XML: no element found; is the <world> of line 1 closed?"
      " </world>, or <world ... />")),
-    ("", "<!DOCTYPE a><sdf/>", ":1: no document type (<!DOCTYPE>) is read; remove it"),
+    ("", "<!DOCTYPE a><sdf/>", ":1: a document type (<!DOCTYPE>) is not supported; remove it"),
     ("", "<robot name='a'/>", (":1: the file is about <robot>, not <sdf>; a robot (URDF) goes into"
      " the robots of a YAML world file: model: ./FILE")),
     ("<size>1 2 3</size>", "<size>1 2</size>", ":2: <size> must be 3 numbers, not '1 2'"),

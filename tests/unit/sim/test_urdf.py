@@ -209,8 +209,8 @@ BOX = '<box size="0.4 0.2 0.1"/>'
 WRONG = [
     ('name="cart"', "", ":2: <robot> lacks the attribute 'name'"),
     ("</robot>", "", ":41: not XML: no element found"),
-    ("<robot", "<!DOCTYPE a [<!ENTITY b 'c'>]><robot", (":2: no document type (<!DOCTYPE>) is"
-     " read; remove it")),
+    ("<robot", "<!DOCTYPE a [<!ENTITY b 'c'>]><robot", (":2: a document type (<!DOCTYPE>)"
+     " is not supported; remove it")),
     ("<robot", "<sdf/><robot", ":2: not XML: junk after document element"),
     ("<robot name", "<robt name", ":40: not XML: mismatched tag"),
     (BOX, '<mesh filename="a.stl"/>', (":11: link 'base_link' has a shape of <mesh>; boxes,"

@@ -73,7 +73,7 @@ def read_file(data: bytes) -> Picture:
         check_size(*image.size, image.format or "")
         image.load()
     except UnidentifiedImageError:
-        raise DecodeError("broken picture: it is no PNG or JPEG file") from None
+        raise DecodeError("broken picture: it is not a PNG or JPEG file") from None
     except (OSError, SyntaxError, ValueError, Warning, PIL.Image.DecompressionBombError) as error:
         raise DecodeError(f"broken picture: {error}") from None
     if image.mode.startswith("I"):
