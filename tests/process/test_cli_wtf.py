@@ -107,7 +107,8 @@ CONTROLLER = (
     " * /simple_controller:\n"
     "   * /odometry\n"
     "   * /desired_velocity\n"
-    "   -> start what publishes /odometry and /desired_velocity; what is there: lcmtools list -v\n"
+    "   -> start a publisher of /odometry and /desired_velocity; to see what is published:"
+    " lcmtools list -v\n"
     "\n"
     "Found 1 note(s).\n"
     "Notes are seldom at fault\n"
@@ -246,7 +247,7 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
     result = cli("wtf", "--from", str(file))
     assert (result.code, result.out) == (64, "")
     assert result.err == (
-        f"lcmtools wtf: {file} holds no evidence that wtf can judge: it is other JSON\n"
+        f"lcmtools wtf: {file} does not contain evidence that wtf can judge: it is other JSON\n"
     )
     result = cli("wtf", "--from", str(tmp_path / "none"))
     assert (result.code, result.out) == (64, "")

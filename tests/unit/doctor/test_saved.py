@@ -93,7 +93,7 @@ def test_a_file_that_holds_no_evidence_is_told_in_a_line(
     file.write_text(text)
     with pytest.raises(LcmtoolsError) as caught:
         load(file)
-    assert caught.value.what == f"{file} holds no evidence that wtf can judge: {why}"
+    assert caught.value.what == f"{file} does not contain evidence that wtf can judge: {why}"
 
 
 @pytest.mark.parametrize(
