@@ -127,7 +127,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         yield exception
     if is_ok and (look := bench.observe().look) and look.findings:
         found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
-        row = CheckResult("what wtf says of it", "nothing", found, is_ok=True)
+        row = CheckResult("what wtf says about it", "nothing", found, is_ok=True)
         yield replace(row, findings=tuple(look.findings))
     yield program.check_ctrl_c(may_have_ended=run.program.may_end)
 
@@ -147,7 +147,7 @@ def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[Chec
         yield from results
     except TimeLimitReached:
         wanted = f"within {time_limit:g} s"
-        hint = "the check of this program was broken off"
+        hint = "the check of this program was aborted"
         yield CheckResult("is checked in time", wanted, "it takes longer", is_ok=False, hint=hint)
 
 

@@ -76,7 +76,7 @@ class CheckedProgram(ChildProcess):
             return self.early_end(what)
         ends = self.code is not None or self.ends_on_interrupt()
         hint = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
-        return CheckResult(what, wanted, "it ends" if ends else "it goes on", ends, hint)
+        return CheckResult(what, wanted, "it ends" if ends else "it keeps running", ends, hint)
 
     def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
         """Return the failure of a program that has ended while it was needed."""

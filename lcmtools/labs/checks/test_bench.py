@@ -201,8 +201,8 @@ class TestBench:
             program.ends_on_interrupt()
         stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
         measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
-        hint = "publish a last Twist of 0 in a finally: the robot keeps its last command"
-        return CheckResult(STOPS, "a Twist of 0 at last", measured, stops, hint, "no-stop")
+        hint = "publish a final Twist of 0 in a finally block: the robot keeps its last command"
+        return CheckResult(STOPS, "a final Twist of 0", measured, stops, hint, "no-stop")
 
     def reset_pose(self) -> None:
         """Put the robot at the origin, at rest; LcmtoolsError if the simulator does not do it."""

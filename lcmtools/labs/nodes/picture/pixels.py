@@ -46,7 +46,7 @@ class Picture:
             ValueError: The picture is of colours.
         """
         if self.kind is Kind.COLOR:
-            raise ValueError("colours are no values")
+            raise ValueError("colours have no values")
         data = self.image.tobytes()
         if self.image.mode == "F":
             return [round(z * 1000) if 0 < z < _FARTHEST else 0 for z in array("f", data)]
