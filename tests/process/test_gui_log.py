@@ -204,4 +204,4 @@ def test_a_file_that_is_no_log_is_an_error(tmp_path: Path, cli: Any) -> None:
         f"lcmtools gui all: there are no messages in {path}; it is not an LCM log\n",
     )
     result = cli("gui", "--bag", str(path), "--domain", "3")
-    assert "-b reads a log in place of the bus" in result.err
+    assert "-b reads a log instead of the bus" in result.err
