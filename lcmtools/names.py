@@ -109,7 +109,7 @@ def check_channel(channel: str) -> str:
 def check_base_name(name: str, namespace_by: str = "__ns:=") -> None:
     """Raise InvalidName unless it is a node's name without a namespace: one part."""
     if not _LEGAL_BASE_NAME.fullmatch(name):
-        rule = "a node's name is letters, digits and '_', and starts with no digit"
+        rule = "a node's name is letters, digits and '_', and does not start with a digit"
         hint = f"{rule}; its namespace is given by {namespace_by}"
         raise InvalidName(f"'{name}' is not a legal node name", hint)
 
@@ -122,7 +122,7 @@ def check_length(channel: str, name: str = "") -> str:
     try:
         size = len(channel.encode("utf-8", "surrogateescape"))
     except UnicodeEncodeError as error:
-        raise InvalidName(f"{channel!r} is no text that a channel can be named by") from error
+        raise InvalidName(f"{channel!r} cannot be a channel's name") from error
     if size > MAX_CHANNEL_BYTES:
         source = f" (from '{name}')" if name and name != channel else ""
         limit = f"LCM channels have at most {MAX_CHANNEL_BYTES}"

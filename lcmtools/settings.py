@@ -141,7 +141,7 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
     from lcmtools.formats.strict_yaml import read_file  # most people have no settings file
 
     if size > _MOST_BYTES:
-        raise InvalidFile(f"{path}: {size} bytes are no settings file")
+        raise InvalidFile(f"{path}: {size} bytes are too many for a settings file")
     with os_errors_as(f"cannot read {path}", kind=InvalidFile):
         root = read_file(path.read_text("utf-8"), str(path))
     nodes = root.value if root else {}

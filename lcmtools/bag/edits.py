@@ -151,7 +151,7 @@ def shifted(packets: Iterable[Packet], by: int) -> Iterator[Packet]:
     for packet in packets:
         time = packet.time + by
         if not -(2**63) <= time // 1000 < 2**63:
-            raise UsageError("a log has no times so far from 1970", f"one would be {time} ns")
+            raise UsageError("a log cannot have times so far from 1970", f"one would be {time} ns")
         yield packet._replace(time=time)
 
 

@@ -194,7 +194,7 @@ class LcmBus:
         with self._sending:
             subscription = instance.subscribe(re.escape(channel), self._dispatch)
         if subscription is None:
-            raise BusError(f"LCM refuses to subscribe to '{channel}'")
+            raise BusError(f"LCM cannot subscribe to '{channel}'")
         subscription.set_queue_capacity(QUEUE_CAPACITY)
         self._subscriptions[channel] = subscription
 

@@ -89,7 +89,7 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
                 return
     raise BusError(
         f"multicast to {url.host}:{url.port} does not come back to this host",
-        f"a firewall or the route to the group is in the way; type: {_LOOPBACK_ROUTE}",
+        f"a firewall or the route to the group blocks it; type: {_LOOPBACK_ROUTE}",
     )
 
 
@@ -115,14 +115,14 @@ def _explained(url: BusUrl) -> Iterator[None]:
         what, hint = f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more"
         if error.errno in _NO_ROUTE:
             what, hint = f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}"
-            if url.ttl:  # a route to lo would keep messages here even when there is a network later
-                hint = f"connect the network, or lead a route to its interface: {_NETWORK_ROUTE}"
+            if url.ttl:  # a route to lo would keep messages here, also once there is a network
+                hint = f"connect the network, or set a route to its interface: {_NETWORK_ROUTE}"
         elif error.errno in (errno.EPERM, errno.EACCES):
             what = f"sending to {where} is forbidden ({error.strerror})"
             allow = f"sudo ufw allow out to {url.host} port {url.port} proto udp"
             hint = f"a firewall does that; type: {allow}"
         elif error.errno == errno.EADDRINUSE:
-            what = f"{where} is taken by a program that does not share it"
+            what = f"{where} is used by a program that does not share it"
             hint = f"find it with: ss -ulnp 'sport = :{url.port}'"
         elif error.errno == errno.ENOBUFS:
             what = f"the queue of the network card to {where} is full"

@@ -94,4 +94,4 @@ def _check_log(url: BusUrl) -> None:
     with os_errors_as(what, kind=BusError), Path(url.network).open("rb") as log:
         start = log.read(len(SYNC))
     if start != SYNC:
-        raise BusError(f"'{url.network}' is empty or no LCM log")
+        raise BusError(f"'{url.network}' is empty or not an LCM log")

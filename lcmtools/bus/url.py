@@ -156,7 +156,7 @@ def misread_options(url: BusUrl) -> Iterator[str]:
             hint = did_you_mean(key, known)
             yield f"{key}={value} has no effect{f'; {hint}' if hint else ''}"
         elif key == "ttl" and int(value) > _MAX_TTL:
-            yield f"ttl={value} is sent as {url.ttl}; the greatest is {_MAX_TTL}"
+            yield f"ttl={value} is sent as {url.ttl}; the maximum is {_MAX_TTL}"
 
 
 def _known_options(provider: str) -> Sequence[str]:

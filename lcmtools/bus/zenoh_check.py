@@ -43,12 +43,12 @@ def refusal(address: Address, user: str, certificate: str | None) -> BusError:
         return BusError(f"{address} wants TLS", _PAGE)
     if user:
         return BusError(
-            f"{address} refuses the user '{user}' or the password, or is no router of Zenoh",
+            f"{address} rejects the user '{user}' or the password, or is not a Zenoh router",
             "both are in the configuration file, and in the router's dictionary",
         )
     return BusError(
-        f"{address} answers, but does not let this program in",
-        f"it is no router of Zenoh, or it wants a user and a password: {_PAGE}",
+        f"{address} answers, but rejects this program",
+        f"it is not a Zenoh router, or it wants a user and a password: {_PAGE}",
     )
 
 
@@ -78,7 +78,7 @@ def _check_hosts(hosts: tuple[Address, ...]) -> None:
     if isinstance(fault, socket.gaierror):
         hint = f"see whether the name is right: ping {hosts[-1].host}"
     reason = (fault and fault.strerror) or "no answer"
-    raise BusError(f"nothing of Zenoh at {where} ({reason})", hint) from fault
+    raise BusError(f"no Zenoh router or program at {where} ({reason})", hint) from fault
 
 
 def _fault(address: Address) -> OSError | None:
@@ -118,7 +118,7 @@ def _tls_trouble(address: Address, certificate: str) -> BusError | None:
     except ssl.SSLCertVerificationError as error:
         return BusError(
             f"the certificate of {address} is not trusted ({error.verify_message})",
-            "'root_ca_certificate' in the configuration names the file of who has signed it",
+            "'root_ca_certificate' in the configuration names its authority's file",
         )
     except OSError as error:
         return BusError(f"{address} does not speak TLS ({error.strerror or error})", _PAGE)

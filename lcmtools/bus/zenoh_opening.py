@@ -15,8 +15,8 @@ from lcmtools.bus.zenoh_config import settings_of
 from lcmtools.bus.zenoh_url import Address, locator_address
 from lcmtools.errors import BusError, needing_extra
 
-with needing_extra("zenoh", "a bus of Zenoh needs"):
-    import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which also needs it
+with needing_extra("zenoh", "a Zenoh bus needs"):
+    import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which needs it as well
 
 _IMPORTED_BY = os.getpid()
 _STILL, _SETTLED = 0.02, 0.5  # [s] to wait after the last program that appears; at most in all
@@ -75,7 +75,7 @@ def _fault(url: BusUrl, config: zenoh.Config, error: Exception, *, is_client: bo
     address = _host_of(config)
     if address is None:
         hint = f"'connect' in {url.place.file} may name one"
-        return BusError("no router of Zenoh is found", hint)
+        return BusError("no Zenoh router is found", hint)
     try:
         check_place(url.place._replace(file="", hosts=(address,)))
         return refusal(address, *_login_of(config))

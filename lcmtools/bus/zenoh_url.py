@@ -74,7 +74,7 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
     prefix = options.get("prefix", DEFAULT_PREFIX)
     if not is_legal_prefix(prefix):
         raise InvalidUrl(
-            f"{where}: '{prefix}' is not a prefix of Zenoh's keys",
+            f"{where}: '{prefix}' is not a prefix of Zenoh keys",
             "prefixes are letters, digits and '_.~-', in parts with '/' between",
         )
     place = ZenohPlace(

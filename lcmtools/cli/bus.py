@@ -40,7 +40,7 @@ def chosen_log() -> str | None:
     choice = bus_choice()
     if choice.log is not None and (choice.url or choice.domain):
         hint = "leave out --lcm-url and --domain"
-        raise UsageError("-b reads a log in place of the bus", hint)
+        raise UsageError("-b reads a log instead of the bus", hint)
     return choice.log
 
 

@@ -39,9 +39,7 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
     node. A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
     """
     if show_list and name:
-        raise UsageError(
-            "--list cannot be used with a node's name", f"type lcmtools run {name}, or only --list"
-        )
+        raise UsageError("--list takes no name", f"type lcmtools run {name}, or only --list")
     known = runnables(Path.cwd())
     if name and not show_list and not _is_package(name, arguments, known):
         return _run([name, *arguments], known)

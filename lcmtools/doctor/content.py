@@ -108,8 +108,8 @@ def _quaternion(message: object, path: str) -> Iterator[Odd]:
     where = path.rstrip(".") or "it"
     parts = [float(getattr(message, name)) for name in ("x", "y", "z", "w")]
     if not any(parts):
-        yield "quaternion", f"{where} is all zeros, and no rotation: w should be 1 for none"
+        yield "quaternion", f"{where} is all zeros, which is not a rotation; for no rotation w is 1"
         return
     norm = math.sqrt(sum(part * part for part in parts))
     if math.isfinite(norm) and abs(norm - 1) > _UNIT_TOLERANCE:
-        yield "quaternion", f"{where} has the length {norm:.3g} in place of 1"
+        yield "quaternion", f"{where} has the length {norm:.3g} instead of 1"

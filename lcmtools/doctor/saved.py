@@ -46,8 +46,10 @@ def load(file: Path) -> Evidence:
         with os_errors_as(f"cannot read {file}"):
             return from_text(file.read_text(encoding="ascii"))
     except (_Misfit, ValueError, RecursionError) as error:
-        why = error if isinstance(error, _Misfit) else "it is no JSON"
-        raise LcmtoolsError(f"{file} holds no evidence that wtf can judge: {why}") from error
+        why = error if isinstance(error, _Misfit) else "it is not JSON"
+        raise LcmtoolsError(
+            f"{file} does not contain evidence that wtf can judge: {why}"
+        ) from error
 
 
 def to_text(evidence: Evidence) -> str:

@@ -22,19 +22,19 @@ TITLES = {
     "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
     " computer's:",
     "competing-publishers": "{count} programs publish on {topics:and} at the same time:",
-    "container": "This is a {container} with a network of its own, and no other computer is seen",
+    "container": "This is a {container} with its own network, and no other computer is seen",
     "covariance": "Covariances that are published are invalid:",
     "damaged-log": "{bytes} bytes of {log} do not belong to any message",
-    "doubled": "Messages of the following come more than once, with the same number:",
+    "doubled": "Messages of the following come more than once, with the same sequence number:",
     "duplicate-names": "{count} nodes have the name {name}:",
-    "environment": "The environment of this shell is not in order:",
+    "environment": "The environment of this shell has errors:",
     "firewall": "The firewall {firewall} is enabled, and no other computer is seen",
-    "frame-loop": "The following frames are below themselves:",
+    "frame-loop": "The following frames form a loop:",
     "frame-parents": "The following frames have several parents:",
-    "future": "Messages are stamped with a time to come:",
+    "future": "Messages are stamped with a time in the future:",
     "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
     "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
-    "irregular": "The following come unevenly:",
+    "irregular": "The following come at irregular intervals:",
     "jumping-simulator": "Simulated time jumps back:",
     "kernel-drops": "The following read too slowly, so that the kernel dropped datagrams:",
     "large-messages": "A message of {bytes} bytes does not come back: {problem}",
@@ -49,7 +49,7 @@ TITLES = {
     "malformed": "The following senders put datagrams on the bus that are not LCM's:",
     "mpudpm": "The following programs use mpudpm, which is not the udpm of this bus:",
     "no-clock": "The following nodes use simulated time, and nothing publishes {topic}:",
-    "no-lcm-messages": "The following are no LCM messages:",
+    "no-lcm-messages": "The following are not LCM messages:",
     "no-traffic": "There are no nodes on {bus}, and nothing came in {listened:g} s",
     "not-finite": "Numbers that are published are not finite:",
     "nsec": "Times that are published are invalid:",
@@ -59,7 +59,7 @@ TITLES = {
     "other-users": "Other users of this computer share this bus:",
     "paused-simulator": "Simulated time stands still:",
     "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
-    " the simulator has too much to do",
+    " the simulator is overloaded",
     "quaternion": "Rotations that are published are invalid:",
     "queue-drops": "The following nodes are too slow for the messages they receive:",
     "never-called": "The following nodes do not run their callbacks:",
@@ -67,16 +67,16 @@ TITLES = {
     "relay-bus": "The following relays do not reach one of their buses:",
     "relay-commands": "Commands do not pass a relay, and a node behind it waits for them:",
     "relay-losses": "The following relays drop messages:",
-    "relay-standby": "The following relays stand by, as others join their buses:",
+    "relay-standby": "The following relays stand by, because others join the same buses:",
     "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
-    "replayed": "Stamps are old and advance as the clock does, as in a log that is played again:",
+    "replayed": "Stamps are old but advance at the clock's rate, as if a log were played:",
     "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another interface"
     " than the one that leads to their senders",
     "sending": "Messages cannot leave this computer: {problem}",
     "services": "The following services are offered by more than one node, and each executes a"
     " request:",
     "silent": "The following have stopped publishing:",
-    "similar-names": "The following channels look like the same, and are not:",
+    "similar-names": "The following channels look the same, but differ:",
     "slow-callbacks": "The following callbacks take too long:",
     "slow-rate": "The following have become slower:",
     "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
@@ -94,7 +94,7 @@ TITLES = {
     "undecodable": "Messages cannot be decoded:",
     "types-without-file": "The types of the following are not known here:",
     "unit": "Times that are published are in the wrong unit:",
-    "unknown-type": "The types of the following are nearly known ones:",
+    "unknown-type": "The types of the following are similar to known ones:",
     "unusable-names": "The following channels have names that few programs can subscribe to:",
 }
 _MOST = 8  # names in a row
@@ -104,8 +104,8 @@ _LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
 FACTS = {
     "buffer": "{listener}: {buffer_bytes:holds}",
-    "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
-    "bytes-wait": "{listener}: {queued_bytes} bytes wait",
+    "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, mostly in {busiest:work}",
+    "bytes-wait": "{listener}: {queued_bytes} bytes are waiting",
     "calls": "{node} calls {service}",
     "channel": "{topic} from {sender}",
     "doubled": "{sender}: {count} messages",
@@ -134,7 +134,7 @@ FACTS = {
     "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
     "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
     "may-be-late": "this computer is too busy to tell: they may only be late",
-    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish seldom",
+    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely",
     "more": "and {count} more",
     "no-link": "the interface {interface} has no link",
     "no-multicast-flag": "the interface {interface} has no multicast flag",
@@ -159,17 +159,17 @@ FACTS = {
     "relay-command": "{topic}, at {relay} on {host}",
     "relay-dropped": "{relay} on {host}: {count} messages for {bus}",
     "relay-standby": "{relay} on {host}",
-    "repeats": "{sender}: {topic}, {count} messages that another one had sent before",
+    "repeats": "{sender}: {topic}, {count} messages that another sender had sent before",
     "sender-reason": "{sender}: {reason}",
     "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
     "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
     "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
     "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
-    "slower": "{node}: {topic}, {rate:.3g} Hz in place of {usual:.3g} Hz",
+    "slower": "{node}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
     "slower-program": "{sender}: {rate:.3g} Hz in all, and {usual:.3g} Hz on average since its"
     " start",
-    "slower-stream": "{sender}: {topic}, {rate:.3g} Hz in place of {usual:.3g} Hz",
+    "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
     "stale": "{node} (pid {pid}): {why}",
     "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
     "stopped": "{listener}: it is stopped",
@@ -192,63 +192,64 @@ REMEDIES = {
     " it has no other); else with --deny {topic}",
     "busiest-less": "let {busiest:work} of {node} do less, and never wait",
     "callback-less": "let the callback of {topic} do less",
-    "callback-less-or-depth": "let the callback of {topic} do less, or give a greater queue depth",
-    "callback-less-or-rate": "let the callback of {topic} do less, or publish it every"
-    " {seconds:time} only",
+    "callback-less-or-depth": "let the callback of {topic} do less, or increase the queue depth",
+    "callback-less-or-rate": "let the callback of {topic} do less, or publish it only"
+    " every {seconds:time}",
     "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
     " '/camera/**', or --deny",
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
-    "close-files": "close what is not needed, or start them again; more than 1024 do not help, as"
-    " liblcm waits with select",
+    "close-files": "close unneeded files, or restart the programs; a limit above 1024 does not"
+    " help, because liblcm waits with select",
     "compare-buses": "if it runs already, it may be on another bus: compare LCM_DEFAULT_URL and"
     " LCMTOOLS_DOMAIN in both shells",
     "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
     "connect": "plug its cable in, or connect its Wi-Fi",
     "correct": "correct {place}, and start {node} again",
-    "depth": "give the subscription of {topic} a greater queue depth",
+    "depth": "increase the queue depth of the subscription of {topic}",
     "drop-remap": "start {node} without {argument}",
     "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them with"
-    " the code that lcm-gen makes of it",
+    " the code that lcm-gen generates",
     "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
     "end-one-or-part": "end one of them{pids:kills}, or start {other} on another bus",
     "end-one-or-remap": "end one of them{pids:kills}, or start {other} with {old}:={new}",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
-    "end-standby": "if it is not to take over from the other one: `lcmtools node kill {relay}`",
+    "end-standby": "if it should not take over from the other one: `lcmtools node kill {relay}`",
     "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",
     "expects-as": "let {program} subscribe to {topic} as {types:or}",
     "correct-file": "correct the file that cannot be read: {problem}",
-    "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
-    " one: pip uninstall, pip install lcm",
-    "exchange-frames": "header.frame_id is the parent, child_frame_id the child: exchange them in"
-    " one of the transforms",
+    "correct-environment": "correct the variable in this shell and in ~/.bashrc; keep only one"
+    " package: pip uninstall, pip install lcm",
+    "exchange-frames": "header.frame_id is the parent, child_frame_id the child: swap them in one"
+    " of the transforms",
     "export": "`export {variable}='{value}'`",
-    "find-second-way": "look for a second way to this computer: a circle of cables or bridges, two"
-    " interfaces on one network, a port that mirrors; or a sender that sends all twice",
+    "find-second-way": "look for a second path to this computer: a loop of cables or bridges, two"
+    " interfaces on one network, a mirroring port; or a sender that sends everything twice",
     "fix-log": "`lcmtools bag fix {log} fixed.lcmlog` leaves them out",
     "host-network": "start the container with: --network host",
-    "if-no-log": "if it is no log, its computer's clock is wrong: `sudo timedatectl set-ntp true`",
+    "if-no-log": "if it is not a log, its computer's clock is wrong:"
+    " `sudo timedatectl set-ntp true`",
     "inspect": "see what it does: `sudo gdb -p {pid}`",
     "inspect-java": "see what it does: `jstack {pid}`",
     "inspect-python": "see what it does: `sudo py-spy dump --pid {pid}`",
     "join-here": "if they should be on this one, start them with {variable}='{value}'",
     "look-at-firewall": "see whether a firewall drops large datagrams: `sudo nft list ruleset`",
-    "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
+    "look-there": "check there whether the network and the node work: `lcmtools wtf`",
     "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
     "mend-bus": "{hint}",
     "microseconds": "message.utime = time.time_ns() // 1000",
-    "mend-line": "start what the relay joins, or mend the line: it is tried again until it works",
+    "mend-line": "start the bus that the relay joins, or repair the connection; the relay retries",
     "mirrored-network": "write networkingMode=mirrored under [wsl2] into %UserProfile%\\.wslconfig",
     "namespace": "start {node} with __ns:={namespace}",
-    "never-wait-or-depth": "let the callback of {topic} never wait, or give a greater queue depth",
-    "name-here": "those without a variable have their bus in their code or arguments: name this one"
-    " there, or none: lcm.LCM()",
-    "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
-    "one-parent": "let one program send where a frame is, in one header.frame_id, or give the"
+    "never-wait-or-depth": "let the callback of {topic} never wait, or increase the queue depth",
+    "name-here": "those without a variable get their bus from their code or arguments: name this"
+    " bus there, or none: lcm.LCM()",
+    "normalise": "for no rotation use x=0, y=0, z=0, w=1; divide others by their length",
+    "one-parent": "let one program publish the pose of a frame, in one header.frame_id, or give the"
     " frames of different things different names",
-    "open-circle": "a program that passes on what it receives makes a circle, if that comes back to"
+    "open-circle": "a program that forwards what it receives creates a loop if that comes back to"
     " it: let it publish on another channel",
     "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
-    "plain-name": "publish on a name of letters, digits, _ and / only",
+    "plain-name": "use a name of letters, digits, _ and / only",
     "print-values": "print the values where the node computes them",
     "publishes-as": "let {program} publish {topic} as {types:or}",
     "read-log": "read the whole log: `lcmtools echo /rosout`",
@@ -260,45 +261,47 @@ REMEDIES = {
     "replace-remap": "start {node} with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
     "resume": "if that was not intended: `lcmtools sim resume`",
-    "restart-listeners": "start the listeners again, or let the route lead there:"
+    "restart-listeners": "restart the listeners, or set the route to their interface:"
     " `ip route show 224.0.0.0/4`",
     "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
     "route": "if they should: `sudo ip route replace 224.0.0.0/4 dev eth0` (with your interface)",
-    "route-to": "or let the route lead elsewhere:"
+    "route-to": "or set the route to another interface:"
     " `sudo ip route replace 224.0.0.0/4 dev {interface}`",
     "same-lcm-files": _LCM_GEN,
-    "same-name": "publish both on the same name",
+    "same-name": "publish both under the same name",
     "same-type": "it works; declare the same type on both sides, so that all commands show the"
     " same",
     "sends-as": "let {program} send {types:or} on {topic}",
     "send-elsewhere": "let them send elsewhere, or end them; their ports and programs: `ss -uanp`",
     "send-less": "send less or smaller messages; a large one is lost with any of its parts",
-    "set-clocks": "let both computers keep the time: `sudo timedatectl set-ntp true`",
+    "set-clocks": "synchronize both computers' clocks: `sudo timedatectl set-ntp true`",
     "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
-    "shorter-name": "publish on a shorter name",
+    "shorter-name": "use a shorter name",
     "simulate-less": "end programs that subscribe to cameras, or give it fewer robots",
     "smaller-messages": "send smaller messages",
-    "spin": "let {node} spin: lcmtools.spin(node), or often spin_once",
+    "spin": "let {node} spin: lcmtools.spin(node), or spin_once often",
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
     "stamp-if-no-log": "if it is no log, stamp with the time at which it is sent",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
-    "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",
-    "start-server": "start what offers {service}; what is there: `lcmtools service list`",
+    "start-publisher": "start a publisher of {topics:and}; to see what is published:"
+    " `lcmtools list -v`",
+    "start-server": "start a node that offers {service}; to see what is offered:"
+    " `lcmtools service list`",
     "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
     "start-something": "start something, for example: `lcmtools run talker`",
     "start-with-variable": "start them with {variable}='{value}'",
     "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
-    "symmetric": "set [row, column] and [column, row] to the same, and no [row, row] below 0",
+    "symmetric": "set [row, column] and [column, row] to the same value, and no [row, row] below 0",
     "sysctl": "`sudo sysctl -w {name}={value}`",
     "time-rises": "if it was no reset, and no log that is played again: publish on /clock a time"
     " that only rises",
     "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
-    "unknown-covariance": "where nothing is known, set the first number to -1",
+    "unknown-covariance": "if nothing is known, set the first number to -1",
     "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
     "use-lcm-gen": "let the sender use lcm-gen's code, unchanged",
-    "use-server": "or join both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
-    "use-sim-time": "where a simulator runs, start the node with _use_sim_time:=true",
+    "use-server": "or connect both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
+    "use-sim-time": "if a simulator runs, start the node with _use_sim_time:=true",
     "use-ttl-0": "keep what only this computer needs on a bus with ttl=0",
     "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
     "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill -KILL {pid}`)",
@@ -315,9 +318,9 @@ UNCHECKED = {
     "bandwidth-unknown": "{interface} reports no speed",
     "buffers-unknown": "this system does not report the size of the listeners' buffers",
     "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
-    " wtf looks closer",
+    " wtf shows them",
     "zenoh-losses": "wtf does not count losses on Zenoh; lcmtools hz TOPIC does",
-    "no-senders": "{provider} does not let wtf see the senders, and what is missing",
+    "no-senders": "on {provider}, wtf cannot see senders and losses",
     "no-network": "this system does not report its routes and interfaces (it has no /proc/net)",
     "no-processes": "this system does not report the sockets of programs (it has no /proc)",
     "no-sockets": "this system does not list its sockets (it has no /proc/net/udp)",
@@ -389,7 +392,7 @@ def _type(fact: Statement) -> str:
     if "format" in fact.parts:
         return str(fact.parts["format"])
     if "fingerprint" not in fact.parts:
-        return "data that is no LCM message"
+        return "data that is not an LCM message"
     near = ": like {like}, but {difference}" if "like" in fact.parts else ""
     name = "{name}" if "name" in fact.parts else "an unknown type"
     return _fill(f"{name} ({{fingerprint}}{near})", fact.parts)

@@ -25,7 +25,7 @@ _MISTAKES = (
 )
 """Mistakes in a line that is not well-formed, and their remedies."""
 _MISTAKES_OUTSIDE_QUOTES = (
-    (re.compile(r"(?<!<!)--(?!>)"), "a comment cannot have -- in it"),
+    (re.compile(r"(?<!<!)--(?!>)"), "a comment cannot contain --"),
     (re.compile(r"=\s*[^\s\"'<>]"), 'write values in quotes, as in name="driver"'),
 )
 
@@ -78,7 +78,7 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
 
     def refuse_doctype(*_: object) -> None:
         place = f"{source}:{parser.CurrentLineNumber}"
-        raise InvalidFile(f"{place}: no document type (<!DOCTYPE>) is read", "remove it")
+        raise InvalidFile(f"{place}: a document type (<!DOCTYPE>) is not supported", "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _tag: open_elements.pop()
@@ -103,7 +103,7 @@ def _hint(content: bytes | str, line: int) -> str:
     if _CURLY.search(row):
         return 'write straight quotes, as in name="driver"'
     if _NUMBERED.match(row):
-        return "take the line numbers out"
+        return "remove the line numbers"
     bare = _QUOTED.sub('""', row)
     found = [hint for pattern, hint in _MISTAKES if pattern.search(row)]
     found += [hint for pattern, hint in _MISTAKES_OUTSIDE_QUOTES if pattern.search(bare)]

@@ -104,8 +104,8 @@ def read_file(text: str, source: str) -> Node | None:
     except BadYaml as bad:
         raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
     if len(found) > 1:
-        reason = "another document begins: one is expected"
-        raise InvalidFile(f"{source}:{found[1].line}: {reason}", "take out the line of ---")
+        reason = "another document begins, but only one is expected"
+        raise InvalidFile(f"{source}:{found[1].line}: {reason}", "remove the --- line")
     return found[0] if found else None
 
 
@@ -173,7 +173,7 @@ class _Tree:
         if key in mapping:
             raise _bad(event, f"'{key}' is given twice", "leave one of them out")
         if key == "<<":
-            raise _bad(event, "'<<' does not take in other keys here", "write them out")
+            raise _bad(event, "'<<' cannot merge other keys here", "write them out")
         self._keys[-1] = (key, _line(event))
 
     def _add(self, node: Node, anchor: str | None) -> None:
@@ -239,4 +239,4 @@ def _bad(event: "yaml.Event", problem: str, hint: str = "") -> BadYaml:
 
 def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:
     tag = str(event.tag).replace(_TAG, "!!")
-    return _bad(event, f"the tag {tag} means nothing here", quote_hint("!"))
+    return _bad(event, f"the tag {tag} is not supported here", quote_hint("!"))

@@ -89,7 +89,7 @@ def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
 def _nesting_hint(mark: "yaml.Mark | None") -> str:
     """Return the hint for "linear: x: 1", and for text as "note: this"."""
     if mark and mark.line:
-        return "indent the keys of one entry alike"
+        return "indent the keys of an entry equally"
     return "put the fields in { }, and text that has ': ' in it in quotes"
 
 
@@ -98,7 +98,7 @@ def _flow_hint(problem: str, line: str) -> str:
     if problem == "did not find expected key" and re.search(r"[}\]]\s*,?\s*\w+\s*:", line):
         return "put all fields into { } with commas between, or each on a line of its own"
     if problem in ("did not find expected key", "did not find expected '-' indicator"):
-        return "indent the keys of one entry alike"
+        return "indent the keys of an entry equally"
     return "put a comma between fields" if problem.startswith(_NO_COMMA) else ""
 
 

@@ -221,7 +221,7 @@ class Bridge(AbstractContextManager["Bridge"]):
                 message = self._decoder.decode(packet)
                 if type(message) is not offer.cls:
                     offered, found = type_name(offer.cls), type_name(type(message))
-                    raise DecodeError(f"they are {found}, and it is offered as {offered}")
+                    raise DecodeError(f"they are {found}, but offered as {offered}")
                 data = self._schemas.write(message)
         except LcmtoolsError as error:
             self._refuse(f"messages on {packet.channel} are left out: {error}")

@@ -41,7 +41,7 @@ class Publishing:
                 )
                 self._publishers[client, channel.id] = publisher, channel.encoding
         except LcmtoolsError as error:
-            self._refuse(f"publishing on {channel.topic} is refused: {error}")
+            self._refuse(f"cannot publish on {channel.topic}: {error}")
 
     def dismiss(self, client: int, channel: int) -> None:
         """Publish on a channel no more."""

@@ -53,7 +53,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         except RuntimeError as error:
             reason = str(error).rpartition(": ")[2].partition(" (os error")[0]
             what = f"cannot listen at {host}:{port}: {reason}"
-            raise BusError(what, "--port N takes another port") from error
+            raise BusError(what, "--port N chooses another port") from error
 
     def __exit__(self, *_: object) -> None:
         """End all connections."""

@@ -25,7 +25,7 @@ class Staleness(str, Enum):
     """The reason why a node is stale; empty, and so false, for one that is alive."""
 
     NOT = ""
-    SILENT = "announces itself no more"
+    SILENT = "no longer announces itself"
     UNANSWERED = "does not answer"
     HANGS = "runs but does not answer"
     ENDED = "ended without saying goodbye"

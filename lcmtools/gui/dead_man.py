@@ -39,7 +39,7 @@ class DeadMansSwitch:
         """Take a command of a page; return why it does not count, "" if it does."""
         if self._overruled.get((page, topic), -math.inf) > now:
             self._overruled[page, topic] = now + HOLD
-            return "it was stopped by another page: let go first"
+            return "it was stopped by another page: release the controls first"
         hold = self._holds.get(topic)
         if hold and not hold.stops and hold.page != page and hold.until > now:
             return "another page is driving"

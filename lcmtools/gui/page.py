@@ -25,7 +25,7 @@ _MOST_STREAMS = 300  # a world has one for each topic of each robot
 _MOST_REQUESTS = 8  # that are being answered; a page waits for the first of more
 _ANSWERED = ("ask", "do", "open")  # by a frame for each
 _STATE_PERIOD = 0.25  # [s]
-_MAY_NOT = "this page may watch but not command"
+_MAY_NOT = "this page may only watch, not command"
 
 
 class BrowserPage:

@@ -125,7 +125,7 @@ def absence(source: Source, topic: str) -> str:
         hint = f"; did you mean {near[0]}?" if near else "; waiting for it"
         return f"there is no topic {topic}{hint}"
     if row.age is None:
-        who = f"published by {', '.join(row.senders)}" if row.senders else "nobody publishes it"
+        who = f"published by {', '.join(row.senders)}" if row.senders else "nothing publishes it"
         return f"no message of {topic} has come yet; {who}"
     return f"{topic} is silent: the last message came {_age(row.age)} ago" if row.is_silent else ""
 

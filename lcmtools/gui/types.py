@@ -64,7 +64,7 @@ def _read(kind: type[Message], values: Mapping[str, Json]) -> Value:
             if value != "" or (field and field.type == "string"):
                 read[name] = value
         else:
-            raise Rubbish(f"the value of '{name[:40]}' is no text")
+            raise Rubbish(f"the value of '{name[:40]}' is not a text")
     return read
 
 

@@ -37,7 +37,7 @@ def read_words(words: Sequence[str], flag: str | None, default: str) -> CommandL
         if not assignment:
             hint = misspelt(words, word, of_node=False) if places else ""
             if hint and not Path(word).exists():
-                raise UsageError(f"{word}: this is no argument", hint)
+                raise UsageError(f"{word}: this is not an argument", hint)
             places.append(word)
             continue
         name, text = assignment.groups()
@@ -57,4 +57,4 @@ def _check_name(name: str, word: str) -> None:
         raise UsageError(f"{word}: a launch takes __ns:= only", "name nodes in the file")
     if name[0] in "~/" or "/" in name:
         hint = "remaps are written in the launch file"
-        raise UsageError(f"{word}: '{name}' is no name of an argument", hint)
+        raise UsageError(f"{word}: '{name}' is not the name of an argument", hint)

@@ -98,7 +98,7 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
     if len(words) > 1 and words[0] in _as_lcmtools():
         return replace(find_executable(words[0], words[1], folder), arguments=tuple(words[2:]))
     if shutil.which(words[0]) or is_there(path_from(folder, words[0])):
-        hint = f"a program is written so:  exec: {words[0]}"
+        hint = f"write a program as  exec: {words[0]}"
         raise UsageError(
             failure.what, f"{hint},  args: {shlex.join(words[1:])}" if words[1:] else hint
         )

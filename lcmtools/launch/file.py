@@ -48,10 +48,10 @@ def _shown(path: Path) -> str:
 
 def _read(content: bytes, source: str) -> Element:
     if len(content) > LARGEST:
-        raise InvalidFile(f"{source}: more than {LARGEST} bytes are no launch file")
+        raise InvalidFile(f"{source}: more than {LARGEST} bytes, too many for a launch file")
     if source.endswith(".py"):
         hint = "write it in YAML: see the help"
-        raise InvalidFile(f"{source} is a program, as ROS 2 has launch files", hint)
+        raise InvalidFile(f"{source} is a program, like the launch files of ROS 2", hint)
     if not content.strip():
         raise InvalidFile(f"{source}:1: the file is empty")
     if _is_xml(content, source):

@@ -76,7 +76,7 @@ class NodeProcess:
                 self._file.flush()
         except OSError as error:
             self._file = None
-            return f"nothing more is written into {self.log}: {error.strerror}"
+            return f"nothing more is written to {self.log}: {error.strerror}"
         return ""
 
     def close_log(self) -> None:

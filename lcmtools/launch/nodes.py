@@ -72,7 +72,7 @@ def plan_node(
     name = node_name(element, scope, program)
     respawn, is_required = scope.flag(element, "respawn"), scope.flag(element, "required")
     if respawn and is_required:
-        raise element.error("a node is not both required and respawned", "leave one of them out")
+        raise element.error("a node cannot be both required and respawned", "leave one of them out")
     prefix = _words(element, scope.text(element, "launch-prefix"))
     words = [*program.arguments, *_words(element, scope.text(element, "args"))]
     end = words.index("--") if "--" in words else len(words)  # nodes take no names behind it
@@ -83,7 +83,7 @@ def plan_node(
         names = NodeArguments(namespace_of(name), base_name_of(name), remaps, dict(parameters))
         words[end:end] = names.words()
     elif any(child.tag in ("remap", "param", "rosparam") for child in element.children):
-        raise element.error("what exec starts takes no remaps or parameters", "use run")
+        raise element.error("a program started by exec takes no remaps or parameters", "use run")
     command = (*prefix, *program.command, *words)
     environment = _environment(scope, program)
     _check_texts(element, (*command, *environment.values()))
@@ -133,7 +133,7 @@ def _check_texts(element: Element, texts: Iterable[str]) -> None:
         except UnicodeEncodeError:  # half a character
             is_bad = True
         if is_bad:
-            raise element.error(f"{text!a} has a character that no command line can have")
+            raise element.error(f"{text!a} has a character that a command line cannot have")
 
 
 def _directory(element: Element, scope: Scope) -> str:

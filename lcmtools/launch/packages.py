@@ -30,9 +30,9 @@ def path_from(folder: Path, name: str) -> Path:
         os.fsencode(name)
         path = folder / Path(name).expanduser()
     except (RuntimeError, ValueError):  # an unknown user's home, or half a character
-        raise UsageError(f"{name!a} is no path") from None
+        raise UsageError(f"{name!a} is not a path") from None
     if "\0" in name:
-        raise UsageError(f"{name!a} is no path")
+        raise UsageError(f"{name!a} is not a path")
     return path
 
 

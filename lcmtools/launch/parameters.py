@@ -101,7 +101,7 @@ def _typed(element: Element, scope: Scope, name: str) -> str:
     if kind in ("auto", "yaml"):
         return text or write_setting("")  # nodes take no notice of nothing
     if kind not in _KINDS:
-        raise element.error(f"'{kind}' is no type", f"types: {', '.join(_KINDS)}, yaml, auto")
+        raise element.error(f"'{kind}' is not a type", f"types: {', '.join(_KINDS)}, yaml, auto")
     return located(
         element, lambda: write_setting(read_setting(text, _KINDS[kind], f"param {name}"))
     )

@@ -97,7 +97,7 @@ class _Reading:
         for child in known_children(element):
             self.elements += 1
             if self.elements > _MOST_ELEMENTS:
-                raise child.error(f"more than {_MOST_ELEMENTS} tags in all")
+                raise child.error(f"more than {_MOST_ELEMENTS} tags in total")
             if scope.holds(child):
                 scope = self._take(child, scope)
         return scope
@@ -136,7 +136,7 @@ class _Reading:
         found = param(element, scope)
         if found is not None:
             return self._set(element, scope, [found])
-        what = f"{element.place}: no command is run, and no binary file read, for a parameter"
+        what = f"{element.place}: a parameter cannot be set by a command or a binary file"
         self.notes.append(f"{what}; it is left out")
         return scope
 
@@ -144,7 +144,7 @@ class _Reading:
         command = scope.text(element, "command", "load")
         if command == "load":
             return self._set(element, scope, list(rosparam(element, scope)))
-        self.notes.append(f"{element.place}: rosparam {command} means nothing here")
+        self.notes.append(f"{element.place}: rosparam {command} has no effect")
         return scope
 
     def _set(self, element: Element, scope: Scope, found: Sequence[tuple[str, str]]) -> Scope:

@@ -111,7 +111,7 @@ class Scope:
         if "value" not in element.attributes:
             raise element.error("'value' is missing in env")
         if "=" in name or "\0" in name + text:
-            raise element.error(f"'{name}' is no name of an environment variable")
+            raise element.error(f"'{name}' is not the name of an environment variable")
         return replace(
             self,
             environment={**self.environment, name: text},
@@ -125,5 +125,5 @@ def located(element: Element, work: Callable[[], T]) -> T:
         return work()
     except UsageError as error:
         is_shell = any("${" in text for text in element.attributes.values())
-        hint = "an argument is written $(arg NAME)" if is_shell else error.hint
+        hint = "write an argument as $(arg NAME)" if is_shell else error.hint
         raise element.error(error.what, hint) from None

@@ -85,7 +85,7 @@ class Supervisor:
             if node.is_draining:
                 self._drain(node, now)
             if node.child and (number := node.child.tick(now)) is not None:
-                self._tell(f"[{node.label}] does not end: {number.name} is sent", is_bad=True)
+                self._tell(f"[{node.label}] does not end: sending {number.name}", is_bad=True)
             if node.due <= now:
                 self._start(node, guard)
 

@@ -62,9 +62,9 @@ def notes_on(element: Element) -> Iterator[str]:
             hint = did_you_mean(child.tag, tags) or "it is left out"
             yield f"{child.place}: there is no tag '{child.tag}' in {element.tag}; {hint}"
     if element.attributes.get("clear_params", "false") != "false":
-        yield f"{element.place}: clear_params means nothing here: no parameter outlives its node"
+        yield f"{element.place}: clear_params has no effect: parameters end with their node"
     if "machine" in element.attributes or element.tag == "machine":
-        yield f"{element.place}: machine means nothing here: all runs on this one"
+        yield f"{element.place}: machine has no effect: all nodes run on this computer"
 
 
 def known_children(element: Element) -> list[Element]:

@@ -130,7 +130,7 @@ class PayloadDecoder:
 def describe_payload(data: bytes) -> str:
     """A description of an unexpected payload: its type, as far as it is known."""
     if len(data) < _FINGERPRINT_BYTES:
-        return f"{len(data)} bytes, which is no LCM message"
+        return f"{len(data)} bytes, which are not an LCM message"
     number = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(number)
     return names[0] if names else f"an unknown type (fingerprint {number:#018x})"

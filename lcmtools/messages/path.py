@@ -150,7 +150,7 @@ def element_target(owner: Target, step: int | Slice, where: str) -> Target:
     """
     if not owner.dimensions:
         known = f" ({fields_hint(owner.message_class)})" if owner.message_class else ""
-        raise ValueMismatch(f"{where or 'the message'} is no array but a {owner.type}{known}")
+        raise ValueMismatch(f"{where or 'the message'} is not an array but a {owner.type}{known}")
     if not isinstance(step, int):
         return owner._replace(sliced=True)
     size = owner.dimensions[0]

@@ -157,7 +157,7 @@ class Registry:
         file = None if name.startswith(STUDENTS) else source.files.get(name)
         number = source.fingerprints[name]
         if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
-            notes.append(f"{name} is not as lcmtools has it; used is {file}")
+            notes.append(f"{name} differs from lcmtools' own type; {file} is used")
         for note in notes:
             if note not in self._warned:
                 self._warned.add(note)

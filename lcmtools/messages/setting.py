@@ -45,7 +45,7 @@ def kind_of(value: ParameterValue) -> str:
     for kind, name in _KINDS.items():
         if isinstance(value, kind):
             return name
-    raise ValueMismatch(f"{given(value)} is no value that a parameter can have")
+    raise ValueMismatch(f"{given(value)} is not a value that a parameter can have")
 
 
 def read_setting(text: str, kind: str, path: str) -> ParameterValue:

@@ -183,7 +183,7 @@ def _class_fault(call: str, kind: type, what: str, find: Callable[[str], type]) 
     package = kind.__module__.partition(".")[0]
     known = f"{package}/{kind.__name__}"
     hint = f"write {_import(find(known))}" if _is_known(find, known) else ""
-    return UsageError(f"{call}: {described(kind)} is no {what} type of LCM", hint)
+    return UsageError(f"{call}: {described(kind)} is not a {what} type of LCM", hint)
 
 
 def _is_known(find: Callable[[str], type], name: object) -> bool:

@@ -208,7 +208,7 @@ class Parametric:
             for callback in reversed(self.__on_set):
                 result = callback(list(checked))
                 if result is not None and not result.successful:
-                    return replace(result, reason=result.reason or "the node refuses it")
+                    return replace(result, reason=result.reason or "no reason given")
         except LcmtoolsError as error:
             return SetParametersResult(successful=False, reason=str(error))
         changed = {p.name: replace(self.__declared[p.name], value=p.value) for p in checked}

@@ -78,7 +78,7 @@ def init(
         notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)
     for word in filter(looks_special, rest[: rest.index("--")] if "--" in rest else rest):
-        hint = misspelt(words, word) or "write from:=to without blanks"
+        hint = misspelt(words, word) or "write from:=to without spaces"
         _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
@@ -106,7 +106,7 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
 
     if url.provider == "file" and url.options.get("mode", "r") == "r":
         raise UsageError(
-            f"{url} is a log to be read, and nodes need a bus",
+            f"{url} is a log, and nodes need a bus",
             "read it with lcmtools echo --lcm-url, or give the node another bus",
         )
     records = NodeRecords(url, os.environ)

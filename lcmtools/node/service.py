@@ -198,7 +198,7 @@ class Client(Generic[RequestT, ResponseT]):
         self.before_call()
         reply = self._exchange(payload, time.monotonic() + timeout)
         if reply is None and self.is_interrupted():
-            raise ServiceError(f"{self.name} has not answered when the program had to end")
+            raise ServiceError(f"{self.name} had not answered when the program had to end")
         if reply is None:
             raise ServiceTimeout(
                 f"{self.name} did not answer within {timeout:g} s",

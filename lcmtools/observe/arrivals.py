@@ -177,7 +177,7 @@ class ArrivalStream:
     def contents(self) -> str:
         """Return the topics of a log that has been read, for messages to the user."""
         seen = self._recorded()
-        return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
+        return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "there are no messages in it"
 
     def _recorded(self) -> list[str]:
         """The topics of a log that have messages in it, rather than only announcements."""
@@ -275,7 +275,7 @@ def taken_together(
         except EOFError:
             if not has_arrived:
                 raise LcmtoolsError(
-                    f"nothing is on {stream.text} in the log", stream.contents()
+                    f"there is nothing on {stream.text} in the log", stream.contents()
                 ) from None
             _notify_silent(stream, notify, has_ended=True)
             return

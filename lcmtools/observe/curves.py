@@ -139,7 +139,7 @@ def _of_value(value: object, kind: str, path: str) -> Iterator[tuple[str, float]
     if isinstance(value, (bool, int, float)):
         yield path, float(value)
     elif isinstance(value, str):
-        raise UsageError(f"{path} is no number but a {kind}", _HINT)
+        raise UsageError(f"{path} is a {kind}, not a number", _HINT)
     elif is_generated(type(value)):
         yield from _of_message(cast("Message", value), path)
     else:
@@ -172,7 +172,7 @@ def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
         LcmtoolsError: The file cannot be written.
     """
     if path.suffix not in PICTURES:
-        raise UsageError(f"{path} is no picture", f"end it in {', '.join(PICTURES)}")
+        raise UsageError(f"{path} is not a picture", f"use a suffix ({', '.join(PICTURES)})")
     with needing_extra("plot", "pictures of curves need"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

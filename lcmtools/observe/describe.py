@@ -51,7 +51,9 @@ def seen_types(fingerprints: Iterable[int]) -> tuple[str, ...]:
 def fingerprint_rows(topic: Topic) -> list[str]:
     """Return the fingerprints seen on a topic, a line each; one line if they keep changing."""
     if len(topic.fingerprints) > 1 and not seen_types(topic.fingerprints):
-        return ["Fingerprint: changes from message to message, as in data that is no LCM message"]
+        return [
+            "Fingerprint: changes from message to message, as in data that is not an LCM message"
+        ]
     return [
         f"Fingerprint: {value:#018x} ({' or '.join(candidates(value)) or UNKNOWN})"
         for value in topic.fingerprints

@@ -22,14 +22,14 @@ _MOST_CHECKED = 100  # blocks of an index that are checked for belonging to the 
 _FOREIGN = {
     b"\x89MCAP0\r\n": "an MCAP file",
     b"#ROSBAG V": "a ROS bag",
-    b"SQLite format 3\0": "a database of SQLite, as ROS 2 bags are",
+    b"SQLite format 3\0": "an SQLite database, like a ROS 2 bag",
     b"\x89PNG\r\n": "a PNG image",
     b"\xff\xd8\xff": "a JPEG image",
     b"%PDF": "a PDF document",
     b"\x7fELF": "a program",
     b"PK\x03\x04": "a ZIP archive",
     b"\x1f\x8b": "a file compressed by gzip",
-    b'{"index":': "the index of a log, and not the log",
+    b'{"index":': "the index of a log, not the log",
 }
 _CHUNK = 1 << 20  # bytes of a compressed log that are read at once
 _BAGS = ("MCAP", "ROS")
@@ -58,7 +58,7 @@ class LogFile(AbstractContextManager["LogFile"]):
         begins = SYNC.startswith(self.data[: len(SYNC)])
         if not begins and not self.index.blocks and next(self.events(), None) is None:
             self.close()
-            raise BusError(f"no message is in {path}", "it is no LCM log")
+            raise BusError(f"there are no messages in {path}", "it is not an LCM log")
 
     def __exit__(self, *_: object) -> None:
         """Close the file."""
@@ -180,7 +180,7 @@ def _refuse_foreign(path: Path, head: bytes) -> None:
         if head.startswith(magic):
             is_bag = any(word in name for word in _BAGS)
             hint = f"lcmtools bag import {path} makes a log of it" if is_bag else ""
-            raise BusError(f"{path} is no LCM log but {name}", hint)
+            raise BusError(f"{path} is not an LCM log but {name}", hint)
 
 
 def _decompressed(file: BinaryIO, kind: Compression) -> "bytes | mmap.mmap":

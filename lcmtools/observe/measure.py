@@ -67,7 +67,7 @@ class Delays:
             return arrival.time - stamped
         if not self._has_notified:
             self._has_notified = True
-            self._notify(f"the stamp of a message on {arrival.topic} is 0, which is no time")
+            self._notify(f"the stamp of a message on {arrival.topic} is 0, which is not a time")
         return None
 
     def _stamp(self, packet: Packet) -> int:
@@ -248,7 +248,7 @@ class Measurement(Generic[ItemT, FoundT]):
         graph, names = self._stream.graph, self._options.names
         found = known_spelling(graph, topic, names)
         if found is None and has_wildcard(topic):
-            what = f"{topic} is a pattern, of which no one rate can be measured"
+            what = f"{topic} is a pattern, which has no single rate"
             raise UsageError(what, f"lcmtools list --hz '{topic}' shows all that match")
         channel = found or names.spellings(topic)[-1]
         types = graph.topic(channel).types

@@ -82,7 +82,7 @@ def messages(  # noqa: PLR0913 - each is a separate option
     if not topics:
         raise UsageError("no topic is named", 'for example messages("/chatter")')
     if url is not None and log is not None:
-        raise UsageError("a log is read in place of a bus", "leave out url or log")
+        raise UsageError("a log is read instead of a bus", "leave out url or log")
     condition = None if where is None else Filter(where)
     names = usual_names()
     selections = [select_topics(topic, names, with_path=False) for topic in topics]

@@ -79,5 +79,5 @@ def _declared(project: Path, node: Runnable) -> str:
         is_found = False
     if not is_found:
         hint = f"write it below [project]:  {entry(node)}  as an entry point of {GROUP}"
-        raise LcmtoolsError(f"{shown(project)} declares its nodes in a way of its own", hint)
+        raise LcmtoolsError(f"{shown(project)} declares its nodes in an unusual way", hint)
     return text

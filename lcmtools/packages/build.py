@@ -72,7 +72,9 @@ class _Build:
                     self.types[one.name] = move(one, scratch / self.prefix, self.root)
                 elif one.tables != self.types[one.name].tables:
                     first = self.types[one.name].file
-                    self.notes[one.name] = f"{one.name} is in {first} and, other, in {one.file}"
+                    self.notes[one.name] = (
+                        f"{one.name} is defined differently in {first} and in {one.file}"
+                    )
 
     def drop_too_large(self) -> None:
         """Take out types with more elements than LCM carries bytes: Python would make them all."""
@@ -131,7 +133,7 @@ class _Build:
             what = f"{one.name} contains itself"
             self._refuse(one, what, "only an array of variable size can hold its own type")
         except Exception as error:  # noqa: BLE001 - whatever a class made of a strange file raises
-            self._refuse(one, f"{one.name}: no message can be made of it: {error}", "")
+            self._refuse(one, f"{one.name}: it cannot be used as a message: {error}", "")
         return None
 
     def _refuse(self, one: Generated, what: str, hint: str) -> None:

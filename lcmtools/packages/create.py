@@ -71,7 +71,7 @@ def check(new: NewPackage, known: Collection[str]) -> None:
         raise InvalidName(f"'{new.name}' is the name of another Python package", "use another one")
     if new.message and not _MESSAGE.fullmatch(new.message):
         raise InvalidName(
-            f"'{new.message}' is not a message's name",
+            f"'{new.message}' is not a valid message name",
             "it starts with a capital letter: letters and digits, as in ControllerEvaluationStat",
         )
     if keyword.iskeyword(new.message):
@@ -81,7 +81,7 @@ def check(new: NewPackage, known: Collection[str]) -> None:
             hint = did_you_mean(name, known) or "lcmtools msg packages lists them"
             raise UsageError(f"--deps: there is no package '{name}' of message types", hint)
     if not all(one.isalnum() or one in "-.+ ()" for one in new.license):
-        what = f"--license: '{new.license}' is no licence's short name"
+        what = f"--license: '{new.license}' is not the short name of a licence"
         raise UsageError(what, "for example MIT")
 
 
@@ -98,7 +98,7 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
         present = [path for path in texts if (folder / path).exists()]
         if present and not replace:
             raise LcmtoolsError(
-                f"{folder / present[0]} already exists", "--force overwrites it and its like"
+                f"{folder / present[0]} already exists", "--force overwrites existing files"
             )
         _write(texts, folder)
     return sorted(texts)

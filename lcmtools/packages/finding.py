@@ -96,13 +96,13 @@ def undeclared(
                 continue
             if package is None:
                 problem = next((p for p in space.problems if str(folder) in str(p)), "")
-                return UsageError(f"{shown(file)} is no node yet", str(problem))
+                return UsageError(f"{shown(file)} is not a node yet", str(problem))
             node = Runnable(package.name, name, "", folder)
             if file.parent.name == package.name and not _is_known(node, known):
                 main = "" if is_complete else "give it a function main(args=None), and "
                 hint = f"{main}write  {entry(node)}  in {TABLE} of {shown(folder)}/pyproject.toml"
                 hint += f", or type: lcmtools pkg add-node {name}" if is_complete else ""
-                return UsageError(f"{shown(file)} is no node yet", hint)
+                return UsageError(f"{shown(file)} is not a node yet", hint)
     return None
 
 

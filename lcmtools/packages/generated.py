@@ -157,7 +157,7 @@ def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
 def _not_python(file: Path, name: str, error: Exception) -> Problem:
     word = re.search(r"self\.(\w+)", getattr(error, "text", None) or "")
     if word is None:
-        what = f"{name}: lcm-gen makes no proper Python of it: {getattr(error, 'msg', error)}"
+        what = f"{name}: lcm-gen does not make valid Python of it: {getattr(error, 'msg', error)}"
         return Problem(str(file), 0, what, "", name)
     line = _line_of(file, word[1])
     what = f"{name}: '{word[1]}' is a keyword of Python and cannot be a field"

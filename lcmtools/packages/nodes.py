@@ -85,7 +85,7 @@ class Runnable:
             Exception: Its own code fails when it is imported.
         """
         if self.folder is not None and not _TARGET.fullmatch(self.target):
-            raise self._lost(f"'{self.target}' is no function", f"write  {entry(self)}  in")
+            raise self._lost(f"'{self.target}' is not a function", f"write  {entry(self)}  in")
         if self.folder is not None:
             _make_importable(self.folder)
         module, _, path = self.target.partition(":")

@@ -106,7 +106,7 @@ class _Struct:
         if rest.startswith("="):
             return _constant(kind, name, rest[1:].strip())
         if rest:
-            what = f"{name} has a default value, which LCM cannot say"
+            what = f"{name} has a default value, which LCM does not support"
             raise InvalidFile(what, "leave it out: a new message has zeros")
         if size is None:
             return f"{_lcm_type(kind)} {name};"
@@ -161,7 +161,7 @@ def _names(path: Path, package: str) -> Iterator[Problem]:
     for name, what in ((path.stem, "message type"), (package, "package")):
         if not _LEGAL.fullmatch(name):
             hint = "letters, digits and '_', a letter first"
-            yield Problem(str(path), 0, f"'{name}' is no name of a {what}", hint)
+            yield Problem(str(path), 0, f"'{name}' is not a valid name of a {what}", hint)
 
 
 def _lcm_type(kind: str) -> str:
@@ -183,14 +183,14 @@ def _constant(kind: str, name: str, text: str) -> str:
         _lcm_type(kind)
         raise InvalidFile(f"a constant cannot be of the type {kind}") from None
     except ValueError:
-        raise InvalidFile(f"'{text}' is no value for a {kind}, which {name} is") from None
+        raise InvalidFile(f"'{text}' is not a value of {kind}, the type of {name}") from None
     if not low <= value <= high:
         raise InvalidFile(f"{value} does not fit {kind} ({low}..{high})")
     for bits in (8, 16, 32, 64):
         least, most = INTEGERS[f"int{bits}"]
         if least <= value <= most:
             return f"const int{bits}_t {name} = {value};"
-    raise InvalidFile(f"{name} is larger than LCM's numbers, which end at 2^63 - 1")
+    raise InvalidFile(f"{name} is larger than LCM's largest number, 2^63 - 1")
 
 
 def _finite(text: str) -> float:

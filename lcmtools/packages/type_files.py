@@ -95,9 +95,9 @@ def _paths(folder: Path) -> Iterator[Path]:
 def _read(path: Path) -> LcmFile | Problem:
     try:
         if not path.is_file():
-            return Problem(str(path), 0, "this is no file")
+            return Problem(str(path), 0, "this is not a file")
         if path.stat().st_size > LONGEST_FILE:
-            what = f"a {path.suffix} file has less than {LONGEST_FILE} bytes"
+            what = f"a {path.suffix} file must have less than {LONGEST_FILE} bytes"
             return Problem(str(path), 0, what)
         package = ""
         if path.suffix != ".lcm":

@@ -178,7 +178,7 @@ def source_file(name: str) -> str:
 def source_text(kind: type[Message]) -> str:
     """Return the file of a message type, as its author wrote it."""
     file = source_file(type_name(kind))
-    with os_errors_as(f"cannot read {file}, where {type_name(kind)} is from"):
+    with os_errors_as(f"cannot read {file}, which defines {type_name(kind)}"):
         return Path(file).read_text("utf-8").strip()
 
 

@@ -111,7 +111,7 @@ def package_name(folder: Path) -> str:
     path = folder / "pyproject.toml"
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
         raise InvalidFile(
-            f"{path}: the package has no proper name", 'write  name = "air_lab0"  below [project]'
+            f"{path}: the package has no valid name", 'write  name = "air_lab0"  below [project]'
         )
     return re.sub(r"[-.]+", "_", name)
 

@@ -113,7 +113,8 @@ def _state(service: OfferedService, url: BusUrl) -> str:
         return f"its node {server.name} has ended"
     if now[0].stale:
         return f"its node {server.name} {now[0].stale}"
-    return f"its node {server.name} (pid {server.pid}) runs: is it busy? --timeout 10s waits longer"
+    where = f"its node {server.name} (pid {server.pid})"
+    return f"{where} is running: is it busy? --timeout 10s waits longer"
 
 
 def _is_type(service: OfferedService, word: str) -> bool:

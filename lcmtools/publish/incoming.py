@@ -125,7 +125,7 @@ class _Reader:
             self._file.close()
         if is_empty and not may_be_empty:
             hint = "write YAML documents, separated by ---"
-            raise UsageError(f"{self._source} has no {self._noun} in it", hint)
+            raise UsageError(f"{self._source} does not contain a {self._noun}", hint)
 
     def _lines(self) -> Iterator[str | None]:
         """The lines as they come; None while there is none."""

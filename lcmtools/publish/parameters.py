@@ -29,7 +29,9 @@ class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as 
 
     def __init__(self, node: str, reasons: tuple[str, ...]) -> None:
         text = "; ".join(reasons)
-        super().__init__(text if text.startswith(f"{node} ") else f"{node} refuses: {text}")
+        super().__init__(
+            text if text.startswith(f"{node} ") else f"{node} rejects the change: {text}"
+        )
         self.reasons = reasons
 
 

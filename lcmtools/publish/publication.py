@@ -114,7 +114,7 @@ def check_topic(topic: str, *, literal: bool) -> None:
     if not (topic if literal else topic.strip("/ ")):
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
     if any("\ud800" <= character <= "\udfff" for character in topic):
-        raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
+        raise UsageError(f"{topic!a} is not UTF-8", "nodes cannot use other channels")
 
 
 def _incoming(kind: type[Message], values: "One | Iterator[One]") -> Incoming:

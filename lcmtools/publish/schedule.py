@@ -63,7 +63,7 @@ def schedule_for(
     if stay == math.inf:
         notice = "publishing and latching message. Press ctrl-C to terminate"
     elif is_endless and not rate:
-        notice = f"publishing the one message {_FILE_RATE:g} times a second, until Ctrl-C"
+        notice = f"publishing the single message {_FILE_RATE:g} times a second, until Ctrl-C"
     return Schedule(
         rate=rate or (_FILE_RATE if incoming.is_file else usual),
         count=count,
@@ -193,6 +193,6 @@ class ScheduledPublisher:
             self._is_cut_off = True
             return False
         if self._is_cut_off:
-            self.notify("messages leave again")
+            self.notify("messages are sent again")
         self._is_cut_off = False
         return True

@@ -63,7 +63,7 @@ def find_simulator(graph: Graph, name: str | None) -> str:
         node = find_node(graph, name)
         if node.name not in simulators:
             known = f"simulators: {', '.join(simulators)}" if simulators else _HOW_TO_START
-            raise LcmtoolsError(f"{node.name} is no simulator", known)
+            raise LcmtoolsError(f"{node.name} is not a simulator", known)
         return node.name
     if len(simulators) > 1 and len(leaders) == 1:  # the others follow the clock of this one
         return leaders.pop()

@@ -96,7 +96,7 @@ class SubscriberWait:
             near = "" if misfits else did_you_mean(topic, others)
             self._notify(
                 f"no node subscribes to {topic}{misfits} yet;"
-                f" {f'{near} ' if near else ''}publishing all the same"
+                f" {f'{near} ' if near else ''}publishing anyway"
             )
 
     def _recorded_here(self) -> frozenset[str]:

@@ -30,7 +30,9 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
         return side_speeds(forward, _finite("angular.z", message.angular.z), model.drive)
     if isinstance(message, JointState):
         return _from_joint_state(message, model)
-    raise ValueMismatch(f"a {type(message).__name__} is no command", "send a JointState or a Twist")
+    raise ValueMismatch(
+        f"a {type(message).__name__} is not a command", "send a JointState or a Twist"
+    )
 
 
 def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
@@ -101,5 +103,5 @@ def _mean(by_name: dict[str, float], wheels: Sequence[str]) -> float:
 
 def _finite(field: str, value: float) -> float:
     if not math.isfinite(value):
-        raise ValueMismatch(f"{field} is {value}, which is no number to drive by")
+        raise ValueMismatch(f"{field} is {value}, which is not a finite number")
     return value

@@ -61,7 +61,7 @@ class Control:
         offer(sim_msgs.Snapshot, "~snapshot", _answered(self._snapshot))
 
     def _pause(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
-        response.message = "was paused already" if self._loop.paused else "paused"
+        response.message = "was already paused" if self._loop.paused else "paused"
         self._loop.paused = True
 
     def _resume(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
@@ -80,7 +80,7 @@ class Control:
         if not self._loop.paused:
             raise UsageError("the simulator is not paused", "pause it first")
         if self._loop.is_stepping:  # and waits for a follower
-            raise UsageError("the simulator is doing another request's steps", "wait for them")
+            raise UsageError("the simulator is executing another request's steps", "wait for them")
         done = self._loop.step(request.steps)
         response.time = self._simulation.time
         response.message = f"did {done} steps, now at {response.time / 1e9:.6f} s"
@@ -101,7 +101,7 @@ class Control:
         body = self._body(request.robot)
         self._simulation.place(body, _read_pose(request.pose))
         name = body.namespace if isinstance(body, Robot) else body.name
-        response.message = f"{name} was put there"
+        response.message = f"{name} was placed there"
 
     def _get_state(
         self, request: sim_msgs.GetState_Request, response: sim_msgs.GetState_Response
@@ -123,7 +123,7 @@ class Control:
             raise UsageError(f"unknown model '{request.model}'", hint)
         namespace = resolve_namespace(request.robot)
         if namespace in self._robots():
-            raise UsageError(f"there is a robot {namespace} already")
+            raise UsageError(f"there is already a robot {namespace}")
         placement = RobotPlacement(
             MODELS[request.model], namespace, _read_pose(request.pose), where="spawn"
         )

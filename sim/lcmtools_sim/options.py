@@ -116,8 +116,8 @@ def _parser() -> argparse.ArgumentParser:
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
     add("--version", action="store_true", help="print the versions of lcmtools and the engine")
     add("--list-worlds", action="store_true", help="list the worlds and exit")
-    add("--print-world", metavar="NAME", help="print its file, to start one of your own")
-    add("--check", metavar="FILE", help="check a world file, and end")
+    add("--print-world", metavar="NAME", help="print its file, as a start for your own")
+    add("--check", metavar="FILE", help="check a world file, and exit")
     return parser
 
 

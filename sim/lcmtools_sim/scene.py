@@ -99,7 +99,7 @@ def fleet(scene: Scene, size: int) -> Scene:
         UsageError: The scene has no robot.
     """
     if not scene.robots:
-        raise UsageError(f"the world {scene.name} has no robot to make {size} of")
+        raise UsageError(f"the world {scene.name} has no robot to copy")
     first, pose = scene.robots[0], scene.robots[0].pose
     stem = first.namespace.rstrip("0123456789").rstrip("/") or f"/{first.model.name}"
     side = max(1, math.isqrt(size - 1) + 1)

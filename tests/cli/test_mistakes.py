@@ -165,7 +165,7 @@ def test_url_without_a_port_in_the_environment_is_named(
 def test_channel_that_is_no_utf_8_is_refused(complaint: Complaint) -> None:
     assert complaint("pub --literal a\udcff std_msgs/String x") == (
         2,
-        "lcmtools pub: 'a\\udcff' is not UTF-8; nodes can name no other channel",
+        "lcmtools pub: 'a\\udcff' is not UTF-8; nodes cannot use other channels",
     )
 
 

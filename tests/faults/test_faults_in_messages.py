@@ -99,7 +99,7 @@ def _beats(world: Any) -> int:
 def test_a_node_that_has_become_slower(world: Any) -> None:
     beat = _beating(world, 10)
     beat.send_signal(signal.SIGUSR1)
-    world.finds("slow-rate", "/beat", " Hz in place of ", wait="0.6s")
+    world.finds("slow-rate", "/beat", " Hz instead of ", wait="0.6s")
     beat.send_signal(signal.SIGUSR2)
     world.is_silent()
 
@@ -175,13 +175,13 @@ def test_of_java_programs_that_share_a_port_the_candidates_are_named(world: Any)
 def test_payloads_that_are_no_lcm_messages(world: Any, payload: str, form: str) -> None:
     world.hears("IT")
     sender = world.sends(f"bus.publish('IT', {payload})")
-    found = world.finds("unknown-type", sender.pid, "no LCM messages", f"): {form}")
+    found = world.finds("unknown-type", sender.pid, "not LCM messages", f"): {form}")
     assert found.severity == "note"
 
 
 def test_a_log_of_yesterday_is_played_again(world: Any) -> None:
     sender = _sends(world, f"now.sec -= 86400; now.nsec = int(time.time() % 1 * 1e9); {GOOD}")
-    found = world.finds("stamps", f"(pid {sender.pid})", "a log that is played", wait="0.5s")
+    found = world.finds("stamps", f"(pid {sender.pid})", "as if a log were played", wait="0.5s")
     assert found.severity == "note"
 
 

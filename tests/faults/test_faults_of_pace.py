@@ -107,7 +107,7 @@ def test_a_node_that_falls_from_ten_messages_a_second_to_one(world: Any) -> None
     world.is_silent()
     beat.send_signal(signal.SIGUSR1)
     time.sleep(1.0)
-    found = world.finds("slow-rate", "/beat", " Hz in place of ")
+    found = world.finds("slow-rate", "/beat", " Hz instead of ")
     assert found.severity == "note"
 
 
@@ -156,7 +156,7 @@ def test_a_simulator_that_has_too_much_to_do(world: Any) -> None:
 
     world.until(found)
     (slow,) = found()
-    assert "of real time, not 6: the simulator has too much to do" in slow.text
+    assert "of real time, not 6: the simulator is overloaded" in slow.text
     assert [one["kind"] for one in slow.actions] == ["simulate-less"]
     assert slow.actions[0]["text"].startswith("end programs that subscribe to cameras")
     for viewer in viewers:

@@ -91,7 +91,9 @@ def test_a_stopped_listener_is_ended(world: Any) -> None:
 def test_a_listener_that_hangs(world: Any) -> None:
     world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener = world.script(HANGS, ready="listens")
-    world.finds("stuck-listeners", listener.pid, "bytes wait", f"py-spy dump --pid {listener.pid}")
+    world.finds(
+        "stuck-listeners", listener.pid, "bytes are waiting", f"py-spy dump --pid {listener.pid}"
+    )
     world.end(listener)
     world.hears("A")
     world.is_silent()
@@ -179,7 +181,7 @@ def test_a_program_with_nearly_all_files_open(world: Any) -> None:
     program = world.script(f"{hears.rpartition('time')[0]}{command}time.sleep(1000)\n")
     program.wait_for("listens")
     world.until(lambda: len(list(Path(f"/proc/{program.pid}/fd").iterdir())) > 960)
-    found = world.finds("open-files", f"pid {program.pid} has 9", "close what is not needed")
+    found = world.finds("open-files", f"pid {program.pid} has 9", "close unneeded files")
     world.end(program)
     world.script(hears, ready="listens")
     world.is_silent()
@@ -221,7 +223,7 @@ def test_a_node_that_ends_during_a_look_is_no_plain_program(world: Any) -> None:
 
 def test_a_topic_that_nothing_publishes(world: Any) -> None:
     world.node("listener")
-    found = world.finds(UNFED, "start what publishes /chatter")
+    found = world.finds(UNFED, "start a publisher of /chatter")
     assert [action["kind"] for action in found.actions] == ["start-publisher"]
     world.node("talker")
     world.is_silent()
@@ -261,7 +263,7 @@ def test_what_a_quiet_program_may_publish_is_a_note(world: Any) -> None:
     world.node("listener")
     assert world.finds(UNFED).severity == "warning"
     program = world.script(SELDOM, ready="runs")
-    found = world.finds(UNFED, f"(pid {program.pid}) uses LCM, and may publish seldom")
+    found = world.finds(UNFED, f"(pid {program.pid}) uses LCM, and may publish rarely")
     assert found.severity == "note"
 
 

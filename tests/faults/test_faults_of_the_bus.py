@@ -193,7 +193,7 @@ def test_listeners_that_joined_elsewhere(
     world.node("talker")
     world.node("listener")
     wrong = f"(pid {sink.pid}): on {second_interface}"
-    world.finds("interfaces", "leads to lo", wrong, "start the listeners again")
+    world.finds("interfaces", "leads to lo", wrong, "restart the listeners")
     world.again(sink)
     world.is_silent()
 

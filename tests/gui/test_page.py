@@ -115,7 +115,7 @@ def test_nobody_publishes_from_a_page_that_may_only_watch(serve: Serve, page: An
     page.get_by_text("watching only").wait_for()
     row(page, "/pose").click()
     page.get_by_role("button", name="Publish", exact=True).click()
-    page.get_by_text("this page may watch but not command").wait_for()
+    page.get_by_text("this page may only watch, not command").wait_for()
     assert page.get_by_role("button", name="Publish once").is_disabled()
     assert page.get_by_role("button", name="Repeat").is_disabled()
 

@@ -257,7 +257,7 @@ def test_who_may_only_watch_is_told_so(
     serve: Callable[..., tuple[Program, str]], page: Any
 ) -> None:
     page.goto(serve("steer", TOPIC, "--read-only")[1])
-    page.get_by_text("This page may watch but not command").wait_for()
+    page.get_by_text("This page may only watch, not command").wait_for()
     assert page.get_by_role("button", name="Stop").is_disabled()
 
 

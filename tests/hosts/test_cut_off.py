@@ -16,7 +16,7 @@ print("listens", flush=True)
 while True:
     bus.handle()
 """
-_STALE = "announces itself no more"
+_STALE = "no longer announces itself"
 
 
 @pytest.fixture

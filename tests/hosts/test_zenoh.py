@@ -32,7 +32,7 @@ def test_zenoh_stays_on_its_computer_unless_it_is_told_otherwise(
     )
     done = bob.lcmtools("list", LCM_DEFAULT_URL="zenoh://10.76.0.1:7447")
     assert (done.returncode, done.stdout) == (1, "")
-    assert "nothing of Zenoh at 10.76.0.1:7447 (Connection refused)" in done.stderr
+    assert "no Zenoh router or program at 10.76.0.1:7447 (Connection refused)" in done.stderr
 
 
 def test_a_cut_line_is_told_once_and_comes_back_by_itself(

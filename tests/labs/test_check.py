@@ -289,7 +289,7 @@ def test_start_says_what_to_type_runs_the_simulator_and_refuses_a_second_one(
     program.wait_for("simulating dolly", 30.0)  # type: ignore[attr-defined]
     second = lcmtools("lab", "start", "dolly", **bus)
     assert second.returncode == 1
-    assert "/gazebo runs on this bus already" in second.stderr
+    assert "/gazebo is already running on this bus" in second.stderr
     program.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
     assert program.wait() == 0  # type: ignore[attr-defined]
 

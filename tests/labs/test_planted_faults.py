@@ -277,7 +277,7 @@ def test_the_cause_of_a_wrong_controller_is_named_once(
 @pytest.mark.parametrize(
     ("fault", "words"),
     [
-        ("key-jl", "'j' does what 'l' should do (right on the spot): one key for another"),
+        ("key-jl", "'j' does what 'l' should do (right on the spot): the keys are mixed up"),
         ("turn-sign", "wrong sign of turn: left is angular.z above 0"),
         ("died", "the program died: it ended with code 1: KeyError: 'k'"),
         ("endless", "let the loop end when lcmtools.ok() is false"),
@@ -293,7 +293,7 @@ def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Ch
 @pytest.mark.parametrize(
     ("fault", "measured", "words"),
     [
-        ("once", "0.00 Hz", "one command came, and no other in"),
+        ("once", "0.00 Hz", "one command came, and no other for"),
         ("timer", "none within", "a period of 500 s; if 500 ms are meant, write 0.5"),
     ],
 )
@@ -310,7 +310,7 @@ def test_the_cause_of_a_wrong_mover_is_named(
     ("fault", "words"),
     [
         ("busy", "its callback of /ground_truth runs for 0."),
-        ("ended", "it comes no farther than ("),
+        ("ended", "it gets no farther than ("),
     ],
 )
 def test_the_cause_of_a_path_that_is_not_followed_is_named(
@@ -342,7 +342,7 @@ def test_a_program_that_ends_and_leaves_its_robot_driving_is_not_right(check: Ch
     (row,) = check("pioneer", "path", UNSTOPPED, "no-stop")
     assert row["what"] == "stops at the end"
     assert str(row["measured"]).startswith("+0.400 m/s")
-    assert "publish a last Twist of 0" in row["hint"]
+    assert "publish a final Twist of 0" in row["hint"]
 
 
 def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
@@ -402,7 +402,7 @@ def test_a_class_is_checked_with_a_table_a_report_and_pictures(
     assert table[1][:4] == ["bo.py", "0", "of", "1"]
     assert "ValueError: /dolly/cmd_vel (bo.py:1)" in table[1][4]
     assert table[2][:2] == ["cy", "-"]
-    assert table[2][4] == "no program of this lab: moving_robot or reading_laser"
+    assert table[2][4] == "not contain a program of this lab: moving_robot or reading_laser"
     report = (tmp_path / "class.xml").read_text()
     assert report.count("<testsuite ") == 3
     assert (tmp_path / "plot_anna_mover.png").read_bytes().startswith(b"\x89PNG")

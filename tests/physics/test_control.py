@@ -130,7 +130,7 @@ def test_a_request_for_steps_is_refused_while_those_of_another_wait(
     done = [paused(offered).call("step", steps=6) for _ in range(2)]
 
     assert [(answer.success, answer.message) for answer in refused] == [
-        (False, "the simulator is doing another request's steps; wait for them")
+        (False, "the simulator is executing another request's steps; wait for them")
     ]
     assert [answer.message for answer in done] == [
         "did 6 steps, now at 0.025000 s",
@@ -284,7 +284,7 @@ def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list
         (
             "spawn",
             {"model": "husky", "robot": "/husky0"},
-            "there is a robot /husky0 already",
+            "there is already a robot /husky0",
         ),
         ("set_rate", {"rate": -1.0}, "the rate must be 0 or more, not -1"),
         ("set_rate", {"rate": math.nan}, "the rate must be 0 or more, not nan"),
@@ -345,7 +345,7 @@ def test_pause_and_resume_say_what_was(node: Offered) -> None:
     assert [node.call(s).message for s in ("resume", "pause", "pause", "resume")] == [
         "was not paused",
         "paused",
-        "was paused already",
+        "was already paused",
         "resumed",
     ]
     assert isinstance(node.call("pause"), std_srvs.Trigger_Response)

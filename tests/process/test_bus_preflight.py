@@ -109,7 +109,7 @@ def test_the_check_finds_its_own_datagram_among_others() -> None:
 def test_a_port_that_a_program_keeps_for_itself_is_named() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as selfish:
         selfish.bind(("", _URL.port))
-        with pytest.raises(BusError, match="taken by a program that does not share it") as caught:
+        with pytest.raises(BusError, match="used by a program that does not share it") as caught:
             check_multicast(_URL)
     assert "ss -ulnp 'sport = :7667'" in caught.value.hint
 

@@ -300,7 +300,7 @@ def test_a_file_that_is_no_log_is_named(
     tmp_path: Path, content: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "a.log").write_text(content)
-    with pytest.raises(BusError, match=r"'.*/a\.log' is empty or no LCM log"):
+    with pytest.raises(BusError, match=r"'.*/a\.log' is empty or not an LCM log"):
         LcmListener(parse_url(f"file://{tmp_path}/a.log"))
     assert capfd.readouterr() == ("", "")
 

@@ -173,7 +173,7 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
     done = cli("list", "--lcm-url", "zenoh://")
     assert (done.code, done.out) == (3, "")
     assert done.err == (
-        "lcmtools list: a bus of Zenoh needs the extra 'zenoh' (import of zenoh halted; None in"
+        "lcmtools list: a Zenoh bus needs the extra 'zenoh' (import of zenoh halted; None in"
         " sys.modules); type: pip install 'lcmtools-robotics[zenoh]'\n"
     )
 
@@ -181,7 +181,7 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
 @pytest.mark.parametrize(
     ("url", "fault"),
     [
-        ("zenoh://127.0.0.1:1", "nothing of Zenoh at 127.0.0.1:1 (Connection refused)"),
+        ("zenoh://127.0.0.1:1", "no Zenoh router or program at 127.0.0.1:1 (Connection refused)"),
         ("zenoh://?listen=192.0.2.1", "cannot listen at 192.0.2.1:7447"),
         ("zenoh:///nowhere.json5", "cannot read Zenoh's configuration '/nowhere.json5'"),
     ],

@@ -109,7 +109,7 @@ def test_timeout_is_for_messages_that_meet_the_filter(lcmtools: Run) -> None:
     ("arguments", "error"),
     [
         (["/chatter/nope"], "nope: std_msgs/String has no field 'nope' (fields: data)"),
-        (["/chatter[0]"], "the message is no array but a std_msgs/String (fields: data)"),
+        (["/chatter[0]"], "the message is not an array but a std_msgs/String (fields: data)"),
         (["/scan/ranges[9]"], "ranges[9]: the array has 5 elements, none at [9]"),
         (
             ["/scan/ranges[a]"],

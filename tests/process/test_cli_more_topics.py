@@ -220,7 +220,7 @@ def test_delay_ends_where_no_stamp_is_a_time(
     )
     result = lcmtools("delay", "/zero", "--timeout", "1s")
     assert result.returncode == 4
-    assert "the stamp of a message on /zero is 0, which is no time\n" in result.stderr
+    assert "the stamp of a message on /zero is 0, which is not a time\n" in result.stderr
 
 
 def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(lcmtools: Run) -> None:

@@ -103,11 +103,17 @@ def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: s
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["gain", "fast"], "/husky0/driver refuses: parameter gain: expected a number, got 'fast'"),
-        (["gain", "11"], "/husky0/driver refuses: parameter gain: 11.0 is more than 10.0"),
-        (["name", "eve"], "/husky0/driver refuses: eve may not drive"),
+        (
+            ["gain", "fast"],
+            "/husky0/driver rejects the change: parameter gain: expected a number, got 'fast'",
+        ),
+        (
+            ["gain", "11"],
+            "/husky0/driver rejects the change: parameter gain: 11.0 is more than 10.0",
+        ),
+        (["name", "eve"], "/husky0/driver rejects the change: eve may not drive"),
         (["gian", "1"], "/husky0/driver has no parameter 'gian'; did you mean gain?"),
-        (["{gain: 2, name: eve}"], "/husky0/driver refuses: eve may not drive"),
+        (["{gain: 2, name: eve}"], "/husky0/driver rejects the change: eve may not drive"),
         (["{pid: {}}"], "/husky0/driver has no parameter 'pid'; did you mean pid.kp?"),
         (["{pid: {kq: 2}}"], "/husky0/driver has no parameter 'pid/kq'; did you mean pid.kp?"),
     ],
@@ -174,8 +180,16 @@ def test_load_takes_the_files_of_rosparam_and_ros2(
             "3: /husky0/driver has no parameter 'gian'; did you",
         ),
         ("driver:\n  gain: 2\n\ndrivre:\n  gain: 3\n", 1, "5: there is no node /drivre"),
-        ("driver:\n  name: eve\n  gain: 2\n", 1, " /husky0/driver refuses: eve may not drive"),
-        ("driver:\n  name: x\n  gain: 20\n", 1, "3: /husky0/driver refuses: parameter gain: 20.0"),
+        (
+            "driver:\n  name: eve\n  gain: 2\n",
+            1,
+            " /husky0/driver rejects the change: eve may not drive",
+        ),
+        (
+            "driver:\n  name: x\n  gain: 20\n",
+            1,
+            "3: /husky0/driver rejects the change: parameter gain: 20.0",
+        ),
         ("gain: 2\n", 1, "1: 'gain' is for no node; write the node after the file"),
     ],
 )

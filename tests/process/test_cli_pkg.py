@@ -180,7 +180,7 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
     assert (again.returncode, again.stdout) == (1, "")
     assert again.stderr == (
         "lcmtools pkg create: air_lab0/pyproject.toml already exists;"
-        " --force overwrites it and its like\n"
+        " --force overwrites existing files\n"
     )
     assert node.read_text() == "mine\n"
     assert lcmtools(*CREATE, "--force").returncode == 0
@@ -250,7 +250,7 @@ def test_lcmtools_own_answer_says_so_when_it_runs(
             '"air_lab0.simple_controller:run"',
             "'run'; write def run(args=None): in it, or see [project",
         ),
-        ('"air_lab0/simple_controller.py"', "is no function; write simple_controller = "),
+        ('"air_lab0/simple_controller.py"', "is not a function; write simple_controller = "),
     ],
 )
 def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(

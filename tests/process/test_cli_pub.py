@@ -167,7 +167,7 @@ def test_once_does_not_wait_for_a_subscriber_of_another_type(
     assert result.code == 0
     assert result.err == (
         f"lcmtools pub: no node subscribes to {topic} as std_msgs/Int32"
-        " (/receiver does as std_msgs/String) yet; publishing all the same\n"
+        " (/receiver does as std_msgs/String) yet; publishing anyway\n"
     )
 
 

@@ -10,7 +10,7 @@ ROUTE = ("224.0.0.0/4", "dev", "lo")
 MESSAGE = ("/chatter", "std_msgs/String", "hello")
 CANNOT = "lcmtools pub: cannot publish on /chatter: Network is unreachable"
 WAITING = f"{CANNOT}; waiting for the network"
-AGAIN = "lcmtools pub: messages leave again"
+AGAIN = "lcmtools pub: messages are sent again"
 
 pytestmark = pytest.mark.usefixtures("on_bus", "private_network")
 

@@ -172,7 +172,7 @@ def test_what_echo_prints_can_be_published_again(topic: str, cli: Cli) -> None:
         (
             "# nothing\n---\n",
             2,
-            "standard input has no message in it; write YAML documents, separated by ---",
+            "standard input does not contain a message; write YAML documents, separated by ---",
         ),
     ],
 )
@@ -211,7 +211,7 @@ def test_one_message_in_a_file_is_repeated(topic: str, cli: Cli, tmp_path: Path)
     result = cli("pub", *words, until="publishing #3: ")
     assert result.code == 130
     assert result.err.startswith(
-        "publishing the one message 10 times a second, until Ctrl-C\npublishing #1: "
+        "publishing the single message 10 times a second, until Ctrl-C\npublishing #1: "
     )
 
 

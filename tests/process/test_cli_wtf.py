@@ -110,7 +110,8 @@ CONTROLLER = (
     " * /simple_controller:\n"
     "   * /odometry\n"
     "   * /desired_velocity\n"
-    "   -> start what publishes /odometry and /desired_velocity; what is there: lcmtools list -v\n"
+    "   -> start a publisher of /odometry and /desired_velocity; to see what is published:"
+    " lcmtools list -v\n"
     "\n"
     "Found 1 note(s).\n"
     "Notes are seldom at fault\n"
@@ -249,7 +250,7 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
     result = cli("wtf", "--from", str(file))
     assert (result.code, result.out) == (64, "")
     assert result.err == (
-        f"lcmtools wtf: {file} holds no evidence that wtf can judge: it is other JSON\n"
+        f"lcmtools wtf: {file} does not contain evidence that wtf can judge: it is other JSON\n"
     )
     result = cli("wtf", "--from", str(tmp_path / "none"))
     assert (result.code, result.out) == (64, "")
@@ -295,7 +296,7 @@ def test_options_of_a_url_that_lcm_reads_otherwise_are_named(
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url.replace("ttl=0", "tll=1&ttl=256"))
     text = lcmtools("wtf", "--wait", "0.1s", "--rule", "environment").stdout
     assert "tll=1 has no effect; did you mean ttl?\n" in text
-    assert "ttl=256 is sent as 0; the greatest is 255\n" in text
+    assert "ttl=256 is sent as 0; the maximum is 255\n" in text
 
 
 def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(

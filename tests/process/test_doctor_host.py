@@ -206,7 +206,7 @@ def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -
     ip("route", "del", "224.0.0.0/4")
     what, remedy = send_problem(url)
     assert what == "no multicast route to 239.255.76.67:7667"
-    assert remedy.startswith("connect the network, or lead a route to its interface: sudo ip route")
+    assert remedy.startswith("connect the network, or set a route to its interface: sudo ip route")
     assert large_problem(url) == ""  # not even a small one leaves: another rule says so
 
 

@@ -201,7 +201,7 @@ def test_a_file_that_is_no_log_is_an_error(tmp_path: Path, cli: Any) -> None:
     result = cli("gui", "--no-open", "--bag", str(path))
     assert (result.code, result.err) == (
         1,
-        f"lcmtools gui all: no message is in {path}; it is no LCM log\n",
+        f"lcmtools gui all: there are no messages in {path}; it is not an LCM log\n",
     )
     result = cli("gui", "--bag", str(path), "--domain", "3")
-    assert "-b reads a log in place of the bus" in result.err
+    assert "-b reads a log instead of the bus" in result.err

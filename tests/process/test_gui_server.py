@@ -153,10 +153,10 @@ def test_a_token_gives_the_right_to_watch_or_to_command(open_window: Open) -> No
         page.open(1, "topics")
         assert (
             page.request("do", "publish", **form)["error"]["what"]
-            == "this page may watch but not command"
+            == "this page may only watch, not command"
         )
         page.open(2, "publishing", rate=10, **form)
-        assert page.problem(2) == "this page may watch but not command"
+        assert page.problem(2) == "this page may only watch, not command"
     with window.page("command") as page:
         assert page.request("do", "publish", **form)["answer"] is None
 
@@ -213,7 +213,7 @@ def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> N
     [
         ({"topic": 7}, "'topic' is not a short text"),
         ({"topic": "x" * 2000}, "'topic' is not a short text"),  # pasted
-        ({"topic": "\ud800"}, r"'\ud800' is no text that a channel can be named by"),
+        ({"topic": "\ud800"}, r"'\ud800' cannot be a channel's name"),
         ({"topic": "/a", "toggled": ["x"] * 2000}, "'toggled' is not a short list"),
     ],
 )

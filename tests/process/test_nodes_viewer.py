@@ -107,7 +107,7 @@ def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
     code, output = look(bus_url, lcmtools_path, message, *words)
     assert (code, output) == (
         1,
-        "lcmtools run kinect_viewer: broken picture: it is no PNG or JPEG file\n",
+        "lcmtools run kinect_viewer: broken picture: it is not a PNG or JPEG file\n",
     )
 
 

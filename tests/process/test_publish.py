@@ -67,7 +67,7 @@ def test_names_and_what_a_person_reads_are_given(topic: str, receiver: Any) -> N
     assert publish(topic[1:], STRING, "x", count=1, arguments=arguments) == 1
     assert received() == [{"data": "x"}]
     assert publish("nobody", STRING, "x", count=1, notify=notes.append) == 1
-    assert notes == ["no node subscribes to /nobody yet; publishing all the same"]
+    assert notes == ["no node subscribes to /nobody yet; publishing anyway"]
 
 
 def test_what_cannot_be_sent_raises(topic: str) -> None:

@@ -71,7 +71,7 @@ def test_a_paused_simulator_does_the_requested_steps_and_no_more(tell: Tell) -> 
 
 
 def test_pause_and_resume_say_what_was(tell: Tell, wait_until: Callable[..., None]) -> None:
-    assert tell("pause") == "was paused already\n"
+    assert tell("pause") == "was already paused\n"
     assert tell("resume") == "resumed\n"
     wait_until(lambda: state(tell, "husky0")["time"] > 100_000_000)
     assert tell("resume") == "was not paused\n"
@@ -80,7 +80,7 @@ def test_pause_and_resume_say_what_was(tell: Tell, wait_until: Callable[..., Non
 
 
 def test_a_robot_is_where_it_is_put(tell: Tell) -> None:
-    assert tell("set-pose", "husky0", "-3.5", "-2", "90deg") == "/husky0 was put there\n"
+    assert tell("set-pose", "husky0", "-3.5", "-2", "90deg") == "/husky0 was placed there\n"
 
     answer = state(tell, "/husky0")
 
@@ -168,7 +168,7 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_pat
             "the pose is not finite, or farther than 100000 m",
         ),
         (["spawn", "huski", "a", "9", "9"], "unknown model 'huski'; did you mean husky?"),
-        (["spawn", "husky", "dolly", "9", "9"], "there is a robot /dolly already"),
+        (["spawn", "husky", "dolly", "9", "9"], "there is already a robot /dolly"),
         (["step", "1000001"], "steps must be from 1 to 1000000, not 1000001"),
         (
             ["snapshot", "x.png", "--robot", "r2d2"],
@@ -204,4 +204,4 @@ def test_another_node_is_no_simulator(
     result = lcmtools("sim", "pause", "--sim", "talker")
 
     assert result.returncode == 1
-    assert result.stderr == "lcmtools sim pause: /talker is no simulator; simulators: /yard\n"
+    assert result.stderr == "lcmtools sim pause: /talker is not a simulator; simulators: /yard\n"

@@ -56,7 +56,7 @@ def _obstacles(host: Host) -> Iterator[Statement]:
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """There is a node or a message on the bus. If there is none, it may be the wrong bus.
 
-    A note where programs of LCM are there that are no nodes: they may have nothing to send.
+    A note if plain LCM programs are present: they may have nothing to send.
     """
     if evidence.bus_problem or not _is_empty(evidence):
         return
@@ -84,10 +84,10 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("other-buses", "export LCM_DEFAULT_URL with the same value in every shell")
 def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
-    """Programs of this user are on the bus that is looked at.
+    """Programs of this user are on the bus that wtf examines.
 
-    Those on other buses are a note; a warning if this bus is empty, or a topic that a subscription
-    misses is published there, or the other way round.
+    Programs on other buses are a note, or a warning if this bus is empty or if a topic that a
+    subscription here lacks is published there, or the other way round.
     """
     if evidence.bus_problem:
         return
@@ -170,9 +170,10 @@ def _place(url: str) -> str:
 def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
     """Messages reach the other computers of this network, and no other networks.
 
-    With ttl=0 datagrams stay on the computer, with 1 in its network; more lets them go further.
-    Some keep what only this computer needs at home: that is a fault only where a node of another
-    computer subscribes to it. Where all programs of this computer do, it is a note.
+    With ttl=0 datagrams stay on the computer, with 1 in its network; a higher ttl lets them go
+    further. Some programs keep messages that only this computer needs local: that is a fault only
+    if a node on another computer subscribes to them. If all programs of this computer do so, it is
+    a note.
     """
     own = dict.fromkeys((s.name, s.ttl) for s in evidence.senders if s.is_local)
     if others := sorted({s.sender.address for s in evidence.senders if not s.is_local}):

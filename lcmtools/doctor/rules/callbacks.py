@@ -85,7 +85,7 @@ class _Subscription:
         return {"seconds": self.hangs / 1e9}
 
 
-@rule("queue-drops", "make the callback faster, or the queue's depth greater")
+@rule("queue-drops", "make the callback faster, or increase the queue depth")
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
@@ -104,11 +104,11 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.
 
-    All callbacks of a node run one after another, and none does without spin. One that takes as
-    long as there is between two messages lets them wait ever longer; one that never ends lets
-    timers, services and all other topics wait, whatever the depth of its queue. That a subscription
-    of depth 1 leaves messages out is no fault: it requests the newest only. Nor is what a busy
-    computer may be to blame for.
+    All callbacks of a node run one after another, and only while it spins. A callback that takes as
+    long as the time between two messages makes them wait longer and longer; one that never ends
+    makes timers, services and all other topics wait, whatever the depth of its queue. It is not a
+    fault if a subscription of depth 1 skips messages: it requests only the newest. Delays that a
+    busy computer may have caused are not reported either.
     """
     lossy, slow, busy = _judged(evidence)
     facts = [

@@ -19,7 +19,7 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
     One without is often in another namespace, has a slightly different name, or its publisher was
-    not started. A note where a program that is no node may publish it seldom.
+    not started. A note if a program that is not a node may publish it rarely.
     """
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
@@ -46,10 +46,10 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
 def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """Every publication has a subscriber.
 
-    One without is seldom a fault. Programs that are no nodes do not announce their subscriptions:
-    where one listens, nothing is reported. Neither are sensors of a simulator, publications that
-    would connect an unconnected subscription, topics of a node that was killed or hangs, and those
-    that a node on another bus waits for.
+    One without is seldom a fault. Programs that are not nodes do not announce their subscriptions:
+    if one listens, nothing is reported. Not reported either are sensors of a simulator,
+    publications that would connect an unconnected subscription, topics of a node that was killed or
+    hangs, and topics that a node on another bus waits for.
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
@@ -109,9 +109,9 @@ def _facts(loose: Iterable[End]) -> Iterator[Statement]:
 
 @rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")
 def names_are_good(evidence: Evidence) -> Iterator[Finding]:
-    """Channels have names that every program can subscribe to, and no two that look the same.
+    """Channels have names that every program can subscribe to, and no two names look the same.
 
-    liblcm matches names as UTF-8 text: others never arrive. It carries at most 63 bytes.
+    liblcm matches names as UTF-8 text: other names never arrive. A name has at most 63 bytes.
     """
     proposed = {way.channel for way in proposed_ways(evidence)}  # reported with its subscription
     senders = {s.channel: s.name for s in evidence.streams if s.channel not in proposed}

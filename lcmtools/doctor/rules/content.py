@@ -15,8 +15,8 @@ _LOG = "file://"
 def numbers_are_finite(evidence: Evidence) -> Iterator[Finding]:
     """Published numbers are finite.
 
-    A NaN passes through every later computation, and a robot that gets NaN m/s as its velocity does
-    anything. Ranges of lasers may be infinite.
+    A NaN spreads through every later computation, and a robot that gets NaN m/s as its velocity may
+    do anything. Ranges of lasers may be infinite.
     """
     return _odd(evidence, "not-finite", "print-values")
 
@@ -34,7 +34,7 @@ def quaternions_are_rotations(evidence: Evidence) -> Iterator[Finding]:
 def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
     """Covariance matrices are symmetric, and variances not negative.
 
-    A filter that gets another one diverges. -1 as the first number means: unknown.
+    A filter that gets any other matrix diverges. -1 as the first number means: unknown.
     """
     return _odd(evidence, "covariance", "symmetric", "unknown-covariance")
 
@@ -45,8 +45,8 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
 
     Stamps in the future or long ago come from a wrong clock, or from a node that does not use the
     simulator's time as the others do. A computer whose clock differs is reported by another rule.
-    A utime, of messages without a header, is microseconds since 1970, or of a clock of its own.
-    Old stamps that advance as the clock does are a note: a log may be played again.
+    A utime, in messages without a header, is microseconds since 1970, or the time of another clock.
+    Old stamps that advance at the clock's rate are a note: a log may be played.
     """
     mine = [odd for odd in evidence.oddities if not has_wrong_clock(evidence, odd.name)]
     # a single old message may be a latched one
@@ -73,7 +73,7 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     """All bytes of a log belong to messages.
 
     A recorder that is killed, a full disk or a broken transfer cuts a message off or leaves bytes
-    between messages, and those that were there are lost.
+    between messages; the messages that were there are lost.
     """
     if evidence.damaged_bytes:
         log = evidence.url.removeprefix(_LOG)

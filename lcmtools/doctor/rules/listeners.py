@@ -57,10 +57,10 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("small-buffer", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
 def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
-    """Every listener's buffer takes the largest message on the bus.
+    """Every listener's buffer can hold the largest message on the bus.
 
-    liblcm sends all parts of a large message at once; nodes of lcmtools spread them, which needs no
-    large buffer.
+    liblcm sends all parts of a large message at once; nodes of lcmtools spread them over time,
+    which needs no large buffer.
     """
     if stream := _largest(evidence):
         size = stream.largest
@@ -72,10 +72,10 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("interfaces", "restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X")
 def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Finding]:
-    """Programs listen on the interface that messages leave by.
+    """Programs listen on the interface on which messages are sent.
 
-    A program joins the group where the route led when it started, and stays there when the route
-    changes.
+    A program joins the group on the interface of the route when it started, and stays there when
+    the route changes.
     """
     host = evidence.host
     if host.interface and evidence.listeners:
@@ -90,7 +90,7 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
         yield from found(title, facts, "restart-listeners")
 
 
-@rule("reassembly", "smaller messages (below 1400 bytes none is cut), or a wired network")
+@rule("reassembly", "smaller messages (below 1400 bytes none is fragmented), or a wired network")
 def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams that the network has cut into fragments arrive with all of them.
 
@@ -105,7 +105,7 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
 def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     """The kernel does not drop messages of computers behind another interface.
 
-    It does if rp_filter is strict, which matters on computers with several interfaces. A note as
+    It does so if rp_filter is strict, which matters on computers with several interfaces. A note as
     long as it has dropped nothing.
     """
     host = evidence.host
@@ -119,7 +119,7 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("firewall", "sudo ufw allow in proto udp to 224.0.0.0/4", Severity.NOTE)
 def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
-    """A firewall lets the bus's datagrams pass, where other computers take part."""
+    """A firewall lets the bus's datagrams pass, if other computers take part."""
     if evidence.ttl and evidence.host.firewall and not evidence.has_others():
         title = state("firewall", firewall=evidence.host.firewall)
         chain = evidence.host.firewall_chain
@@ -128,7 +128,7 @@ def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("environment", "correct the variable, or pip install lcm")
 def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
-    """Variables name what exists, and Python finds LCM's package and no other."""
+    """Environment variables are valid, and Python finds LCM's package and no other."""
     facts = (state("text", text=fault) for fault in evidence.host.environment)
     return found("environment", facts, "correct-environment")
 

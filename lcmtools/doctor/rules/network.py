@@ -31,7 +31,7 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams with the bus's own ttl can be sent.
 
     With a ttl above 0 they have to leave the computer, which a firewall (EPERM), a missing route
-    (ENETUNREACH) or a full queue of the network card (ENOBUFS) can forbid.
+    (ENETUNREACH) or a full queue of the network card (ENOBUFS) can prevent.
     """
     host = evidence.host
     if host.send_problem and not evidence.bus_problem:
@@ -44,7 +44,7 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
 def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
     """The interface to which the route to the bus leads has a link: a cable, or Wi-Fi.
 
-    Without one no message leaves this computer, and no error tells of it. It does not matter where
+    Without one no message leaves this computer, and no error reports it. It does not matter if
     ttl=0 keeps messages here.
     """
     host = evidence.host
@@ -66,7 +66,7 @@ def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("container", "docker run --network host; WSL: networkingMode=mirrored", Severity.NOTE)
 def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
-    """The network that a container or WSL has to itself forwards multicast.
+    """The private network of a container or WSL forwards multicast.
 
     Most do not, so that the bus ends there. Reported if no other computer is seen.
     """
@@ -86,9 +86,9 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """The network has an IGMP querier, which queries for group members.
 
-    Without one, many switches forget the members some minutes after these have started, and
-    messages stop. A switch cannot be looked at from here; a bridge of this computer can, and
-    it can send the queries for the whole network. It forwards everything itself without a querier.
+    Without one, many switches forget the members some minutes after they have started, and messages
+    stop. wtf cannot inspect a switch; it can inspect a bridge of this computer, which can send the
+    queries for the whole network. Without a querier, the bridge itself forwards everything.
     """
     bridge = evidence.host.bridge
     if _is_alone(evidence) and bridge:
@@ -127,9 +127,9 @@ def _is_alone(evidence: Evidence) -> bool:
 def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
     """The clocks of all computers agree.
 
-    Announcements of nodes hold the time at which they were sent, by their own computer's clock. If
-    one comes before it was sent, or much later, one of the two clocks is wrong; then stamps, delays
-    and all that is computed from them are wrong too. Which of the two it is does not show.
+    Announcements of nodes contain the time at which they were sent, by their own computer's clock.
+    If one arrives before that time, or much later, one of the two clocks is wrong; then stamps,
+    delays and everything computed from them are wrong, too. wtf cannot tell which of the two it is.
     """
     for clock in wrong_clocks(evidence):
         facts = [state("program", program=Subject("node", name)) for name in clock.nodes[:_MOST]]

@@ -14,10 +14,10 @@ _MOST_FILES = 0.9
 
 @rule("stale-nodes", "wake it: kill -CONT PID; or forget it: lcmtools node cleanup", Severity.ERROR)
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
-    """Every node that was there and did not say goodbye still answers.
+    """Every node that was seen before and did not say goodbye still answers.
 
-    One that does not was killed, is stopped, or its computer is gone. A note where this computer is
-    so busy that an answer may only be late.
+    A node that does not was killed, is stopped, or its computer is gone. A note if this computer is
+    so busy that the answer may only be late.
     """
     nodes = evidence.graph.nodes
     alive = {node.name for node in nodes if not node.stale}

@@ -76,8 +76,8 @@ class _Pace:
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
-    By their own counters, by the traffic during the look, and with --watch by earlier looks. Many
-    have a reason: no commands, or no subscribers.
+    wtf compares their own counters, the traffic during the look, and with --watch earlier looks.
+    Many stop for a good reason: no commands, or no subscribers.
     """
     facts: dict[tuple[str, str], Statement] = {}  # each publisher once, by the surest evidence
     for kind, by, name, topic, age, rate in _silent(evidence):
@@ -131,7 +131,7 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     """Publishers are as fast as they were.
 
     Nodes count their messages, LCM numbers those of other programs: both give the average rate
-    since the start. With --watch the rates of earlier looks count, too.
+    since the start. With --watch the rates of earlier looks are used, too.
     """
     silent = {(name, topic) for _, _, name, topic, _, _ in _silent(evidence)}
     facts: dict[tuple[str, str], Statement] = {}
@@ -165,7 +165,10 @@ def may_have_fallen(evidence: Evidence) -> bool:
     Severity.NOTE,
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
-    """Frequent messages come evenly: a gap may be a callback that blocks, or a busy computer."""
+    """Frequent messages come at regular intervals.
+
+    A gap may be caused by a callback that blocks, or by a busy computer.
+    """
     facts = []
     for stream in _wanted_streams(evidence):
         interval = usual_interval(stream)

@@ -7,11 +7,11 @@ from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, st
 from lcmtools.graph.model import Role
 
 
-@rule("relay-bus", "start what the relay joins, or see whether the line to it works")
+@rule("relay-bus", "start the bus that the relay joins, or check the connection to it")
 def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     """Every relay reaches both of its buses.
 
-    One that does not tries again until it does; messages for the bus are dropped meanwhile.
+    A relay that does not retries until it does; messages for the bus are dropped meanwhile.
     """
     facts = (
         state("relay-bus", **_who(end), trouble=end.trouble) for end in _with(evidence, "trouble")
@@ -23,7 +23,8 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
 def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     """No relay drops messages.
 
-    It does where a line takes less than comes for it: what has waited for a second is not sent.
+    A relay drops messages if a line is slower than the messages for it: a message that has waited
+    for a second is not sent.
     """
     facts = (
         state("relay-dropped", **_who(end), bus=end.bus, count=end.dropped)
@@ -36,8 +37,8 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
 def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """Commands to actuators pass a relay if a node on the other bus waits for them.
 
-    They do only where --allow has their very name, so that nobody drives a robot by accident. A
-    note, for it may be meant so: --deny says that it is.
+    They pass only if --allow gives their exact name, so that nobody drives a robot by accident. A
+    note, because it may be intended; --deny confirms that.
     """
     sent = {one.channel for one in evidence.streams}
     sent |= {end.topic for node in evidence.graph.nodes for end in node.having(Role.PUBLISHER)}
@@ -48,11 +49,11 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     return found("relay-commands", facts, *remedies, severity=Severity.NOTE)
 
 
-@rule("relay-standby", "end it, if it is not to take over", Severity.NOTE)
+@rule("relay-standby", "end it, if it should not take over", Severity.NOTE)
 def relays_carry_messages(evidence: Evidence) -> Iterator[Finding]:
-    """Every relay carries messages, unless it is to take over from another one.
+    """Every relay carries messages, unless it should take over from another one.
 
-    Of several relays that join the same buses one carries, by its own rules alone.
+    If several relays join the same buses, one carries messages, and only its rules apply.
     """
     names = {end.relay: end for end in evidence.relays if end.stands_by and not end.trouble}
     facts = (state("relay-standby", **_who(end)) for end in names.values())

@@ -13,8 +13,8 @@ _RECENT = 10.0  # [s]
 def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks raise no exceptions.
 
-    A node goes on after one, but leaves out the rest of the callback, such as its answer to a
-    message. A warning where the last one is some time ago.
+    A node continues after an exception, but skips the rest of the callback, such as its answer to a
+    message. A warning if the last one was some time ago.
     """
     pairs = [
         (node, error)

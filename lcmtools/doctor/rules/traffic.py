@@ -23,8 +23,8 @@ _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at l
 def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     """Every message that is sent arrives at this computer.
 
-    Each sender numbers its messages, so a gap is a loss: of the network for other computers, of the
-    sender itself for this one's. What wtf was too slow for does not count.
+    Each sender numbers its messages, so a gap is a loss: in the network for other computers, in the
+    sender itself on this one. Messages that wtf itself was too slow to receive do not count.
     """
     lossy = [s for s in evidence.senders if s.lost > evidence.own_drops]
     facts = []
@@ -35,12 +35,13 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     return found("loss", facts, "send-less")
 
 
-@rule("doubled", "remove the second way, or let the sender send once")
+@rule("doubled", "remove the second path, or let the sender send once")
 def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
-    """No message comes again with the number that its sender gave it.
+    """No message arrives twice with the same sequence number.
 
-    A network with a circle delivers it twice, as does one that joins two interfaces of a computer.
-    Receivers cannot tell: their rates are twice as high, and commands are executed twice.
+    A network with a loop delivers messages twice, as does one that joins two interfaces of a
+    computer. Receivers do not notice: their rates are twice as high, and commands are executed
+    twice.
     """
     counts: Counter[str] = Counter()
     for stream in evidence.streams:
@@ -57,11 +58,11 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
-    Two that steer the same robot fight over it. So do a program and a pub that still runs, however
-    seldom it sends, or that has latched its message. One that repeats what another has sent makes a
-    circle, if it passes on what it receives. Topics meant for many, as /tf, are excepted,
-    and those on which different types are sent, which another rule reports. So is a program that is
-    started again and again: one that has ended is no rival.
+    Two programs that steer the same robot fight over it. So do a program and a pub that still runs,
+    however seldom it sends, or that has latched its message. A program that repeats the messages of
+    another one creates a loop, if it forwards what it receives. Topics meant for many publishers,
+    such as /tf, are excepted, and topics with different types, which another rule reports; so is a
+    program that is started again and again, because one that has ended does not compete.
     """
     rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
     for known in _by_input(evidence):
@@ -154,9 +155,9 @@ def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
-    One that computes all the time, and is slower nevertheless, has too much to do. One that rests
-    was slowed, or paused, on purpose. Its time only rises, but for a reset, or where a log is
-    played again.
+    A simulator that computes all the time and is still slower is overloaded. One that is idle at
+    times was slowed down, or paused, on purpose. Its time
+    only rises, except after a reset or when a log is played again.
     """
     paused = [
         node

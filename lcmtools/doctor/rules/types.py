@@ -71,11 +71,12 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("unknown-type", "generate the sender's types again from the same .lcm files", Severity.NOTE)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
-    """The types of all messages are known, and what is sent are LCM messages.
+    """The types of all messages are known, and everything sent is an LCM message.
 
     An unknown type is often an older or newer version of a known one: its fingerprint shows which
-    field differs. Others are known from their .lcm files, in a workspace or in LCMTOOLS_TYPE_PATH.
-    Of data that is no LCM message, such as JSON, lcmtools shows the bytes only.
+    field differs. Other types become known by their .lcm files, in a workspace or in
+    LCMTOOLS_TYPE_PATH. Of data that are not LCM messages, such as JSON, lcmtools shows only the
+    bytes.
     """
     near: list[Statement] = []
     unknown: list[Statement] = []

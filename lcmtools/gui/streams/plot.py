@@ -186,4 +186,4 @@ def _unknown(text: str, graph: Graph) -> str:
     if near:
         _, name, rest = max(near, key=lambda one: SequenceMatcher(None, *one[:2]).ratio())
         hint = f"did you mean {name}{rest}?"
-    return f"no topic of {text} is there; {hint}"
+    return f"there is no topic for {text}; {hint}"

@@ -90,7 +90,7 @@ class _Messages(PageStream):
                 self._mistake = ""
                 found.append((packet, message))
             else:
-                self._mistake = f"{self._topic}: {type_name(message)} is drawn in no world"
+                self._mistake = f"{self._topic}: the world cannot draw {type_name(message)}"
         self._has_come = self._has_come or bool(found)
         return found
 

@@ -61,7 +61,7 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
     for option, text in programs.items():
         if option not in known:
             hint = ", ".join(f"--{name}" for name in known)
-            raise UsageError(f"--{option} is no program of the lab {lab.name}", f"it has {hint}")
+            raise UsageError(f"--{option} is not a program of the lab {lab.name}", f"it has {hint}")
         words = split_command(text)
         is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
         if not any(":=" in word for word in words):
@@ -127,7 +127,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         yield exception
     if is_ok and (look := bench.observe().look) and look.findings:
         found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
-        row = CheckResult("what wtf says of it", "nothing", found, is_ok=True)
+        row = CheckResult("what wtf says about it", "nothing", found, is_ok=True)
         yield replace(row, findings=tuple(look.findings))
     yield program.check_ctrl_c(may_have_ended=run.program.may_end)
 
@@ -147,7 +147,7 @@ def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[Chec
         yield from results
     except TimeLimitReached:
         wanted = f"within {time_limit:g} s"
-        hint = "the check of this program was broken off"
+        hint = "the check of this program was aborted"
         yield CheckResult("is checked in time", wanted, "it takes longer", is_ok=False, hint=hint)
 
 

@@ -82,7 +82,7 @@ class ClassCheck:
                 self._is_over.set()
                 pool.shutdown(wait=False, cancel_futures=True)
         names = " or ".join(program.node for program in self._lab.programs)
-        none = _failed("", f"it has no program of this lab: {names}")
+        none = _failed("", f"it does not contain a program of this lab: {names}")
         return {
             name: [reports[name][job.option] for job in jobs] or [none]
             for name, jobs in found.items()

@@ -42,7 +42,7 @@ _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
 _LONG_TIMER = re.compile(r"create_timer: a period of .+")  # as a node warns
 _SMALL = 1e-6
-_NO_SPIN = "does it call lcmtools.spin(node), or often spin_once?"
+_NO_SPIN = "does it call lcmtools.spin(node), or spin_once often?"
 
 
 def cause_of(result: CheckResult, observed: Observations) -> Cause:
@@ -139,11 +139,11 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     if look is None:
         return None
     if not (look.nodes or look.publications):
-        text = "nothing of it is on the check's bus, no node and no message: does it make its node,"
+        text = "neither a node nor a message of it is on the check's bus: does it create its node,"
         return Cause("no-node", f"{text} and take the bus from LCM_DEFAULT_URL?")
     is_bare = not (look.publications or look.subscriptions)
     if is_bare and program.publishes and not program.has_keys:
-        return Cause("publisher", f"it makes no publisher of {program.publishes[0]}")
+        return Cause("publisher", f"it does not create a publisher of {program.publishes[0]}")
     wrong = _elsewhere(look, program.publishes, program.types)
     wrong = wrong or _not_hearing(look, program.subscribes)
     if wrong or program.has_keys:
@@ -161,7 +161,7 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
     odd = next((wire for wire in here if wire.type and wire.type not in types), None)
     if odd:
         expected = " or ".join(types)
-        text = f"it publishes {odd.type} on {odd.topic}, where {expected} is expected"
+        text = f"it publishes {odd.type} on {odd.topic}, but {expected} is expected"
         return Cause(TYPE, text)
     if here:
         return None
@@ -181,7 +181,9 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
     """Return the topic that it does not hear; plain LCM programs announce none."""
     odd = next((wire for wire in look.subscriptions if wire.offered), None)
     if odd:
-        return Cause(TYPE, f"it subscribes to {odd.topic} as {odd.type}, where {odd.offered} comes")
+        return Cause(
+            TYPE, f"it subscribes to {odd.topic} as {odd.type}, but {odd.offered} is published"
+        )
     have = [wire.topic for wire in look.subscriptions]
     for topic in wanted if look.nodes else ():
         if topic in have:
@@ -204,10 +206,10 @@ def _not_publishing(look: BusLook, wanted: Sequence[str], hint: str) -> Cause | 
     calls = max((wire.calls for wire in look.subscriptions), default=0)
     runs = f"its callbacks run (calls: {calls}), but " if calls else ""
     if not wanted:
-        return Cause("output", f"{runs}nothing comes of them: {hint}") if calls else None
+        return Cause("output", f"{runs}they have no visible effect: {hint}") if calls else None
     if any(wire.topic in wanted for wire in look.publications):
         return Cause("publish", f"{runs}publish() is never called for {wanted[0]}")
-    return Cause("publisher", f"{runs}it makes no publisher of {wanted[0]}")
+    return Cause("publisher", f"{runs}it does not create a publisher of {wanted[0]}")
 
 
 def _is_near(topic: str, wanted: Sequence[str]) -> bool:

@@ -67,10 +67,10 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
     """Return why commands do not come at their rate, by count, rate [Hz] and last silence [s]."""
     timer = "a timer of 0.5 s that publishes once each time"
     if count == 1:
-        text = f"one command came, and no other in {silent:.1f} s: publish in the timer's callback"
+        text = f"one command came, and no other for {silent:.1f} s: publish in the timer's callback"
         return Cause("once", f"{text}; a period is in seconds, so that 500 ms are 0.5")
     if silent > _SILENCE:
-        return Cause("stopped", f"{count} commands came, and then none in {silent:.1f} s: {timer}")
+        return Cause("stopped", f"{count} commands came, and then none for {silent:.1f} s: {timer}")
     word = "seldom" if rate < _RATE else "often"
     return Cause("rate", f"commands come too {word}, every {1 / rate:.2g} s: {timer}")
 
@@ -123,7 +123,7 @@ def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -
     if radius is None:
         text = "the robot did not drive: do commands keep coming? It stops without new ones"
         return Cause("no-drive", text)
-    return Cause("circle", "a command must come before the last one is too old")
+    return Cause("circle", "each command must come before the previous one expires")
 
 
 def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
@@ -162,13 +162,15 @@ def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
 def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) -> Cause:
     """Return why a program's output has no ranges, or one line of them only."""
     if found:
-        return Cause("once", "it prints once only: print in the callback of each message")
+        return Cause("once", "it prints only once: print in the callback, for each message")
     numbers = _ANY_NUMBER.findall(printed)[-_NEWEST:]
     for unit, factor in (("centimetres", 100.0), ("millimetres", 1000.0)):
         scaled = [f"{float(number) / factor:.3f}" for number in numbers]
         if 2 * sum(bool(ranges_in(number, ranges)) for number in scaled) > len(scaled) > 1:
-            return Cause("unit", f"it prints {unit}: ranges are in metres, and are wanted so")
-    return Cause("ranges", "print some of scan.ranges with two decimals, again and again")
+            return Cause(
+                "unit", f"it prints {unit}: ranges are in metres, and should be printed in metres"
+            )
+    return Cause("ranges", "print some of scan.ranges with two decimals, repeatedly")
 
 
 def _lines(program: CheckedProgram) -> int:

@@ -72,7 +72,7 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
     if other:
         pair = "".join(sorted((key, other)))
         text = f"'{key}' does what '{other}' should do ({DIRECTIONS[other]})"
-        return Cause(f"key-{pair}", f"{text}: one key for another")
+        return Cause(f"key-{pair}", f"{text}: the keys are mixed up")
     return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
 
 
@@ -118,7 +118,7 @@ def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) ->
     before = drives["u"]
     if result.is_ok or not is_alike(velocity_of(before.twist), before.wanted):
         return result
-    text = f"'{what.split()[2].rstrip(',')}' is to change the speeds by 10 %, and keep the motion"
+    text = f"'{what.split()[2].rstrip(',')}' should change the speeds by 10 % and keep the motion"
     return replace(result, hint=text, cause=f"change-{what}")
 
 

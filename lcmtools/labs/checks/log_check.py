@@ -81,7 +81,7 @@ def _controller(run: RecordedRun, program: LabProgram) -> Rows:
             yield judge(whole[-1])
         elif found:
             longest = max(one.duration for one in found)
-            reason = f"it was desired for {longest:.1f} s only"
+            reason = f"it was desired for only {longest:.1f} s"
             yield NotJudged(program.option, step.title, reason)
         else:
             start = "at 1 m/s" if step == REST else "from rest"
@@ -123,8 +123,8 @@ def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
         "1 more each time",
         f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages",
         is_ok=not odd,
-        hint=f"{odd} of {len(steps)} differ by another number; where the recorder lost messages, as"
-        " lcmtools bag info shows, they do",
+        hint=f"{odd} of {len(steps)} differ by another number, as they do if the recorder lost"
+        " messages (see lcmtools bag info)",
     )
     errors = list(_errors(run, program.publishes[0]))
     right = [any(abs(stat.last_error - math.hypot(*e)) <= _NEAR for e in near)
@@ -133,7 +133,7 @@ def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
     cause = husky.error_cause(wrong[-1][0].last_error, Step(*wrong[-1][1][-1])) if wrong else ""
     yield CheckResult(
         "last_error",
-        f"{_MOST:.0%} are those of the odometry",
+        f"{_MOST:.0%} match the odometry",
         f"{sum(right)} of {len(right)}",
         is_ok=sum(right) >= _MOST * len(right) > 0,
         hint=husky.error_hint(cause),
@@ -183,7 +183,7 @@ def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
     )
     return CheckResult(
         "average_error remembers",
-        "each is of one error more",
+        "each includes one more error",
         f"{right} of {len(pairs)}",
         is_ok=right == len(pairs),
         hint="it is the average of all samples, not of the last one",
@@ -226,7 +226,9 @@ def _mover(run: RecordedRun, program: LabProgram) -> Rows:
     if circle:
         yield dolly.circle_row(circle, (), twists[-1])
     else:
-        reason = f"a round takes {dolly.ROUND:.1f} s, and the log has {last - first:.1f} s of it"
+        reason = (
+            f"a round takes {dolly.ROUND:.1f} s, but the log has only {last - first:.1f} s of it"
+        )
         yield NotJudged(program.option, "circle that it drives", reason)
 
 
@@ -243,7 +245,7 @@ def _nothing(_: RecordedRun, program: LabProgram) -> Rows:
 
 def _no_message(program: LabProgram, *topics: str) -> NotJudged:
     names = " or ".join(topics)
-    return NotJudged(program.option, "all of it", f"no message on {names} is in the log")
+    return NotJudged(program.option, "all of it", f"there are no messages on {names} in the log")
 
 
 _JUDGES: Mapping[str, Callable[[RecordedRun, LabProgram], Rows]] = {

@@ -192,12 +192,12 @@ def drive_cause(
         return wrong_velocity
     if abs(offset) <= _LOST and drive.along < _MOST * drive.length:
         does = "turns" if abs(last.turn_rate) > _AT_REST else "stands"
-        text = f"it comes no farther than ({last.x:.1f}, {last.y:.1f}), where it {does} at the end"
+        text = f"it gets no farther than ({last.x:.1f}, {last.y:.1f}), where it {does} at the end"
         return Cause("stops", text)
     return Cause(
         STRAYS,
-        "it cuts corners if the point that it drives to is far ahead, swings around the path if it"
-        " is too near or it turns too fast, and stays beside it by a pose other than /ground_truth",
+        "it cuts corners if its target point is far ahead, oscillates if the point is too near or"
+        " it turns too fast, and stays beside the path if it uses a pose other than /ground_truth",
     )
 
 

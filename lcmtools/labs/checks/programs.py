@@ -84,13 +84,13 @@ class CheckedProgram(ChildProcess):
             return CheckResult(what, wanted, "it ends", is_ok=True)
         cause = self.why_it_goes_on()
         return CheckResult(
-            what, wanted, "it goes on", is_ok=False, hint=cause.text, cause=cause.key
+            what, wanted, "it keeps running", is_ok=False, hint=cause.text, cause=cause.key
         )
 
     def why_it_goes_on(self) -> Cause:
         """Return why it does not end on Ctrl-C."""
         if self.takes_interrupts_as_keys():
-            text = r"after tty.setraw, Ctrl-C is the key '\x03': end at it, or take tty.setcbreak"
+            text = r"after tty.setraw, Ctrl-C is the key '\x03': end at it, or use tty.setcbreak"
         else:
             text = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
         return Cause("goes-on", text)

@@ -39,7 +39,7 @@ def _opposite(dx: float, dy: float, heading: float) -> float:
 _YAW = "the heading is 2*atan2(z, w) [rad]"
 _RADIANS = "angles are in radians"
 _MISTAKES: dict[str, Formula] = {
-    "atan(dy/dx), which takes a point behind for one ahead: use math.atan2(dy, dx)": (
+    "atan(dy/dx), which mistakes a point behind for one ahead: use math.atan2(dy, dx)": (
         lambda dx, dy, heading: math.atan(dy / dx if dx else math.inf) - heading
     ),
     "atan2(dx, dy), in which x and y are exchanged: use math.atan2(dy, dx)": (

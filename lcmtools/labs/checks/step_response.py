@@ -150,7 +150,7 @@ def _judge_stop(run: StepRun) -> CheckResult:
         cause = Cause(
             "slow", f"too slow, and still changing after {LONGEST:.0f} s: use a greater gain"
         )
-    cause = cause or Cause("stop", "a desired velocity of 0 is one like any other")
+    cause = cause or Cause("stop", "a desired velocity of 0 must be followed like any other")
     return CheckResult(REST.title, REST.wanted, measured, is_ok, cause.text, cause.key)
 
 
@@ -201,7 +201,7 @@ def _motion_cause(run: StepRun, response: Response) -> Cause:
             return _unmoved_cause(run)
         if not 1 - BAND <= part <= 1 + BAND:
             return _offset_cause(run, is_slow=part < 1)
-    text = "it swings around the target: a smaller gain, or smaller steps of the effort"
+    text = "it oscillates around the target: a smaller gain, or smaller steps of the effort"
     return Cause("swings", text)
 
 
@@ -210,7 +210,7 @@ def _sign_cause(run: StepRun, response: Response) -> Cause | None:
     step, part = run.step, response.reached / run.step.target
     spin = run.motion[-1].turn_rate
     is_spinning = bool(step.forward) and abs(spin) > _SPIN
-    reached = f"{response.reached:+.2f} {step.unit} in place of {step.target:+g}"
+    reached = f"{response.reached:+.2f} {step.unit} instead of {step.target:+g}"
     if (part < -BAND and response.overshoot > BAND) or (is_spinning and part > 1 + BAND):
         return Cause("measured", f"the effort does not follow the measured velocity: {_MEASURED}")
     if part < -BAND and step.forward:

@@ -200,9 +200,9 @@ class TestBench:
         ends = program.code is not None or program.ends_on_interrupt()
         stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
         measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
-        text = "publish a last Twist of 0 in a finally: the robot keeps its last command"
+        text = "publish a final Twist of 0 in a finally block: the robot keeps its last command"
         cause = Cause("no-stop", text) if ends else program.why_it_goes_on()
-        wanted = "a Twist of 0 at last"
+        wanted = "a final Twist of 0"
         return CheckResult(STOPS, wanted, measured, stops, cause.text, cause.key)
 
     def reset_pose(self) -> None:

@@ -42,12 +42,12 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         return bool(seen)
 
     what, wanted = "saves a picture", "a PNG file"
-    hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
+    hint = f"does it subscribe to {_DEPTH}, and save the picture where --save or {PICTURE} says?"
     row = CheckResult(what, wanted, "it comes", is_ok=True, hint=hint)
     first = bench.first(has_come, _PICTURE, row)
     if not first.is_ok and file.exists():
         hint = "save it as PNG or JPEG"
-        yield CheckResult(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
+        yield CheckResult(what, wanted, "a file that is not a picture", is_ok=False, hint=hint)
         return
     if not first.is_ok:
         yield first

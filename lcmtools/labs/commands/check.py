@@ -51,9 +51,9 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
     help="Check each submission in FOLDER.",
     metavar="FOLDER",
 )
-@option("--jobs", type=whole_number(1), help="Programs of a class at a time.", metavar="N")
-@option("--rate", type=rate, help="Times real time (else 4, and 1 to confirm what fails).")
-@option("--time-limit", type=duration, help="Real time for each program.")
+@option("--jobs", type=whole_number(1), help="Programs of a class to check at a time.", metavar="N")
+@option("--rate", type=rate, help="Multiple of real time (else 4, and 1 to confirm failures).")
+@option("--time-limit", type=duration, help="Limit of real time for each program.")
 @option("--plot", type=_FILE, help="Write a PNG of velocities and the path.")
 @option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
@@ -73,17 +73,17 @@ def command(
     """Check programs against a lab: yours or, if there are none, the model answers.
 
     Yours are given as COMMAND; without any, the nodes of your workspace are used by their names.
-    COMMAND is a command line in quotes. Each program runs in a simulation of its own, on a bus of
-    its own; unless its command line has names of its own (:=), those of the lab are added to it.
-    A viewer gets --save FILE, or the file's name in place of {picture}. The exit code is 1
-    if something is not as the lab specifies.
+    COMMAND is a command line in quotes. Each program runs in its own simulation, on its own bus;
+    unless its command line sets names (:=), those of the lab are added to it. A viewer gets
+    --save FILE, or the file's name in place of {picture}. The exit code is 1 if something is not as
+    the lab specifies.
 
-    With --programs each file or folder in FOLDER is a submission, run in a copy of its own; its
-    programs are found by name (simple_controller.py), or run by COMMAND with {program} in it.
-    As many are checked at a time as there are processors, or --jobs says.
+    With --programs each file or folder in FOLDER is a submission, run in its own copy; its programs
+    are found by name (simple_controller.py), or run by COMMAND with {program} in it. As many are
+    checked at a time as there are processors, or as many as --jobs gives.
 
-    With --bag no program is run: the messages of a log are judged in the same way, as far as they
-    are what the lab asks for, and what they do not allow to judge is said.
+    With --bag no program is run: the messages of a log are judged in the same way, as far as the
+    lab needs them; checks that are not possible are listed.
     """
     with needing_extra("sim", "lab check needs"):
         from lcmtools.labs.checks.class_check import ClassCheck

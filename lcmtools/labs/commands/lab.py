@@ -51,8 +51,8 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
         nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}
     if lab.simulator in nodes:
         raise LcmtoolsError(
-            f"{lab.simulator} runs on this bus already",
-            "end it with Ctrl-C where it runs, or take a bus of your own: --domain 3",
+            f"{lab.simulator} is already running on this bus",
+            "end it with Ctrl-C where it runs, or use another bus: --domain 3",
         )
     steps = (f"  {step}" for step in lab.steps)
     for row in (lab.title, "In a second terminal, type:", *steps, "Ctrl-C ends the simulator."):

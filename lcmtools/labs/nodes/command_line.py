@@ -44,7 +44,7 @@ def one_of(choices: Sequence[str]) -> Callable[[str], str]:
 
     def read(text: str) -> str:
         if text not in choices:
-            raise argparse.ArgumentTypeError(f"'{text}' is none of {', '.join(choices)}")
+            raise argparse.ArgumentTypeError(f"'{text}' is not one of {', '.join(choices)}")
         return text
 
     return read

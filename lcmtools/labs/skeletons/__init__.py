@@ -34,7 +34,7 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
-        raise UsageError(f"{folder} is no folder", "name a folder to write into") from None
+        raise UsageError(f"{folder} is not a folder", "name a folder to write into") from None
     except OSError as error:
         raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
     if path.exists() and not overwrite:

@@ -34,7 +34,7 @@ def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
     root = load_markup(text, source, "sdf", _NO_WORLD)
     worlds, reader, plain = root.all("world"), _Reader([Path(source).resolve()]), Scene("")
     if not worlds and not root.all("model"):
-        raise root.error("the file holds no <world> and no <model>")
+        raise root.error("the file contains neither a <world> nor a <model>")
     holder = worlds[0] if worlds else root
     reader.read(holder, pose.frame)
     gravity = _gravity(holder)
@@ -116,7 +116,7 @@ class _Reader:
         elif root.child("light"):
             self._left_out["light"] += 1
         else:
-            raise element.error(f"{path} holds no <model>")
+            raise element.error(f"{path} contains no <model>")
         self._opened.pop()
 
     def _model(

@@ -93,7 +93,7 @@ def read_pose(element: Element, parents: Collection[str]) -> Frame:
     if relative_to and relative_to not in parents:
         raise pose.error(
             f"the pose of {element} is relative to '{relative_to}'",
-            "only poses relative to what holds the element are read",
+            "only poses relative to the enclosing element are supported",
         )
     x, y, z, *angles = pose.numbers("", (6, 7))
     if len(angles) == 4:  # noqa: PLR2004 - a quaternion

@@ -75,7 +75,7 @@ def _refuse_xacro(text: str, source: str) -> None:
         if plain == PurePath(source).name:  # it would be emptied before xacro reads it
             plain = f"plain_{plain}"
         raise InvalidFile(
-            f"{source}: is a xacro file, which must be expanded first",
+            f"{source}: it is a xacro file, which must be expanded first",
             f"type: xacro {PurePath(source).name} > {plain}",
         )
 
@@ -107,19 +107,19 @@ def _frames(root: Element, links: dict[str, Element], joints: dict[str, Joint]) 
         for name in (joint.parent, joint.child):
             if name not in links:
                 raise joint.element.error(
-                    f"{joint.element} joins a link '{name}' that is not there"
+                    f"{joint.element} joins a link '{name}' that does not exist"
                 )
         if joint.child in above:
             raise joint.element.error(f"the link '{joint.child}' has two parents")
         above[joint.child] = joint
     tops = [name for name in links if name not in above]
     if len(tops) != 1:
-        held = "no link is the first" if not tops else f"{' and '.join(tops)} are not joined"
+        held = "every link has a parent" if not tops else f"{' and '.join(tops)} are not joined"
         raise root.error(f"the links must form one tree: {held}")
     in_root = _from_root(tops[0], joints)
     if len(in_root) < len(links):
         lost = next(name for name in links if name not in in_root)
-        raise links[lost].error(f"the link '{lost}' hangs on itself")
+        raise links[lost].error(f"the link '{lost}' is its own ancestor")
     to_base = in_root[_BASE if _BASE in links else tops[0]].inverse()
     return {name: to_base.place(in_root[name]) for name in links}
 

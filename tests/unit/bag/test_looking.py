@@ -118,7 +118,7 @@ def test_a_log_is_read_in_place_of_a_bus(look: Bag) -> None:
     code, _, error = look("list", "--domain", "3")
     assert code == 2
     assert error == (
-        "lcmtools list: -b reads a log in place of the bus; leave out --lcm-url and --domain\n"
+        "lcmtools list: -b reads a log instead of the bus; leave out --lcm-url and --domain\n"
     )
     assert look("spy")[2] == (
         "lcmtools spy: the live view needs a bus; --once shows the channels of a log\n"

@@ -166,7 +166,9 @@ def test_what_cannot_be_played(
 
 def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
     (tmp_path / "text").write_text("no log\n")
-    with pytest.raises(LcmtoolsError, match=r"no message is in .*text; it is no LCM log"):
+    with pytest.raises(
+        LcmtoolsError, match=r"there are no messages in .*text; it is not an LCM log"
+    ):
         Playlist([log("a", ("/a", 0)), tmp_path / "text"], Choice())
     (tmp_path / "begun").write_bytes(SYNC + bytes(8))
     with pytest.raises(LcmtoolsError, match=r"begun has no messages; its first one is not comple"):

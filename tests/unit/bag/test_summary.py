@@ -163,7 +163,7 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     path.write_text("hello\n" * 100)
     assert main(["bag", "info", str(path)]) == 1
     assert capsys.readouterr().err == (
-        f"lcmtools bag info: no message is in {path}; it is no LCM log\n"
+        f"lcmtools bag info: there are no messages in {path}; it is not an LCM log\n"
     )
 
 

@@ -57,7 +57,7 @@ def test_zenoh_group_and_file_and_prefix() -> None:
         ("zenoh://a,,b", "'' is not a host and port"),
         ("zenoh://tcp/host:7447", "'tcp/host:7447' is not a host and port"),
         ("zenoh://?listen=", "'' is not a host and port"),
-        ("zenoh://?prefix=/lcm", "'/lcm' is not a prefix of Zenoh's keys"),
+        ("zenoh://?prefix=/lcm", "'/lcm' is not a prefix of Zenoh keys"),
         ("zenoh://?patience=long", "patience=long is not a number of seconds"),
         ("zenoh://?patience=0", "patience=0 is not a number of seconds"),
         ("zenoh://?patience=10000", "patience=10000 is not a number of seconds"),

@@ -131,7 +131,7 @@ def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
     assert beside.remedies == (
         f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'",
         (
-            "those without a variable have their bus in their code or arguments: name this one"
+            "those without a variable get their bus from their code or arguments: name this bus"
             " there, or none: lcm.LCM()"
         ),
     )
@@ -143,7 +143,7 @@ def test_a_bus_that_only_the_code_names_is_worded_as_a_guess() -> None:
     assert finding.items == (
         " * pid 9 probably on 239.255.76.67:7670 (its code names it): ./driver",
     )
-    assert finding.remedies[1].endswith("name this one there, or none: lcm.LCM()")
+    assert finding.remedies[1].endswith("name this bus there, or none: lcm.LCM()")
 
 
 def test_nearly_all_files_open_is_a_warning() -> None:

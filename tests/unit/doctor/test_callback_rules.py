@@ -108,7 +108,7 @@ def test_a_callback_that_keeps_its_node_busy_is_named_whatever_the_depth() -> No
     image = ear("/image", depth=1)
     finding = slow(look((image, later(image, rate=30, calls=10, busy=980 * MS, drops=20))))
     assert finding.items == (
-        " * /n is in its callbacks 98 % of the time, most in the callback of /image",
+        " * /n is in its callbacks 98 % of the time, mostly in the callback of /image",
     )
     assert finding.remedies == ("let the callback of /image of /n do less, and never wait",)
 
@@ -117,7 +117,7 @@ def test_timers_that_let_everything_wait_are_named() -> None:
     scan = ear()
     evidence = look((scan, later(scan, rate=1, calls=1, busy=MS)), timers=970 * MS)
     finding = slow(evidence)
-    assert finding.items == (" * /n is in its callbacks 97 % of the time, most in the timers",)
+    assert finding.items == (" * /n is in its callbacks 97 % of the time, mostly in the timers",)
     assert finding.remedies == ("let the timers of /n do less, and never wait",)
 
 
@@ -134,7 +134,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
             0,
             99 * MS,
             "its callback takes 99 ms, messages come every 50 ms",
-            "let the callback of /scan do less, or publish it every 99 ms only",
+            "let the callback of /scan do less, or publish it only every 99 ms",
         ),
         (
             10,
@@ -150,7 +150,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
             0,
             90 * MS,
             "no callback has run",
-            "let /n spin: lcmtools.spin(node), or often spin_once",
+            "let /n spin: lcmtools.spin(node), or spin_once often",
         ),
         (
             15,
@@ -158,7 +158,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
             0,
             550 * MS,
             "a call of its callback took 550 ms",
-            "let the callback of /scan never wait, or give a greater queue depth",
+            "let the callback of /scan never wait, or increase the queue depth",
         ),
         (
             15,
@@ -166,7 +166,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
             0,
             2 * MS,
             "they come in bursts",
-            "give the subscription of /scan a greater queue depth",
+            "increase the queue depth of the subscription of /scan",
         ),
     ],
 )
@@ -264,7 +264,7 @@ def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
     (finding,) = told(evidence)
     assert finding.text == "The following nodes do not run their callbacks:"
     assert finding.items == (" * /n has received 6 messages of /scan",)
-    assert finding.remedies == ("let /n spin: lcmtools.spin(node), or often spin_once",)
+    assert finding.remedies == ("let /n spin: lcmtools.spin(node), or spin_once often",)
     for quiet in (
         node._replace(start_time=8 * SECOND),
         node._replace(tool=True),

@@ -84,7 +84,7 @@ def test_a_rotation_that_was_forgotten_or_has_a_wrong_length() -> None:
     assert (kind, text.partition(" ")[0]) == ("quaternion", "pose.pose.orientation")
     message.pose.pose.orientation.w = 0.5
     ((kind, text),) = oddities(message)
-    assert text == "pose.pose.orientation has the length 0.5 in place of 1"
+    assert text == "pose.pose.orientation has the length 0.5 instead of 1"
 
 
 def test_what_an_imu_does_not_measure_is_not_judged() -> None:

@@ -99,7 +99,7 @@ def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
 def test_a_listener_that_does_not_read_is_named() -> None:
     full = Listener("s (pid 7)", 7, 0, drops=5, queued_bytes=9000, was_queued_bytes=9000)
     assert found(replace(HEALTHY, listeners=(full,)))["stuck-listeners"].items == (
-        " * s (pid 7): 9000 bytes wait",
+        " * s (pid 7): 9000 bytes are waiting",
     )
 
 
@@ -212,10 +212,8 @@ def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_h
 def test_a_program_that_repeats_what_it_receives_may_make_a_circle() -> None:
     repeater = replace(stream("/a", 10, sender=BOB, name="bob"), repeated=9)
     finding = only(replace(HEALTHY, streams=(stream("/a", 10), repeater)))
-    assert finding.items[1] == " * bob: /a, 9 messages that another one had sent before"
-    assert finding.remedies[0].startswith(
-        "a program that passes on what it receives makes a circle"
-    )
+    assert finding.items[1] == " * bob: /a, 9 messages that another sender had sent before"
+    assert finding.remedies[0].startswith("a program that forwards what it receives creates a loop")
 
 
 def test_two_simulators_make_no_circle_and_no_remap_parts_them() -> None:
@@ -291,7 +289,7 @@ def test_a_rate_that_has_fallen_is_a_note() -> None:
     after = before._replace(messages=9910, last_time=NOW)
     finding = only(_graphs(before, after))
     assert finding.rule == "slow-rate"
-    assert finding.items == (" * /mouth: /a, 10 Hz in place of 100 Hz",)
+    assert finding.items == (" * /mouth: /a, 10 Hz instead of 100 Hz",)
 
 
 def test_a_stream_with_a_gap_is_irregular() -> None:
@@ -364,7 +362,7 @@ def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note() -> None:
     assert only(empty).severity is Severity.WARNING
     finding = only(replace(empty, processes=(LcmProcess(7, "beacon"),)))
     assert (finding.rule, finding.severity) == ("no-traffic", Severity.NOTE)
-    assert finding.items == (" * beacon (pid 7) uses LCM, and may publish seldom",)
+    assert finding.items == (" * beacon (pid 7) uses LCM, and may publish rarely",)
 
 
 def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
@@ -373,7 +371,7 @@ def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
     assert only(evidence).severity is Severity.WARNING
     note = only(replace(evidence, processes=(LcmProcess(7, "beacon"),)))
     assert (note.rule, note.severity) == ("unconnected-subscriptions", Severity.NOTE)
-    assert note.items[-1] == " * beacon (pid 7) uses LCM, and may publish seldom"
+    assert note.items[-1] == " * beacon (pid 7) uses LCM, and may publish rarely"
     for other in (LcmProcess(2, "ear"), LcmProcess(7, "b", "x:1")):
         processes = replace(evidence, processes=(other,))
         assert found(processes)["unconnected-subscriptions"].severity is Severity.WARNING

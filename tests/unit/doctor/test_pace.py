@@ -138,7 +138,7 @@ def _graphs(before: Graph, after: Graph) -> Evidence:
 def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
     evidence = _graphs(_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
     (finding,) = judge(evidence)
-    assert finding.items == (" * /mouth: /a, 1 Hz in place of 10.1 Hz",)
+    assert finding.items == (" * /mouth: /a, 1 Hz instead of 10.1 Hz",)
     assert doubt(evidence) == 0.0
 
 

@@ -87,7 +87,7 @@ PAIRS = {
     "a command is not told to publish something else": (
         ("/_pub", "/husky0/wish"),
         ("/gazebo", "/husky0/cmd_vel"),
-        "start what publishes /husky0/cmd_vel; what is there: lcmtools list -v",
+        "start a publisher of /husky0/cmd_vel; to see what is published: lcmtools list -v",
     ),
 }
 
@@ -206,7 +206,7 @@ def test_a_simulator_is_not_connected_with_another_one() -> None:
     speed = Endpoint("/robot/speed", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
     assert remedies(simulator("/morse", speed), simulator("/morse", command)) == (
-        "start what publishes /robot/command; what is there: lcmtools list -v",
+        "start a publisher of /robot/command; to see what is published: lcmtools list -v",
     )
 
 

@@ -60,7 +60,7 @@ def test_a_topic_published_in_another_namespace_suggests_that_namespace() -> Non
 def test_a_node_is_not_told_to_listen_to_itself() -> None:
     robot = node("/morse", sub("/cmd", JOINTS), pub("/joints", JOINTS))
     assert findings(robot)["unconnected-subscriptions"].remedies == (
-        "start what publishes /cmd; what is there: lcmtools list -v",
+        "start a publisher of /cmd; to see what is published: lcmtools list -v",
     )
 
 

@@ -79,8 +79,8 @@ def test_all_evidence_comes_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "it is no JSON"),
-        ("[" * 100_000, "it is no JSON"),
+        ("", "it is not JSON"),
+        ("[" * 100_000, "it is not JSON"),
         ("[]", "it is other JSON"),
         ('{"rule": "loss"}', "it is other JSON"),
         ('{"lcmtools_evidence": 2, "evidence": {}}', "it is version 2, not 1"),
@@ -95,7 +95,7 @@ def test_a_file_that_holds_no_evidence_is_told_in_a_line(
     file.write_text(text)
     with pytest.raises(LcmtoolsError) as caught:
         load(file)
-    assert caught.value.what == f"{file} holds no evidence that wtf can judge: {why}"
+    assert caught.value.what == f"{file} does not contain evidence that wtf can judge: {why}"
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""The rules of wtf about types: mismatches, versions, and data that is no LCM message."""
+"""The rules of wtf about types: mismatches, versions, and data that is not an LCM message."""
 
 import pytest
 from fixtures.judging import JOINTS, ODOMETRY, STRING, TWIST, findings, judge, node, pub, sub
@@ -66,7 +66,7 @@ def test_of_zeros_nothing_is_said() -> None:
 @pytest.mark.parametrize(
     ("fingerprints", "likely", "said"),
     [
-        ((0x1021324354657687, 0x2132435465768710), "", "data that is no LCM message"),
+        ((0x1021324354657687, 0x2132435465768710), "", "data that is not an LCM message"),
         ((), "JSON", "JSON"),
         ((5,), "text", "text"),
     ],
@@ -79,7 +79,7 @@ def test_data_that_is_no_lcm_message_is_a_note(
     streams = (Stream("EXAMPLE", sender, "x", (1,), format=likely),)
     (finding,) = judge(Evidence("udpm://x", graph=Graph((), (raw,)), streams=streams))
     assert (finding.rule, finding.severity) == ("unknown-type", Severity.NOTE)
-    assert finding.text == "The following are no LCM messages:"
+    assert finding.text == "The following are not LCM messages:"
     assert finding.items == (f" * 'EXAMPLE' from 127.0.0.1:40001: {said}",)
     assert finding.remedies
 
@@ -87,7 +87,7 @@ def test_data_that_is_no_lcm_message_is_a_note(
 def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None:
     raw = Traffic("/chatter", Sender("127.0.0.1", 40001), (1, 2, 3, 4), 100, 800, 0, 0)
     finding = findings(node("/listener", sub("/chatter", STRING)), traffic=[raw])["type-mismatch"]
-    assert finding.items[-1] == " * 127.0.0.1:40001 sends data that is no LCM message"
+    assert finding.items[-1] == " * 127.0.0.1:40001 sends data that is not an LCM message"
 
 
 def older_odometry() -> int:

@@ -45,10 +45,10 @@ def test_a_file_may_say_nothing(text: str) -> None:
     [
         ("a: 1\na: 2", "f:2: not YAML: 'a' is given twice; leave one of them out"),
         ("a: 1\n\tb: 2", "f:2: not YAML: a tab cannot indent; use blanks"),
-        ("a: {<<: b}", "f:1: not YAML: '<<' does not take in other keys here; write them out"),
+        ("a: {<<: b}", "f:1: not YAML: '<<' cannot merge other keys here; write them out"),
         ("a: &a [*a]", "f:1: not YAML: unknown alias '*a'; put text that begins with '*' in qu"),
         ("a: [", "f:1: not YAML: a bracket is not closed"),
-        ("a: 1\n---\nb: 2", "f:3: another document begins: one is expected"),
+        ("a: 1\n---\nb: 2", "f:3: another document begins, but only one is expected"),
     ],
 )
 def test_a_mistake_is_named_with_file_and_line(text: str, complaint: str) -> None:

@@ -32,7 +32,7 @@ def test_a_client_s_message_is_read(encoding: str) -> None:
 @pytest.mark.parametrize(
     ("encoding", "data", "said"),
     [
-        (ROS1, b"\x01", "1 bytes are no sensor_msgs/LaserScan"),
+        (ROS1, b"\x01", "1 bytes are not a sensor_msgs/LaserScan"),
         (JSON, b"{", "no sensor_msgs/LaserScan: Expecting"),
         (JSON, b'{"rangs": []}', "no field 'rangs'"),
         (JSON, b"\xff", "no sensor_msgs/LaserScan"),

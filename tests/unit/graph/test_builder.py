@@ -85,7 +85,7 @@ def test_two_nodes_of_one_name_are_two() -> None:
 
 @pytest.mark.parametrize(
     ("silence", "stale"),
-    [(0, ""), (3 * _S, ""), (3 * _S + 1, "announces itself no more")],
+    [(0, ""), (3 * _S, ""), (3 * _S + 1, "no longer announces itself")],
 )
 def test_a_silent_node_is_stale_after_three_seconds(silence: int, stale: Staleness) -> None:
     builder = GraphBuilder()

@@ -80,8 +80,8 @@ def test_any_page_stops_and_the_one_that_drove_has_to_let_go_first() -> None:
     switch.drive(A, "/v", 0.0)
     switch.stop(B, "/v", 0.05)
     assert list(switch.stops_due(0.05)) == ["/v"]
-    assert "let go" in switch.drive(A, "/v", 0.1)
-    assert "let go" in switch.drive(A, "/v", 0.1 + HOLD / 2)
+    assert "release the controls" in switch.drive(A, "/v", 0.1)
+    assert "release the controls" in switch.drive(A, "/v", 0.1 + HOLD / 2)
     assert list(switch.stops_due(0.4)) == []
     switch.release(A, "/v", 0.5)
     assert switch.drive(A, "/v", 0.6) == ""

@@ -83,7 +83,7 @@ def test_an_unknown_topic_is_named_with_the_near_one_and_waited_for() -> None:
     source.know(velocity=Float64)
     stream = Plot(source, Parameters({"fields": ["/velocty/data"]}))
     assert _problems(stream.update()) == [
-        "no topic of /velocty/data is there; did you mean /velocity/data?"
+        "there is no topic for /velocty/data; did you mean /velocity/data?"
     ]
     source.know(velocity=Float64, velocty=Float64)
     assert _problems(stream.update()) == [""]
@@ -95,7 +95,7 @@ def test_an_unknown_topic_is_named_with_the_near_one_and_waited_for() -> None:
     ("field", "message", "problem"),
     [
         ("/a/dat", _float(1.0), "dat: std_msgs/Float64 has no field 'dat' (fields: data)"),
-        ("/a/data", String(), "data is no number but a string; name a field of numbers"),
+        ("/a/data", String(), "data is a string, not a number; name a field of numbers"),
         ("/a", b"\0\1", "too short for an LCM message"),
     ],
 )

@@ -174,7 +174,7 @@ def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told() -> No
     stream = Newest(source, on("/chatter"))
     source.put("/chatter", String())
     assert stream.update() is None
-    assert stream.problem() == "/chatter: std_msgs/String is drawn in no world"
+    assert stream.problem() == "/chatter: the world cannot draw std_msgs/String"
 
     assert "did you mean /chatter?" in Newest(source, on("/chater")).problem()
 

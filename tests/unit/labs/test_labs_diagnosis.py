@@ -121,7 +121,11 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "; here it is lcmtools.types.nav_msgs",
         ),
         ({"code": 127, "printed": WINDOWS}, DIED, "; its lines end as on Windows: sed -i"),
-        ({"look": BusLook()}, "no-node", "nothing of it is on the check's bus"),
+        (
+            {"look": BusLook()},
+            "no-node",
+            "neither a node nor a message of it is on the check's bus",
+        ),
         (
             {"look": replace(WELL, publications=[Wire("/husky0/velocty_cmd", OUTPUT.type)])},
             "topic",
@@ -135,7 +139,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         (
             {"look": replace(WELL, publications=[replace(OUTPUT, type="std_msgs/String")])},
             "type",
-            "it publishes std_msgs/String on /husky0/velocity_cmd, where sensor_msgs/JointSt",
+            "it publishes std_msgs/String on /husky0/velocity_cmd, but sensor_msgs/JointSt",
         ),
         (
             {"look": replace(WELL, subscriptions=[Wire("/odometry"), INPUTS[1]])},
@@ -161,12 +165,12 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         (
             {"look": replace(WELL, subscriptions=[replace(INPUTS[0], offered="a_msgs/A")])},
             "type",
-            "it subscribes to /husky0/odometry as nav_msgs/Odometry, where a_msgs/A comes",
+            "it subscribes to /husky0/odometry as nav_msgs/Odometry, but a_msgs/A is published",
         ),
         (
             {"look": replace(WELL, subscriptions=[*INPUTS, Wire("/a", "b/B", offered="a_msgs/A")])},
             "type",
-            "it subscribes to /a as b/B, where a_msgs/A comes",
+            "it subscribes to /a as b/B, but a_msgs/A is published",
         ),
         (
             {"look": WELL, "printed": "[WARN] [/a]: create_timer: a period of 50 s; if 50 ms ..."},
@@ -178,8 +182,16 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "publish",
             "its callbacks run (calls: 500), but publish() is never called",
         ),
-        ({"look": replace(WELL, publications=[])}, "publisher", "it makes no publisher of"),
-        ({"look": BusLook([NODE])}, "publisher", "it makes no publisher of /husky0/velocity_cmd"),
+        (
+            {"look": replace(WELL, publications=[])},
+            "publisher",
+            "it does not create a publisher of",
+        ),
+        (
+            {"look": BusLook([NODE])},
+            "publisher",
+            "it does not create a publisher of /husky0/velocity_cmd",
+        ),
     ],
 )
 def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words: str) -> None:
@@ -341,7 +353,7 @@ def rising(time: float) -> float:
                 FORWARD, lambda t: (round(t * 5) % 2 + 0.2, 0.0), lambda t: round(t * 5) % 2
             ),
             "swings",
-            "it swings around the target",
+            "it oscillates around the target",
         ),
         (
             varied_run(TURN, lambda _: (0.0, math.radians(0.3)), rising),
@@ -416,7 +428,7 @@ def presses(change: Any) -> dict[str, KeyPress]:
             lambda k, v, w: twist(v, -w if k in "jl" else w),
             "j",
             "key-jl",
-            "'j' does what 'l' should do (right on the spot): one key for another",
+            "'j' does what 'l' should do (right on the spot): the keys are mixed up",
         ),
         (lambda _, v, w: twist(0, w, sideways=v), "i", "field", "it sets linear.y"),
         (lambda k, v, w: twist(v, w) if k != "o" else twist(0, 0), "o", "key-o", "'o' stops"),
@@ -446,8 +458,8 @@ def test_the_cause_of_a_wrong_velocity_is_named(message: Twist, key: str) -> Non
 
 
 def test_a_rate_of_0_has_its_reason() -> None:
-    assert "one command came, and no other in 8.0 s" in dolly.rate_cause(1, 0.0, 8.0).text
-    assert "9 commands came, and then none in 5.0 s" in dolly.rate_cause(9, 2.0, 5.0).text
+    assert "one command came, and no other for 8.0 s" in dolly.rate_cause(1, 0.0, 8.0).text
+    assert "9 commands came, and then none for 5.0 s" in dolly.rate_cause(9, 2.0, 5.0).text
     assert "too seldom, every 1 s" in dolly.rate_cause(8, 1.0, 0.5).text
     assert "too often, every 0.1 s" in dolly.rate_cause(8, 10.0, 0.0).text
 

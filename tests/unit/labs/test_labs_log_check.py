@@ -124,11 +124,11 @@ def test_steps_that_were_not_desired_or_too_short_are_not_judged(check: Check) -
     assert code == 0
     assert found == {
         "drive at 0.1 m/s": "it was never desired from rest",
-        "drive at 0.5 m/s": "it was desired for 1.2 s only",
+        "drive at 0.5 m/s": "it was desired for only 1.2 s",
         "drive at 1 m/s": "it was never desired from rest",
         "turn at 0.3 rad/s": "it was never desired from rest",
     }
-    assert "\n  controller, drive at 0.5 m/s: it was desired for 1.2 s only\n" in text
+    assert "\n  controller, drive at 0.5 m/s: it was desired for only 1.2 s\n" in text
 
 
 def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check: Check) -> None:
@@ -157,7 +157,7 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) ->
     assert rows["last_error"]["measured"] == "0 of 100"
     assert "it is the sum |v - desired v| + |w - desired w|" in rows["last_error"]["hint"]
     (controller,) = record["not_judged"]
-    assert controller["reason"].startswith("no message on /husky0/velocity_cmd or ")
+    assert controller["reason"].startswith("there are no messages on /husky0/velocity_cmd or ")
 
 
 def _dolly(log: LogWriter, seconds: float, radius: float = 0.5 / 0.3) -> None:

@@ -117,7 +117,7 @@ def test_a_key_with_another_command_has_its_row(
 @pytest.mark.parametrize(
     ("before", "words"),
     [
-        (twist(0.5, 1.0), "'q' is to change the speeds by 10 %, and keep the motion"),
+        (twist(0.5, 1.0), "'q' should change the speeds by 10 % and keep the motion"),
         (twist(0.5, 0.2), "compare 'u' with the table of keys in the lab"),  # 'u' itself is wrong
     ],
 )
@@ -217,13 +217,13 @@ def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
 def test_a_dolly_that_does_not_drive_as_commanded_says_so() -> None:
     right = twist(0.5, 0.3)
     assert "do commands keep coming?" in dolly.circle_cause(None, [], right).text
-    assert "before the last one is too old" in dolly.circle_cause(1.2, [], right).text
+    assert "before the previous one expires" in dolly.circle_cause(1.2, [], right).text
     assert "speed and turn rate are exchanged" in dolly.circle_cause(0.6, [], twist(0.3, 0.5)).text
 
 
 def test_ranges_that_are_printed_once_or_in_millimetres_are_recognised() -> None:
     ranges = [3.36, 3.31, 5.05, math.inf]
-    assert "it prints once only" in dolly.ranges_cause("3.36", ranges, ["3.36"]).text
+    assert "it prints only once" in dolly.ranges_cause("3.36", ranges, ["3.36"]).text
     assert "it prints millimetres" in dolly.ranges_cause("3360 3310 5050", ranges, []).text
 
 

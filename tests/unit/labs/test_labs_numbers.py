@@ -105,7 +105,7 @@ def test_names_are_added_unless_the_command_line_has_its_own() -> None:
     assert run.command == ["./node", "__ns:=/husky0"]
     assert not run.is_answer
     assert all(run.is_answer for run in choose(LABS["husky"], {}))
-    with pytest.raises(UsageError, match="no program of the lab dolly"):
+    with pytest.raises(UsageError, match="not a program of the lab dolly"):
         choose(LABS["dolly"], {"viewer": "x"})
 
 
@@ -121,5 +121,5 @@ def test_nodes_of_the_workspace_are_checked_in_place_of_the_model_answers(
     assert not choose(LABS["husky"], typed)[0].is_answer
     assert all(run.is_answer for run in choose(LABS["dolly"], {}))
     shutil.copy(tmp_path / "mine/mine/simple_controller.py", tmp_path / "mine/mine/moving_robot.py")
-    with pytest.raises(UsageError, match=r"mine/mine/moving_robot\.py is no node yet"):
+    with pytest.raises(UsageError, match=r"mine/mine/moving_robot\.py is not a node yet"):
         choose(LABS["dolly"], {})

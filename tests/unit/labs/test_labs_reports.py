@@ -195,7 +195,7 @@ def test_a_file_is_one_program_of_a_submission(
 def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "anna.py").touch()
     check = ClassCheck(LABS["dolly"], {"teleop": "python {program}"}, (), None, 1)
-    with pytest.raises(UsageError, match="--teleop is no program of the lab dolly"):
+    with pytest.raises(UsageError, match="--teleop is not a program of the lab dolly"):
         check.run(tmp_path, lambda *_: None)
 
 

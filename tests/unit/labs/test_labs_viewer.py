@@ -49,4 +49,4 @@ def test_a_picture_that_comes_as_the_program_ends_counts(tmp_path: Path) -> None
 
 def test_a_file_that_never_is_a_picture_is_reported(tmp_path: Path) -> None:
     result = next(check_viewer(bench(tmp_path, later=b"nothing"), ["viewer"]))
-    assert (result.measured, result.is_ok) == ("a file that is no picture", False)
+    assert (result.measured, result.is_ok) == ("a file that is not a picture", False)

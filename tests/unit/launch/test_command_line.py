@@ -32,7 +32,7 @@ def test_wrong_word_is_refused(word: str) -> None:
 
 
 def test_an_argument_that_is_misspelt_is_no_second_file() -> None:
-    with pytest.raises(UsageError, match=r"a=1: this is no argument; did you mean a:=1\?"):
+    with pytest.raises(UsageError, match=r"a=1: this is not an argument; did you mean a:=1\?"):
         read_words(["f", "a=1"], None, "/")
 
 

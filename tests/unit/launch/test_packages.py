@@ -152,7 +152,7 @@ def test_a_package_of_the_workspace_is_never_replaced_by_lcmtools_own(
     package = workspace("air_lab0", "air_lab0/moving_robot.py", "launch/robot.yaml")
     with pytest.raises(UsageError, match="no node 'simple_controller' in the package air_lab0; it"):
         find_executable("air_lab0", "simple_controller", folder)
-    with pytest.raises(UsageError, match=r"moving_robot\.py is no node yet; give it a"):
+    with pytest.raises(UsageError, match=r"moving_robot\.py is not a node yet; give it a"):
         find_executable("air_lab0", "moving_robot", folder)
     with pytest.raises(InvalidFile, match=r"simple_controller\.launch in the package air_lab0; it"):
         find_files(["simple_controller.launch"])

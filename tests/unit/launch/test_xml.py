@@ -138,7 +138,7 @@ def test_textfile_is_a_parameter_and_a_command_is_left_out_with_a_note(
     )
     assert words(plan)[2:] == ('_urdf:="<robot/>\\n"',)
     assert plan.notes == (
-        "a.launch:3: no command is run, and no binary file read, for a parameter; it is left out",
+        "a.launch:3: a parameter cannot be set by a command or a binary file; it is left out",
     )
 
 
@@ -227,9 +227,9 @@ def test_what_means_nothing_is_noted_with_its_line(xml: Make) -> None:
     )
     assert plan.notes == (
         "a.launch:3: there is no tag 'nodee' in launch; did you mean node?",
-        "a.launch:2: machine means nothing here: all runs on this one",
+        "a.launch:2: machine has no effect: all nodes run on this computer",
         "a.launch:5: node has no attribute 'respaw'; did you mean respawn?",
-        "a.launch:5: clear_params means nothing here: no parameter outlives its node",
+        "a.launch:5: clear_params has no effect: parameters end with their node",
     )
     assert len(plan.nodes) == 1
 
@@ -264,7 +264,7 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
         (
             '<node pkg="lcmtools" type="talker" name="a/b"/>',
             2,
-            "starts with no digit; its namespace is given by the attribute ns",
+            "does not start with a digit; its namespace is given by the attribute ns",
         ),
         ('<node pkg="nopkg" type="x" name="t"/>', 2, "there is no package 'nopkg'"),
         (
@@ -279,7 +279,7 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
         (
             TALKER.replace("/>", ' respawn="true" required="true"/>'),
             2,
-            "a node is not both required and respawned",
+            "a node cannot be both required and respawned",
         ),
         (TALKER.replace("/>", ' if="1" unless="0"/>'), 2, "node has both 'if' and 'unless'"),
         (f"{TALKER}\n{TALKER}", 3, "the node /t is already defined by a.launch:2"),
@@ -296,7 +296,7 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
         ('<include file="nope.launch"/>', 2, "cannot read nope.launch: No such file"),
         ('<include file="a.launch"/>', 2, "files include each other more than 50 levels deep"),
         ('<param name="a"/>', 2, "param a needs one of: value, textfile, command, binfile"),
-        ('<param name="a" value="1" type="number"/>', 2, "'number' is no type"),
+        ('<param name="a" value="1" type="number"/>', 2, "'number' is not a type"),
         ('<param name="a" textfile="nope"/>', 2, "cannot read"),
         ("<rosparam>[1, 2]</rosparam>", 2, "rosparam: expected names and values"),
         ('<env name="A"/>', 2, "'value' is missing in env"),
@@ -337,10 +337,10 @@ BAD = "not XML: not well-formed (invalid token)"
             "<launch>\n<node name=\u201cx\u201d/></launch>",
             "a.launch:2: not XML: not well-formed (invalid token); write straight quotes",
         ),
-        ("1 <launch>\n2 </launch>", "a.launch:1: not XML: syntax error; take the line numbers out"),
+        ("1 <launch>\n2 </launch>", "a.launch:1: not XML: syntax error; remove the line numbers"),
         (
             '<!DOCTYPE launch [<!ENTITY a "b">]>\n<launch/>',
-            "a.launch:1: no document type (<!DOCTYPE>) is read; remove it",
+            "a.launch:1: a document type (<!DOCTYPE>) is not supported; remove it",
         ),
         ("<launch>" + "<group>" * 100, "a.launch:1: nested more than 50 levels deep"),
         ('<?xml version="1.0" encoding="klingon"?><launch/>', "a.launch:1: not XML: unknown enc"),

@@ -58,8 +58,12 @@ def image_payload(length: int) -> bytes:
 @pytest.mark.parametrize(
     ("cls", "payload", "line"),
     [
-        (std_msgs.Int32, b"", "expected std_msgs/Int32, got 0 bytes, which is no LCM message"),
-        (std_msgs.Int32, b"abc", "expected std_msgs/Int32, got 3 bytes, which is no LCM message"),
+        (std_msgs.Int32, b"", "expected std_msgs/Int32, got 0 bytes, which are not an LCM message"),
+        (
+            std_msgs.Int32,
+            b"abc",
+            "expected std_msgs/Int32, got 3 bytes, which are not an LCM message",
+        ),
         (
             std_msgs.Int32,
             geometry_msgs.Twist().encode(),

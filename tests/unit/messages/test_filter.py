@@ -139,7 +139,10 @@ def test_a_types_constants_are_names_like_its_fields() -> None:
         ("m.child_frame_id.upper", "m.child_frame_id is a string, which has no field 'upper'"),
         (
             "m.pose[0]",
-            "m.pose is no array but a geometry_msgs/PoseWithCovariance (fields: pose, covariance)",
+            (
+                "m.pose is not an array but a geometry_msgs/PoseWithCovariance"
+                " (fields: pose, covariance)"
+            ),
         ),
         ("(1).real", "filter: '(1).real' is not a field of the message"),
         ("max(1, 2).real", "filter: 'max(1, 2).real' is not a field of the message"),

@@ -150,10 +150,10 @@ def test_what_is_no_path_is_said_in_one_line(text: str, error: str) -> None:
             "position.w",
             "position.w: geometry_msgs/Point has no field 'w' (fields: x, y, z)",
         ),
-        ("position[0]", "position is no array but a geometry_msgs/Point (fields: x, y, z)"),
-        ("position.x[0]", "position.x is no array but a float64"),
+        ("position[0]", "position is not an array but a geometry_msgs/Point (fields: x, y, z)"),
+        ("position.x[0]", "position.x is not an array but a float64"),
         ("position.x.y", "position.x is a float64, which has no field 'y'"),
-        ("[0]", "the message is no array but a geometry_msgs/Pose"),
+        ("[0]", "the message is not an array but a geometry_msgs/Pose"),
     ],
 )
 def test_what_a_type_does_not_have_is_said_with_what_it_has(text: str, error: str) -> None:

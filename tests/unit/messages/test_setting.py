@@ -84,7 +84,7 @@ def test_the_kind_is_that_of_the_value(value: ParameterValue, kind: str) -> None
 
 @pytest.mark.parametrize("value", [{"a": 1}, object(), b"bytes"])
 def test_what_no_parameter_can_be_is_refused(value: object) -> None:
-    with pytest.raises(ValueMismatch, match="is no value that a parameter can have"):
+    with pytest.raises(ValueMismatch, match="is not a value that a parameter can have"):
         kind_of(value)  # type: ignore[arg-type]
 
 

@@ -258,14 +258,14 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
             "x:\n  a: 1\n b: 2",
             (
                 "bad YAML at line 3, column 2: did not find expected key; "
-                "indent the keys of one entry alike"
+                "indent the keys of an entry equally"
             ),
         ),
         (
             "x: 1\n  y: 2",
             (
                 "bad YAML at line 2, column 4: mapping values are not allowed in this context; "
-                "indent the keys of one entry alike"
+                "indent the keys of an entry equally"
             ),
         ),
         (
@@ -303,16 +303,16 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
         ("x: !!binary =", "bad YAML at line 1, column 4: !!binary is not followed by base64"),
         (
             "x: !!set {a}",
-            f"bad YAML at line 1, column 4: the tag !!set means nothing here; {quote('!')}",
+            f"bad YAML at line 1, column 4: the tag !!set is not supported here; {quote('!')}",
         ),
         (
             "x: !mine a",
-            f"bad YAML at line 1, column 4: the tag !mine means nothing here; {quote('!')}",
+            f"bad YAML at line 1, column 4: the tag !mine is not supported here; {quote('!')}",
         ),
         (
             "!!python/object:os.system ls",
             (
-                "bad YAML at line 1, column 1: the tag !!python/object:os.system means nothing"
+                "bad YAML at line 1, column 1: the tag !!python/object:os.system is not supported"
                 f" here; {quote('!')}"
             ),
         ),

@@ -233,7 +233,7 @@ def test_init_may_be_called_again_after_shutdown() -> None:
 
 
 def test_init_on_a_log_that_is_read_is_refused() -> None:
-    with pytest.raises(LcmtoolsError, match="is a log to be read, and nodes need a bus"):
+    with pytest.raises(LcmtoolsError, match="is a log, and nodes need a bus"):
         lcmtools.init([], url="file:///tmp/a.log")
     assert not lcmtools.ok()
 

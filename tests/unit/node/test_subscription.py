@@ -174,8 +174,8 @@ def test_a_broken_off_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> None
     [
         (_text("x"), "expected std_msgs/Int32, got std_msgs/String"),
         (_number(7)[:-1], "broken std_msgs/Int32"),
-        (b"", "expected std_msgs/Int32, got 0 bytes, which is no LCM message"),
-        (b"1234567", "expected std_msgs/Int32, got 7 bytes, which is no LCM message"),
+        (b"", "expected std_msgs/Int32, got 0 bytes, which are not an LCM message"),
+        (b"1234567", "expected std_msgs/Int32, got 7 bytes, which are not an LCM message"),
         (b"payload\0", "expected std_msgs/Int32, got an unknown type (fingerprint 0x7061796c6f616"),
     ],
 )

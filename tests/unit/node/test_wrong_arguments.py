@@ -73,11 +73,11 @@ _TYPES_AND_TOPICS = [
     ),
     (
         lambda n: n.create_publisher(RosString, "chatter"),
-        "create_publisher: the class String is no message type of LCM; " + _IMPORT,
+        "create_publisher: the class String is not a message type of LCM; " + _IMPORT,
     ),
     (
         lambda n: n.create_publisher(dict, "chatter"),
-        "create_publisher: the class dict is no message type of LCM",
+        "create_publisher: the class dict is not a message type of LCM",
     ),
     (
         lambda n: n.create_publisher(Trigger, "chatter"),

@@ -116,7 +116,7 @@ def test_only_the_window_is_kept() -> None:
 def test_what_is_no_number_is_refused() -> None:
     scan = LaserScan()
     scan.ranges = [0.0] * 21
-    with pytest.raises(UsageError, match="data is no number but a string"):
+    with pytest.raises(UsageError, match="data is a string, not a number"):
         _curves([String()], "data")
     with pytest.raises(UsageError, match="the message has no number"):
         _curves([Empty()], "")
@@ -137,7 +137,7 @@ def test_a_picture_is_written(suffix: str, tmp_path: Path) -> None:
 
 
 def test_a_picture_of_another_kind_or_place_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"a\.txt is no picture; end it in \.png"):
+    with pytest.raises(UsageError, match=r"a\.txt is not a picture; use a suffix \(\.png"):
         draw_picture([], tmp_path / "a.txt")
     with pytest.raises(LcmtoolsError, match=r"cannot write .*a\.png: No such file"):
         draw_picture([Curve("/a")], tmp_path / "gone" / "a.png")

@@ -153,11 +153,11 @@ def vars_of(found: list[object]) -> list[dict[str, object]]:
 @pytest.mark.parametrize(
     ("head", "text"),
     [
-        (b"\x89MCAP0\r\n", "is no LCM log but an MCAP file; lcmtools bag import "),
-        (b"#ROSBAG V2.0\n", "is no LCM log but a ROS bag; lcmtools bag import "),
-        (b"SQLite format 3\0", "is no LCM log but a database of SQLite, as ROS 2 bags are; "),
-        (b"\x89PNG\r\n\x1a\n", "is no LCM log but a PNG image"),
-        (b"no log of anything", "no message is in .*; it is no LCM log"),
+        (b"\x89MCAP0\r\n", "is not an LCM log but an MCAP file; lcmtools bag import "),
+        (b"#ROSBAG V2.0\n", "is not an LCM log but a ROS bag; lcmtools bag import "),
+        (b"SQLite format 3\0", "is not an LCM log but an SQLite database, like a ROS 2 bag; "),
+        (b"\x89PNG\r\n\x1a\n", "is not an LCM log but a PNG image"),
+        (b"no log of anything", "there are no messages in .*; it is not an LCM log"),
     ],
 )
 def test_a_foreign_file_is_named(head: bytes, text: str, tmp_path: Path) -> None:

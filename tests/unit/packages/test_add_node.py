@@ -99,7 +99,7 @@ def test_a_description_of_another_form_is_left_alone(write: Write) -> None:
     )
     root = write({"lab/pyproject.toml": project, "lab/lab/__init__.py": ""})
     (package,) = workspace(root).packages
-    with pytest.raises(LcmtoolsError, match=r'in a way of its own; write it below .* look = "lab'):
+    with pytest.raises(LcmtoolsError, match=r'in an unusual way; write it below .* look = "lab'):
         add_node(package, "look")
     assert (root / "lab/pyproject.toml").read_text() == project
     assert not (root / "lab/lab/look.py").exists()

@@ -221,13 +221,16 @@ def test_the_package_is_the_folder_s_or_what_its_project_says(
         ("flaot64 x", "M.msg:1: unknown type 'flaot64'; did you mean float64?"),
         ("int8 ok\nfloat64", "M.msg:2: cannot read 'float64'; {example}"),
         ("float64 x;", "M.msg:1: 'float64 x;' ends in ';'; lines of ROS have none"),
-        ("int32 speed 5", "M.msg:1: speed has a default value, which LCM cannot say; {zeros}"),
+        (
+            "int32 speed 5",
+            "M.msg:1: speed has a default value, which LCM does not support; {zeros}",
+        ),
         ("float64 2nd", "M.msg:1: cannot read 'float64 2nd'; {example}"),
         ("float64[2][2] m", "M.msg:1: cannot read 'float64[2][2] m'; {example}"),
         ("uint8 X=300", "M.msg:1: 300 does not fit uint8 (0..255)"),
-        ("int32 X=a", "M.msg:1: 'a' is no value for a int32, which X is"),
-        ("float64 X=nan", "M.msg:1: 'nan' is no value for a float64, which X is"),
-        ("uint64 X=0xFFFFFFFFFFFFFFFF", "M.msg:1: X is larger than LCM's numbers, {most}"),
+        ("int32 X=a", "M.msg:1: 'a' is not a value of int32, the type of X"),
+        ("float64 X=nan", "M.msg:1: 'nan' is not a value of float64, the type of X"),
+        ("uint64 X=0xFFFFFFFFFFFFFFFF", "M.msg:1: X is {most}"),
         ("geometry_msgs/Twist X=1", "M.msg:1: a constant cannot be of the type {twist}"),
         (
             "geometry_msgs/Twst t",
@@ -245,7 +248,7 @@ def test_a_mistake_is_named_with_its_line(
     words = {
         "example": "write  float64[] values  or  int32 LIMIT=5",
         "zeros": "leave it out: a new message has zeros",
-        "most": "which end at 2^63 - 1",
+        "most": "larger than LCM's largest number, 2^63 - 1",
         "twist": "geometry_msgs/Twist",
         "field": "and cannot be a field; for example class_",
         "python": "lcm-gen's Python needs that name; use another name",
@@ -260,7 +263,7 @@ def test_files_that_cannot_be_types_are_named(write: Write, types_of: Types) -> 
     assert problems(types_of(folder)) == [
         f"{folder}/p/msg/Mail.msg:1: it is not UTF-8 text",
         (
-            f"{folder}/p/msg/my-type.msg: 'my-type' is no name of a message type;"
+            f"{folder}/p/msg/my-type.msg: 'my-type' is not a valid name of a message type;"
             " letters, digits and '_', a letter first"
         ),
         f"{folder}/p/srv/Go.srv:1: a line of --- before the fields of Go_Response is missing",

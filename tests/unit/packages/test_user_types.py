@@ -85,7 +85,7 @@ def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(
     assert known.candidates(number) == ["std_msgs/String"]
     assert known.message_class("std_msgs/String", number).__slots__ == ["data"]
     assert len(said) == 1
-    assert said[0].startswith("lcmtools: std_msgs/String is not as lcmtools has it; used is ")
+    assert said[0].startswith("lcmtools: std_msgs/String differs from lcmtools' own type; ")
 
 
 def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
@@ -98,7 +98,9 @@ def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
     assert near(types_of(a, c)).notes == {}, "the same twice is no fault"
     source = near(types_of(b, a))
     assert source.files["p/T"] == str(b / "T.lcm")
-    assert source.notes == {"p/T": f"p/T is in {b / 'T.lcm'} and, other, in {a / 'T.lcm'}"}
+    assert source.notes == {
+        "p/T": f"p/T is defined differently in {b / 'T.lcm'} and in {a / 'T.lcm'}"
+    }
 
 
 @pytest.mark.parametrize(

@@ -76,8 +76,8 @@ def test_a_broken_package_stops_no_other(write: Write) -> None:
     assert [package.name for package in found.packages] == ["a"]
     told = [str(problem) for problem in found.problems]
     assert told[0].startswith(f"{root}/b/pyproject.toml:2: this is not TOML: ")
-    assert told[1].startswith(f"{root}/c/pyproject.toml: the package has no proper name; write ")
-    assert told[2].startswith(f"{root}/d/pyproject.toml: the package has no proper name; write ")
+    assert told[1].startswith(f"{root}/c/pyproject.toml: the package has no valid name; write ")
+    assert told[2].startswith(f"{root}/d/pyproject.toml: the package has no valid name; write ")
 
 
 def test_folders_of_other_users_are_not_taken(
@@ -100,7 +100,7 @@ def test_a_node_that_is_no_function_says_so_when_it_is_loaded(write: Write) -> N
     go, stop = (node for node in runnables(root) if node.package == "a")
     assert (go.name, stop.name) == ("go", "stop")
     with pytest.raises(
-        LcmtoolsError, match=r"'a/go\.py' is no function; write  go = \"a\.go:main\" "
+        LcmtoolsError, match=r"'a/go\.py' is not a function; write  go = \"a\.go:main\" "
     ):
         go.load()
 
@@ -149,13 +149,14 @@ def test_a_file_that_is_no_node_yet_is_named_with_the_line_that_is_missing(
     monkeypatch.chdir(root)
     table = '[project.entry-points."lcmtools.nodes"]'
     missing = (
-        f'a/a/talker.py is no node yet; write  talker = "a.talker:main"  in {table}'
+        f'a/a/talker.py is not a node yet; write  talker = "a.talker:main"  in {table}'
         " of a/pyproject.toml, or type: lcmtools pkg add-node talker"
     )
     assert said_of("talker") == said_of("a", "talker") == said_of("a", "talker.py") == missing
-    assert said_of("drive").startswith("b/src/b/drive.py is no node yet; write  drive = ")
+    assert said_of("drive").startswith("b/src/b/drive.py is not a node yet; write  drive = ")
     assert said_of("a", "listener").startswith(
-        "a/a/listener.py is no node yet; give it a function main(args=None), and write  listener ="
+        "a/a/listener.py is not a node yet; give it a function main(args=None),"
+        " and write  listener ="
     )
     node, _ = find_node(["listener"], runnables(root), root)
     assert node.package == "lcmtools", "a module beside that is no program hides nothing"
@@ -166,7 +167,7 @@ def test_a_file_in_a_package_with_a_broken_description_is_not_passed_over(
 ) -> None:
     root = write({"a/pyproject.toml": "[tool.lcmtools]\n[project\n", "a/a/talker.py": MAIN})
     monkeypatch.chdir(root)
-    broken = "a/a/talker.py is no node yet; "
+    broken = "a/a/talker.py is not a node yet; "
     assert said_of("talker").startswith(f"{broken}{root}/a/pyproject.toml:2: this is not TOML")
 
 

@@ -82,7 +82,7 @@ def test_values_are_the_text_as_written_with_their_lines(write: Write) -> None:
         ("\x00", ":1: not YAML: the character U+0000 is not allowed"),
         (
             "a: 1\n---\nb: 2\n",
-            ":3: another document begins: one is expected; take out the line of ---",
+            ":3: another document begins, but only one is expected; remove the --- line",
         ),
         (
             "? [a]\n: 1\n",

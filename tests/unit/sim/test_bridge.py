@@ -226,7 +226,7 @@ def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
     for _ in range(10):
         command(efforts(math.nan, 1))
 
-    warning = "/husky0/wheel_cmd: command ignored: effort[0] is nan, which is no number to drive by"
+    warning = "/husky0/wheel_cmd: command ignored: effort[0] is nan, which is not a finite number"
     assert node.warnings == [warning]
     assert simulation.robots[0].targets == (0.5, 0.5)
     command(efforts(1, 1))

@@ -103,11 +103,11 @@ def test_wheel_speeds_above_the_limits_keep_their_circle() -> None:
         (joints(["left", "left"], effort=[1, 1]), "a name is given twice in ['left', 'left']"),
         (joints(["left", "wing"], effort=[1, 1]), f"unknown wheel 'wing'; {KNOWN}"),
         (joints(["left"], effort=[1]), "no value for the side of 'right'; give both sides"),
-        (joints(effort=[1, NAN]), "effort[1] is nan, which is no number to drive by"),
-        (joints(velocity=[-math.inf, 1]), "velocity[0] is -inf, which is no number to drive by"),
-        (twist(NAN, 0), "linear.x is nan, which is no number to drive by"),
-        (twist(0, math.inf), "angular.z is inf, which is no number to drive by"),
-        (String(), "a String is no command; send a JointState or a Twist"),
+        (joints(effort=[1, NAN]), "effort[1] is nan, which is not a finite number"),
+        (joints(velocity=[-math.inf, 1]), "velocity[0] is -inf, which is not a finite number"),
+        (twist(NAN, 0), "linear.x is nan, which is not a finite number"),
+        (twist(0, math.inf), "angular.z is inf, which is not a finite number"),
+        (String(), "a String is not a command; send a JointState or a Twist"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_with_the_reason(

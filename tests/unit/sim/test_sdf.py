@@ -234,10 +234,10 @@ def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path: Path) -> None
 
 
 WRONG = [
-    ("", "<sdf/>", ":1: the file holds no <world> and no <model>"),
+    ("", "<sdf/>", ":1: the file contains neither a <world> nor a <model>"),
     ("", "<sdf><world>", (":1: not XML: no element found; is the <world> of line 1 closed?"
      " </world>, or <world ... />")),
-    ("", "<!DOCTYPE a><sdf/>", ":1: no document type (<!DOCTYPE>) is read; remove it"),
+    ("", "<!DOCTYPE a><sdf/>", ":1: a document type (<!DOCTYPE>) is not supported; remove it"),
     ("", "<robot name='a'/>", (":1: the file is about <robot>, not <sdf>; a robot (URDF) goes into"
      " the robots of a YAML world file: model: ./FILE")),
     ("<size>1 2 3</size>", "<size>1 2</size>", ":2: <size> must be 3 numbers, not '1 2'"),
@@ -251,14 +251,14 @@ WRONG = [
     ("0 0 0 0 0 0", "0 0 0 0 0 nan", ":2: <pose> must be between -1e+06 and 1e+06, not nan"),
     ("0 0 0 0 0 0", "0 0 0 0 0 0 0", ":2: the rotation is all zeros; 0 0 0 1 for none"),
     ("<pose>", "<pose relative_to='door'>", (":2: the pose of <model name='m'> is relative to"
-     " 'door'; only poses relative to what holds the element are read")),
+     " 'door'; only poses relative to the enclosing element are supported")),
     (" name='m'", "", ":2: <model> lacks the attribute 'name'"),
     ("</link>", "</link><link name='l'/>", ":2: two links of the model are named 'm::l'"),
     ("<model", "<gravity>1 0 0</gravity><model",
      ":2: gravity must be 0 0 -G, with G from 0 to 100"),
     ("</link>", "</link><joint name='j' type='fixed'/>", ":2: <joint name='j'> lacks <parent>"),
     ("<model", "<include/><model", ":2: <include> lacks <uri>"),
-    ("<model", "<include><uri>empty.sdf</uri></include><model", (":2: FOLDER/empty.sdf holds no"
+    ("<model", "<include><uri>empty.sdf</uri></include><model", (":2: FOLDER/empty.sdf contains no"
      " <model>")),
     ("<model", "<include><uri>loop.sdf</uri></include><model",
      ":1: FOLDER/loop.sdf includes itself"),

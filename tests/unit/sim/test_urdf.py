@@ -209,8 +209,8 @@ BOX = '<box size="0.4 0.2 0.1"/>'
 WRONG = [
     ('name="cart"', "", ":2: <robot> lacks the attribute 'name'"),
     ("</robot>", "", ":41: not XML: no element found"),
-    ("<robot", "<!DOCTYPE a [<!ENTITY b 'c'>]><robot", (":2: no document type (<!DOCTYPE>) is"
-     " read; remove it")),
+    ("<robot", "<!DOCTYPE a [<!ENTITY b 'c'>]><robot", (":2: a document type (<!DOCTYPE>)"
+     " is not supported; remove it")),
     ("<robot", "<sdf/><robot", ":2: not XML: junk after document element"),
     ("<robot name", "<robt name", ":40: not XML: mismatched tag"),
     (BOX, '<mesh filename="a.stl"/>', (":11: link 'base_link' has a shape of <mesh>; boxes,"
@@ -229,12 +229,12 @@ WRONG = [
      ":7: 'value' of <mass> must be between 0 and 1e+06, not -4"),
     ('<link name="caster">', '<link name="left">', ":25: two links are named 'left'"),
     ('<child link="caster"/>', '<child link="castor"/>',
-     ":37: <joint name='caster_joint'> joins a link 'castor' that is not there"),
+     ":37: <joint name='caster_joint'> joins a link 'castor' that does not exist"),
     ('<child link="caster"/>', '<child link="left"/>', ":37: the link 'left' has two parents"),
     ('<link name="caster">', '<link name="lost"/><link name="caster">',
      ":2: the links must form one tree: base_footprint and lost are not joined"),
     ('<parent link="base_footprint"/>', '<parent link="caster"/>',
-     ":5: the link 'base_link' hangs on itself"),
+     ":5: the link 'base_link' is its own ancestor"),
     ('type="continuous"', 'type="fixed"',
      ":29: <joint name='left_joint'> is fixed: a wheel's is continuous"),
     ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 1"/>',
@@ -246,7 +246,7 @@ WRONG = [
     ('xyz="-0.15 0 -0.08"', 'xyz="-0.15 0 -0.3"',
      ":25: the link 'caster' reaches 0.220 m below the wheels, which then carry nothing"),
     ("<robot", '<robot xmlns:xacro="a"><xacro:include filename="b"/></robot><robot',
-     ": is a xacro file, which must be expanded first; type: xacro cart.urdf > plain_cart.urdf"),
+     ": it is a xacro file, which must be expanded first; type: xacro cart.urdf > plain_cart.urdf"),
 ]  # fmt: skip
 
 

@@ -27,7 +27,7 @@ MISTAKES = {
     ),
     "seed: 1\n\nseed: 2": ("yard.yaml:3: not YAML: 'seed' is given twice; leave one of them out"),
     "objects: [&a {type: sphere, radius: 1, pose: [0, 0, 0]}, {<<: *a}]": (
-        "yard.yaml:1: not YAML: '<<' does not take in other keys here; write them out"
+        "yard.yaml:1: not YAML: '<<' cannot merge other keys here; write them out"
     ),
     "? [a]\n: 1": (
         "yard.yaml:1: not YAML: a key must be a word; put text that begins with '{{' in quotes"

@@ -21,7 +21,7 @@ const CHOICES = [
   { name: "services", label: "Services", title: "Services and their clients", usual: false },
   { name: "tools", label: "Commands", title: "Commands that look on, such as echo", usual: false },
   { name: "everything", label: "Quiet", title: "/clock, /rosout, and hidden names", usual: false },
-  { name: "dead", label: "Gone", title: "Nodes that announce themselves no more", usual: true },
+  { name: "dead", label: "Gone", title: "Nodes that no longer announce themselves", usual: true },
 ];
 
 /** The graph panel. */

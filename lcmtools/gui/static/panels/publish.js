@@ -38,7 +38,7 @@ export class PublishForm {
     this.rate = element("input", { class: "rate", "aria-label": "Rate [Hz]", inputmode: "decimal", value: "10" });
     this.once = element("button", { type: "submit", class: "primary" }, "Publish once");
     this.repeat = button("Repeat", () => this.changeRepeat(), { "aria-pressed": "false" });
-    this.rights = element("p", { class: "muted" }, "this page may watch but not command");
+    this.rights = element("p", { class: "muted" }, "this page may only watch, not command");
     this.result = element("p", { class: "result", role: "status" });
     this.element = element(
       "form",

@@ -193,8 +193,8 @@ export default class Steer {
   obstacle() {
     if (!this.context.connection.isOpen) return "The server is gone: nothing is sent.";
     if (this.context.source === "log") return "This is a log: nothing obeys.";
-    if (!this.context.canCommand) return "This page may watch but not command.";
-    if (!this.topic) return "Choose the topic that the robot obeys.";
+    if (!this.context.canCommand) return "This page may only watch, not command.";
+    if (!this.topic) return "Choose the robot's command topic.";
     return this.state.type ? "" : "Waiting for the topic's type.";
   }
 
@@ -240,7 +240,7 @@ export default class Steer {
   readGamepad() {
     const found = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
     write(this.gamepadName, found ? "Gamepad" : "Gamepad (none yet)");
-    set(this.gamepadName, "title", found?.id ?? "Connect one and press a button of it");
+    set(this.gamepadName, "title", found?.id ?? "Connect one and press one of its buttons");
     const counts = this.usesGamepad && document.hasFocus() && !document.hidden;
     let share = counts ? gamepadShare(found) : null;
     if (!share) this.isEnded.gamepad = false;

@@ -130,7 +130,7 @@ export default class World {
       element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, [...this.toolButtons.values()], this.goal),
       this.fixedChoice,
       this.followChoice,
-      button("Reset view", () => this.camera?.reset(), { title: "Back to where the view began" }),
+      button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
       button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
       this.simulator.element,
       element("span", { class: "space" }),

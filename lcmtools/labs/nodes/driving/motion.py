@@ -35,7 +35,7 @@ SLIDERS_HELP = """\
 up / down      forward speed 0.1 m/s more / less    (w / s: 0.01, W / S: 0.1)
 left / right   turn rate 0.1 rad/s to that side     (a / d: 0.01, A / D: 0.1)
 x              go straight ahead at 0 m/s           (forward speed 0)
-z              turn no more                         (turn rate 0)
+z              stop turning                         (turn rate 0)
 space          stop; any other key does so too
 Ctrl-C         stop and end"""
 

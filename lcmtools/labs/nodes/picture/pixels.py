@@ -46,7 +46,7 @@ class Picture:
             ValueError: The picture is of colours.
         """
         if self.kind is Kind.COLOR:
-            raise ValueError("colours are no values")
+            raise ValueError("colours have no values")
         data = self.image.tobytes()
         if self.image.mode == "F":
             return [round(z * 1000) if 0 < z < _FARTHEST else 0 for z in array("f", data)]
@@ -73,7 +73,7 @@ def read_file(data: bytes) -> Picture:
         check_size(*image.size, image.format or "")
         image.load()
     except UnidentifiedImageError:
-        raise DecodeError("broken picture: it is no PNG or JPEG file") from None
+        raise DecodeError("broken picture: it is not a PNG or JPEG file") from None
     except (OSError, SyntaxError, ValueError, Warning, PIL.Image.DecompressionBombError) as error:
         raise DecodeError(f"broken picture: {error}") from None
     if image.mode.startswith("I"):

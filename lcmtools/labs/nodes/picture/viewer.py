@@ -149,9 +149,9 @@ class Viewer:
 def _choose_display(options: argparse.Namespace) -> Display:
     colors = ColorOptions(COLOR_MAPS[options.colors], options.near, options.far)
     if options.values and not options.save:
-        raise UsageError("--values is about the files of --save", "add --save FILE")
+        raise UsageError("--values needs --save", "add --save FILE")
     if options.window and options.save:
-        raise UsageError("--window and --save do not go together", "leave out one of them")
+        raise UsageError("--window and --save exclude each other", "leave out one of them")
     if options.window:
         from lcmtools.labs.nodes.picture.window import WindowDisplay
 
@@ -171,12 +171,12 @@ Options:
     --once            end after one picture
     --save FILE       write PNG files, and show nothing; %d or %04d in the name counts
     --values          ... with depth as 16-bit millimetres, not in colour
-    --rate HZ         at most so many pictures a second (10; 1 where only lines are written)
-    --timeout S       fail with exit code 4 when no picture comes for so long
+    --rate HZ         at most this many pictures a second (10; 1 if only lines are written)
+    --timeout S       fail with exit code 4 if no picture comes for this long
     --near M --far M  the scale's ends (else by the picture)
     --colors MAP      warm or grey
     --graphics KIND   auto, blocks, sixel or kitty
     --window          in a window
     --json            a line of JSON for each picture
 
-Where standard output is no terminal, a line of text is written for each picture."""
+If standard output is not a terminal, a line of text is written for each picture."""
