@@ -1,7 +1,7 @@
 """The events in the bytes of an LCM log, which may be damaged.
 
-The format: events one after another, each of a sync word, a number, the time in microseconds since 1970, the
-sizes of channel and payload, and these two; all big-endian
+The format: events one after another, each of a sync word, a number, the time in microseconds since
+1970, the sizes of channel and payload, and these two; all big-endian
 (https://lcm-proj.github.io/lcm/content/log-file-format.html).
 """
 

@@ -28,7 +28,7 @@ class Drawing:
     """The positions of everything."""
 
     places: dict[str, Point] = field(default_factory=dict)  # centres of vertices
-    ways: dict[Arrow, list[Point]] = field(default_factory=dict)  # from a vertex's side to another's
+    ways: dict[Arrow, list[Point]] = field(default_factory=dict)  # between sides of vertices
     bands: dict[str, tuple[float, float]] = field(default_factory=dict)  # y of top and bottom
     size: Size = (0.0, 0.0)
 
