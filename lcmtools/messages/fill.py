@@ -1,9 +1,9 @@
 """Filling messages from plain values: mappings by field name, lists in order, text and numbers.
 
 Belongs here: the names of a message's fields, and errors for names that do not match; the words
-``now`` (for a time, and for LCM's ``utime``) and ``auto`` (for a header, whose stamp it sets), and a
-time as an integer number of nanoseconds, all accepted as by rostopic and ros2. Must not know YAML's
-syntax (see ``message_template``), the wire format or a clock.
+``now`` (for a time, and for LCM's ``utime``) and ``auto`` (for a header, whose stamp it sets), and
+a time as an integer number of nanoseconds, all accepted as by rostopic and ros2. Must not know
+YAML's syntax (see ``message_template``), the wire format or a clock.
 """
 
 import re
