@@ -1,8 +1,7 @@
 """Runs a plan: starts its processes, passes on their output, restarts and ends them.
 
 Belongs here: the order of events. It has one thread, which waits for signals, ends and lines at
-once.
-Must not know how anything is printed: that is up to a ``Watcher``.
+once. Must not know how anything is printed: that is up to a ``Watcher``.
 """
 
 import signal

@@ -128,8 +128,7 @@ def cells(plain: Plain, name: str = "field", joint: str = "") -> dict[str, Cell]
 
     The columns are those of ``rostopic echo -p``; ``joint`` is put between a name and an index.
     Several dimensions, which ROS does not have, are joined by ``_``: [1][10] and [11][0] are 1_10
-    and 11_0. A time
-    or a duration is one cell, in nanoseconds; a boolean is 1 or 0.
+    and 11_0. A time or a duration is one cell, in nanoseconds; a boolean is 1 or 0.
     """
     if isinstance(plain, dict) and tuple(plain) in TIME_FIELDS:
         return {name: join_stamp(*cast("dict[str, int]", plain).values())}

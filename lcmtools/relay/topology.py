@@ -2,8 +2,7 @@
 
 Pure: states in, decisions out. Each relay joins two buses. It reports on both what it knows of all
 relays, so that each relay learns all joined pairs, even several buses away. A report itself is
-never
-passed on: hearing it shows that its sender is on the same bus.
+never passed on: hearing it shows that its sender is on the same bus.
 
 Buses have no identity: two networks may have the same group, and one bus two URLs. Therefore, two
 ends are on one bus if one of them hears the reports of the other. In the order of their ids, relays
