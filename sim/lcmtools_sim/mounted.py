@@ -13,7 +13,7 @@ from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, Senso
 
 
 class Subscribers(Enum):
-    """What is known about a topic's subscribers.
+    """Knowledge about a topic's subscribers.
 
     Nodes announce their subscriptions; other programs do not, and may subscribe to any topic.
     """

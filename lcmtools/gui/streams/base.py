@@ -49,7 +49,7 @@ class PageStream(ABC):
 
     @abstractmethod
     def update(self) -> Update | None:
-        """Return only the newest data since the last call; None if there are none.
+        """Return what is new since the last call, the newest only; None if nothing is new.
 
         If a stream is shared, an update equal to the last one is not sent.
         """
