@@ -6,7 +6,7 @@ they come from its own ports, or are a server's echo. If there are several relay
 ports of a relay that should stand by are ignored, so that two relays that do not know of each other
 yet make no loop. A relay waits before it carries, to hear of others first (see ``hold``). UDP
 multicast carries nothing with a message: the sender's port identifies the relay, whose report tells
-which nodes it brings.
+what it brings.
 
 When a carrying relay says goodbye, another one takes over at once; when it is killed, after the
 time in which silent nodes become stale.

@@ -5,10 +5,10 @@ relays, so that each relay learns all joined pairs, even several buses away. A r
 never passed on: hearing it shows that its sender is on the same bus.
 
 Buses have no identity: two networks may have the same group, and one bus two URLs. Therefore, two
-ends are on one bus if one of them hears the reports of the other. In the order of their ids, relays
-carry messages if earlier ones do not already join their buses; all others stand by. This makes a
-spanning forest, which is the same wherever it is computed. An id begins with the time of the start,
-so that the oldest relay stays active when another one comes.
+ends count as on one bus if one of them hears the reports of the other. In the order of their ids,
+relays carry messages if earlier ones do not already join their buses; all others stand by. This
+makes a spanning forest, which is the same wherever it is computed. An id begins with the time of
+the start, so that the oldest relay stays active when another one comes.
 """
 
 from collections.abc import Collection, Iterable, Mapping
