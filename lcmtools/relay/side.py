@@ -33,7 +33,7 @@ class Side:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
         self.outbox = LineQueue()  # messages that wait to be sent to the bus
-        # Senders on this bus that are relays that should not carry messages.
+        # Senders on this bus that belong to relays which should not carry messages.
         self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}

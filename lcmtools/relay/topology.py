@@ -169,7 +169,7 @@ class KnownRelays:
         return carrying(self.links())
 
     def idle(self, at_end: str, active: Collection[str]) -> frozenset[Sender]:
-        """Return the senders at an own end that are relays that should not carry messages."""
+        """Return the senders at an own end that belong to relays which should not carry."""
         heard = self._heard[at_end]
         others = (link for link in self.links()[1:] if link.id not in active)
         return frozenset(
