@@ -138,7 +138,7 @@ class ChildProcess:
             os.write(self._keyboard, key.encode())
 
     def takes_interrupts_as_keys(self) -> bool:
-        """Return True if it has set its terminal raw: then Ctrl-C is no signal."""
+        """Return True if it has set its terminal raw: then Ctrl-C sends no signal."""
         return (
             self._keyboard is not None and not termios.tcgetattr(self._keyboard)[3] & termios.ISIG
         )
