@@ -1,8 +1,8 @@
-"""Logs: recording what is on a bus, playing it, looking into it, and handing it on.
+"""Logs: recording a bus; playing, inspecting, editing and exporting logs.
 
-The logs are LCM's own, with an index beside them (``wire/log_index``); reading them as a stream of
-arrivals is ``observe``'s. Nothing here prints or knows a command line.
-Public are ``open``, and the ``Log`` that it gives:
+The logs are LCM's own, with an index beside them (``wire/log_index``); ``observe`` reads them as a
+stream of arrivals. Nothing here prints or knows a command line.
+The public names are ``open`` and the ``Log`` that it returns:
 
     with lcmtools.bag.open("ride.lcmlog") as log:
         for arrival in log.messages("/husky0/odometry"):
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lcmtools.bag.log import Log as Log
-    from lcmtools.bag.log import open_log as open  # noqa: A004 - as gzip has it
+    from lcmtools.bag.log import open_log as open  # noqa: A004 - as in gzip
 
 __all__ = ["Log", "open"]
 

@@ -1,4 +1,4 @@
-"""The topics that are recorded, by their names and by nodes."""
+"""Choosing the topics to record, by their names and by nodes."""
 
 from collections.abc import Sequence
 
@@ -11,10 +11,10 @@ _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 
 
 class RecordedTopics:
-    """A choice of topics and patterns; none for all topics, unless nodes are named.
+    """A choice of topics and patterns; if empty, all topics, unless nodes are named.
 
-    The topics of ``nodes`` are those that they publish and subscribe to. ``hidden`` ones are among
-    all topics, and match patterns.
+    The topics of ``nodes`` are those that they publish and subscribe to. With ``hidden``, hidden
+    topics belong to "all topics" and match patterns.
     """
 
     def __init__(
@@ -36,10 +36,10 @@ class RecordedTopics:
         self._cache: dict[str, bool] = {}
         self._heard: set[str] = set()
         self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
-        """The topics, where each is named by itself; empty where there may be any number."""
+        """The topics, if all are named individually; empty if there may be any number."""
 
     def learn(self, graph: Graph) -> list[str]:
-        """Take note of the topics of nodes; return all wanted topics that are known."""
+        """Note the topics of nodes; return all wanted topics that are known."""
         chosen = [
             node
             for node in graph.nodes
@@ -60,7 +60,7 @@ class RecordedTopics:
         return known
 
     def silent(self, graph: Graph) -> list[str]:
-        """Return a sentence on each named node that is unknown, and topic without a message."""
+        """Return a sentence on each unknown named node and each topic without a message."""
         known = graph.topic_names()
         spellings = {name: self._names.spellings(name) for name in self.named}
         return [
@@ -74,7 +74,7 @@ class RecordedTopics:
         ]
 
     def spelled(self, name: str, channel: str) -> bool:
-        """Return whether a channel is the topic of a name."""
+        """Return whether a channel is the topic for a name."""
         return channel in self._names.spellings(name)
 
     def _is_wanted(self, channel: str) -> bool:

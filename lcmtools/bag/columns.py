@@ -1,9 +1,9 @@
-"""Messages of one type as columns: an array for each field, made without decoding each message.
+"""Messages of one type as columns: an array for each field, read without decoding each message.
 
-The messages of a topic mostly have the same size and the same lengths of strings and arrays. Those
-that have are rows of a table with one memory layout, which the first of them gives, and numpy reads
-a field of all rows at once. Messages with other lengths are another table; where every message has
-lengths of its own, that is as slow as decoding each.
+The messages of a topic mostly have the same size and the same lengths of strings and arrays. Such
+messages are rows of a table with one memory layout, taken from the first of them, and numpy reads a
+field of all rows at once. Messages with other lengths form another table; if every message has its
+own lengths, this is as slow as decoding each.
 """
 
 import struct
@@ -36,8 +36,8 @@ class Table:
         columns: An array for each field by its path ("pose.pose.position.x"), a row for each
             message. An array field has further axes, one for each of its dimensions; so has a
             field of an array of messages ("transforms.header.frame_id"). Where the lengths
-            differ between messages, each element of a column is an array.
-        malformed: The places of the payloads that could not be decoded, which have no row.
+            differ between messages, the elements of a column are arrays.
+        malformed: The indices of the payloads that could not be decoded, which have no row.
     """
 
     columns: Mapping[str, "Array"]
@@ -46,14 +46,14 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class _Numbers:
-    """A field of numbers, at one place in every row."""
+    """A field of numbers, at the same offset in every row."""
 
     start: int
-    code: str  # of ``struct``
+    code: str  # ``struct`` code
     sizes: tuple[int, ...]
 
     def read(self, rows: "Array") -> "Array":
-        # numpy has the codes of ``struct``; other bytes than 0 and 1 are booleans too
+        # numpy has the same codes as ``struct``; bytes other than 0 and 1 are booleans too
         code = "B" if self.code == "?" else f">{self.code}"
         found = _at(rows, self.start, code, self.sizes)
         numbers: Array = found != 0 if self.code == "?" else found
@@ -62,7 +62,7 @@ class _Numbers:
 
 @dataclass(frozen=True, slots=True)
 class _Text:
-    """A string, at one place in every row."""
+    """A string, at the same offset in every row."""
 
     start: int
     size: int  # without its NUL [byte]
@@ -72,7 +72,7 @@ class _Text:
 
         first = rows[0, self.start : self.start + self.size].tobytes()
         found = _at(rows, self.start, f"S{self.size}") if self.size else None
-        if found is None or (found == found[0]).all():  # as frame_id nearly always
+        if found is None or (found == found[0]).all():  # the usual case for frame_id
             return np.full(len(rows), first.decode("utf-8", "replace"))
         decoded: Array = np.char.decode(found, "utf-8", "replace")
         return decoded
@@ -80,7 +80,7 @@ class _Text:
 
 @dataclass(frozen=True, slots=True)
 class _Stack:
-    """The same field of each element of an array of messages, or the elements of one of text."""
+    """The same field of each element of an array of messages, or an array of strings."""
 
     elements: "list[_Column]" = field(default_factory=list)
 
@@ -100,20 +100,20 @@ _Column: TypeAlias = "_Numbers | _Text | _Stack"
 
 
 class _Plan:
-    """The memory layout of a message, and of all others of its size that have the same lengths.
+    """The memory layout of a message, and of all others with the same size and lengths.
 
     Raises:
-        Malformed: The payload cannot be of the class.
+        Malformed: The payload cannot be a message of the class.
     """
 
     def __init__(self, cls: type[Message], payload: bytes) -> None:
         self.columns: dict[str, _Column] = {}
         self._cursor = Cursor(payload, _FINGERPRINT_BYTES)
-        self._lengths: list[slice] = []  # the places of lengths
+        self._lengths: list[slice] = []  # the offsets of lengths
         self._add(cls, "", self.columns)
 
     def fits(self, rows: "Array") -> "Array":
-        """Return for each row whether its lengths are those of the plan."""
+        """Return for each row whether it has the plan's lengths."""
         import numpy as np
 
         fits = np.ones(len(rows), bool)
@@ -148,7 +148,7 @@ class _Plan:
             columns.update(self._messages(part.message_class, sizes, f"{where}."))
 
     def _messages(self, cls: type[Message], sizes: Sequence[int], path: str) -> dict[str, _Column]:
-        """The columns of an array of messages: a stack for each field."""
+        """Return the columns of an array of messages: a stack for each field."""
         stacks = {name: _Stack() for name in _paths(cls, path)}
         self._cursor.enter(path)
         for _ in self._elements(sizes[0], bool(fields(cls)), path):
@@ -183,16 +183,16 @@ class _Plan:
 
 
 def require_columns(cls: type[Message]) -> None:
-    """Raise DecodeError for a type that holds itself: its columns would have no end."""
+    """Raise DecodeError for a type that contains itself: it would have infinitely many columns."""
     if holds_itself(cls):
         raise DecodeError(f"{type_name(cls)} contains itself, which columns cannot represent")
 
 
 def table(cls: type[Message], payloads: Sequence[bytes]) -> Table:
-    """Return messages of a type as columns; payloads of another type are malformed too.
+    """Return messages of a type as columns; payloads of other types count as malformed.
 
     Raises:
-        DecodeError: The type holds itself.
+        DecodeError: The type contains itself.
     """
     require_columns(cls)
     tables: list[tuple[Array, dict[str, Array]]] = []
@@ -224,7 +224,7 @@ def _read(
     rows: "Array",
     tables: "list[tuple[Array, dict[str, Array]]]",
 ) -> list[int]:
-    """Add the columns of messages of one size, with their places; return the malformed ones."""
+    """Add the columns of messages of one size, with indices; return the malformed ones'."""
     malformed = []
     while len(places):
         try:
@@ -241,7 +241,7 @@ def _read(
 
 
 def _by_size(payloads: Sequence[bytes]) -> "Iterator[tuple[Array, Array]]":
-    """Yield the places of the payloads of each size, and their bytes, a row each."""
+    """Yield the indices of the payloads of each size, and their bytes, one row each."""
     import numpy as np
 
     sizes = np.fromiter(map(len, payloads), np.int64, len(payloads))
@@ -258,7 +258,7 @@ def _some(fits: "Array", places: "Array", rows: "Array") -> "tuple[Array, Array]
 def _joined(
     cls: type[Message], tables: "Sequence[tuple[Array, dict[str, Array]]]"
 ) -> "dict[str, Array]":
-    """The rows of all tables in their order; the first of each pair are the rows' places."""
+    """Return the rows of all tables in order; the first of each pair has the rows' indices."""
     import numpy as np
 
     if not tables:
@@ -280,7 +280,7 @@ def _rows(parts: "Sequence[Array]") -> "Array":
 
 
 def _paths(cls: type[Message], path: str) -> Iterator[str]:
-    """The paths of the columns of a type."""
+    """Yield the paths of the columns of a type."""
     for part in visible_fields(cls):
         if part.message_class is None:
             yield f"{path}{part.name}"
@@ -289,13 +289,13 @@ def _paths(cls: type[Message], path: str) -> Iterator[str]:
 
 
 def _are(rows: "Array", start: int, data: bytes) -> "Array":
-    """Return for each row whether these bytes, of a number, are at a place."""
+    """Return for each row whether these bytes, of one number, are at an offset."""
     found: Array = _at(rows, start, f"u{len(data)}") == int.from_bytes(data, sys.byteorder)
     return found
 
 
 def _at(rows: "Array", start: int, code: str, sizes: tuple[int, ...] = ()) -> "Array":
-    """The values at one place of every row, where they lie."""
+    """Return a view of the values at one offset in every row."""
     import numpy as np
 
     form = np.dtype(code)

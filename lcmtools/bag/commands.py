@@ -1,8 +1,9 @@
-"""Commands to actuators among the topics that are played: who would obey them, and the last ones.
+"""Commands to actuators among the played topics: who would obey them, and the last ones.
 
-Pure decisions on the graph and on messages. What is a command is told by its type (a velocity, an
-effort, a trajectory), by its topic's name (cmd_vel, WHEEL_COMMAND, goal), or by its subscriber: a
-simulator obeys what it subscribes to. Programs that are no nodes do not show what they listen to.
+Pure decisions on the graph and on messages. A command is recognized by its type (a velocity, an
+effort, a trajectory), by its topic's name (cmd_vel, WHEEL_COMMAND, goal) or by its subscriber: a
+simulator obeys what it subscribes to. Programs that are not nodes do not show what they subscribe
+to.
 """
 
 from collections.abc import Iterable
@@ -21,8 +22,8 @@ from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic, is_simu
 from lcmtools.observe.describe import node_text, program_text
 
 _JOINTS = "sensor_msgs/JointState"
-_SHARED = "/rosout"  # each node's lines have its name
-_MOST_VALUES = 3  # of a command that are shown
+_SHARED = "/rosout"  # shared by all nodes: each line has its node's name
+_MOST_VALUES = 3  # values of a command that are shown
 
 
 class Conflict(NamedTuple):
@@ -39,7 +40,7 @@ def is_command(track: Track) -> bool:
 
 
 def obeying(graph: Graph, track: Track) -> list[Node]:
-    """Return the nodes that live and would take the topic's messages as commands."""
+    """Return the living nodes that would obey the topic's messages as commands."""
     nodes = {node.id: node for node, _ in graph.topic(track.topic).subscribers}
     commands = is_command(track)
     return [
@@ -50,9 +51,9 @@ def obeying(graph: Graph, track: Track) -> list[Node]:
 
 
 def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conflict]:
-    """Return the reasons not to play topics on a bus: who publishes on them, and who obeys them.
+    """Return the reasons not to play topics on a bus: nodes that publish on them or obey them.
 
-    The player's own node, of the name ``own``, does not count.
+    The player's own node, named ``own``, does not count.
     """
     found = []
     for track in tracks:
@@ -68,18 +69,18 @@ def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conf
 
 
 def _remedy(channel: str) -> str:
-    """The options for a channel; a plain one may have a name that no remap can begin with."""
+    """Return the options for a channel; a remap cannot begin with every plain channel's name."""
     remap = f"{channel}:=/other"
     moves = f", {remap} moves it" if is_assignment(remap) else ""
     return f"-x {quote(channel)} leaves it out{moves}"
 
 
 class StandingCommand(NamedTuple):
-    """A command that is obeyed until another one comes."""
+    """A command that is obeyed until another one arrives."""
 
     topic: str
-    values: str  # those that are not zero, "linear.x 0.5"; "" for none
-    stop: bytes | None = None  # the same with zeros, where that means to stop
+    values: str  # the non-zero ones, "linear.x 0.5"; "" for none
+    stop: bytes | None = None  # the same with zeros, if that means stop
     typed: str = ""  # the command line that sends it
 
 
@@ -91,13 +92,13 @@ class LastCommands:
         self._last: dict[str, bytes] = {}
 
     def add(self, topic: str, payload: bytes) -> None:
-        """Take note of a message that was published."""
+        """Note a message that was published."""
         self._last[topic] = payload
 
     def take(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
-        """Return the commands that stand and would be obeyed, and then forget them.
+        """Return the commands that are still in effect and would be obeyed, then forget them.
 
-        If others are ``heard``, programs that are no nodes may listen too.
+        If others are ``heard``, programs that are not nodes may listen too.
         """
         tracks = [self._tracks[topic] for topic in self._last]
         obeyed = [one for one in tracks if obeying(graph, one) or (heard and is_command(one))]
@@ -128,7 +129,7 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
 
 
 def _set_to_zero(message: Message) -> None:
-    """Set all numbers of a message to zero but those of its header."""
+    """Set all numbers of a message to zero except in its header."""
     for field in visible_fields(type(message)):
         value = getattr(message, field.name)
         if field.dimensions == () and field.message_class:

@@ -11,12 +11,12 @@ from lcmtools.observe.log_file import LogFile
 
 @dataclass(frozen=True, slots=True)
 class TopicDifference:
-    """The messages of a topic in two logs; equal are those with the same time and bytes."""
+    """The messages of a topic in two logs; equal messages have the same time and bytes."""
 
     topic: str
-    first: int  # messages of the first log
+    first: int  # messages in the first log
     second: int
-    only_first: int  # those that the second one does not have
+    only_first: int  # messages missing in the second one
     only_second: int
     is_reordered: bool = False  # the same messages, in another order
 
@@ -26,7 +26,7 @@ class TopicDifference:
         return not (self.only_first or self.only_second or self.is_reordered)
 
     def __str__(self) -> str:
-        """Return it for people."""
+        """Return the difference as text."""
         if self.is_reordered:
             return f"{self.topic}: the same {self.first} messages in another order"
         if not self.first or not self.second:

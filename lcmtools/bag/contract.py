@@ -29,14 +29,14 @@ _LIMITS: Mapping[str, tuple[str, Callable[[TopicSummary], float]]] = {
     "gap": ("{:.3g} s", lambda topic: topic.longest_gap / 1e9),
     "messages": ("{:.0f} messages", lambda topic: topic.messages),
 }
-"""The values of a topic that have limits, with their words."""
+"""A topic's values that can have limits, with their names in texts."""
 _OF_TOPIC = {"type", *(f"{side}_{name}" for side in ("min", "max") for name in _LIMITS)}
 _OF_LOG = {"topics", "others", "max_lost", "min_duration", "max_duration"}
 
 
 @dataclass(frozen=True, slots=True)
 class TopicTerms:
-    """The terms of the topics that a name or a pattern means."""
+    """The terms for the topics that match a name or a pattern."""
 
     pattern: str
     line: int
@@ -46,24 +46,24 @@ class TopicTerms:
 
 @dataclass(frozen=True, slots=True)
 class Contract:
-    """The terms that a log must keep."""
+    """The terms that a log must meet."""
 
     source: str
     topics: tuple[TopicTerms, ...] = ()
-    others: bool = True  # topics that are not named may be there
+    others: bool = True  # True if other topics are allowed
     limits: Mapping[str, float] = field(default_factory=dict)  # "max_lost" and so on
 
 
 @dataclass(frozen=True, slots=True)
 class Breach:
-    """A term that a log does not keep."""
+    """A term that a log does not meet."""
 
     topic: str  # "" for the log
     text: str
     line: int  # of the contract; 0 for none
 
     def record(self) -> dict[str, object]:
-        """Return it for JSON."""
+        """Return the breach for JSON."""
         return {"topic": self.topic or None, "text": self.text, "line": self.line or None}
 
 
@@ -71,7 +71,7 @@ def read_contract(path: str | Path) -> Contract:
     """Return the contract in a file.
 
     Raises:
-        InvalidFile: It is no contract; with the line.
+        InvalidFile: It is not a contract; the error has the line.
         LcmtoolsError: It cannot be read.
     """
     with os_errors_as(f"cannot read {path}"):
@@ -92,7 +92,7 @@ def read_contract(path: str | Path) -> Contract:
 
 
 def breaches(contract: Contract, summary: LogSummary) -> Iterator[Breach]:
-    """Yield the terms that a log does not keep."""
+    """Yield the terms that a log does not meet."""
     lost = sum(loss.lost for loss in summary.losses.values())
     if lost > contract.limits.get("max_lost", math.inf):
         yield Breach(

@@ -1,6 +1,6 @@
-"""The edits of logs, each a stream of messages made of a stream of messages.
+"""Edits of logs; each converts a stream of messages into a stream of messages.
 
-They need no more memory for a long log than for a short one; sorting one keeps the place of each
+A long log needs no more memory than a short one, except for sorting, which keeps the place of each
 message.
 """
 
@@ -23,19 +23,19 @@ from lcmtools.wire.packet import Packet
 
 @dataclass(frozen=True, slots=True)
 class TopicChoice:
-    """The topics that are meant: by names, namespaces and patterns; none for all."""
+    """A selection of topics by names, namespaces and patterns; none for all."""
 
     wanted: Sequence[str] = ()
     excluded: Sequence[str] = ()
 
     def has(self, topic: str) -> bool:
-        """Return whether a topic is meant."""
+        """Return whether a topic is selected."""
         return (not self.wanted or _covers(self.wanted, topic)) and not _covers(
             self.excluded, topic
         )
 
     def check(self, known: Iterable[str]) -> None:
-        """Raise LcmtoolsError for a name that means none of the known topics."""
+        """Raise LcmtoolsError for a name that matches none of the known topics."""
         known = list(known)
         for word in (*self.wanted, *self.excluded):
             if not any(_covers([word], topic) for topic in known):
@@ -57,7 +57,7 @@ def chosen(packets: Iterable[Packet], topics: TopicChoice) -> Iterator[Packet]:
 
 
 def visible(packets: Iterable[Packet]) -> Iterator[Packet]:
-    """Yield the messages of topics that are not hidden, and not those of liblcm's own test."""
+    """Yield the messages of topics that are not hidden, except liblcm's self test."""
     for packet in packets:
         if not (is_hidden(packet.channel) or packet.channel == SELF_TEST_CHANNEL):
             yield packet
@@ -71,7 +71,7 @@ def between(packets: Iterable[Packet], first: int, last: int) -> Iterator[Packet
 def matching(
     packets: Iterable[Packet], condition: Filter, types_of: Callable[[str], Sequence[str]]
 ) -> Iterator[Packet]:
-    """Yield the messages that meet a condition; not those that cannot be decoded.
+    """Yield the messages that meet a condition, leaving out those that cannot be decoded.
 
     Raises:
         ValueMismatch: A message has no such field.
@@ -94,13 +94,13 @@ def matching(
 def parse_renames(
     words: Sequence[str], known: Iterable[str], announced: Iterable[str] = ()
 ) -> dict[str, str]:
-    """Return the new names of topics, of words such as "/old:=/new".
+    """Return the new names of topics, from words such as "/old:=/new".
 
-    A name that ends in "/" is a namespace, of all topics in it: ``known`` ones have messages.
+    A name that ends in "/" is a namespace and renames its topics. ``known`` have messages.
 
     Raises:
-        UsageError: A word is no rename, or two topics would become one.
-        LcmtoolsError: It is of no topic.
+        UsageError: A word is not a rename, or two topics would become one.
+        LcmtoolsError: It is for no topic.
     """
     known = list(known)
     names: dict[str, str] = {}
@@ -121,7 +121,7 @@ def parse_renames(
 
 
 def renamed(packets: Iterable[Packet], names: Mapping[str, str]) -> Iterator[Packet]:
-    """Yield the messages with other names of topics; announcements name them so too."""
+    """Yield the messages with other names of topics; also in announcements."""
     for packet in packets:
         if packet.channel == NODE_CHANNEL:
             yield packet._replace(payload=_renamed_payload(packet.payload, names))
@@ -137,16 +137,16 @@ def renamed_node(node: RecordedNode, names: Mapping[str, str]) -> RecordedNode:
 
 
 def parse_shift(text: str) -> int:
-    """Return the time [ns] of a text such as "1.5s", or "-2m"; UsageError for others."""
+    """Return the time [ns] for a text such as "1.5s", or "-2m"; UsageError for others."""
     span = round(parse_duration(text.lstrip("+-")) * NANOSECONDS)
     return -span if text.startswith("-") else span
 
 
 def shifted(packets: Iterable[Packet], by: int) -> Iterator[Packet]:
-    """Yield the messages with later times of recording [ns]; stamps within them stay.
+    """Yield the messages with later times of recording [ns]; stamps within them are not changed.
 
     Raises:
-        UsageError: A time would be one that no log can have.
+        UsageError: A time would be outside the range of logs.
     """
     for packet in packets:
         time = packet.time + by
@@ -158,7 +158,7 @@ def shifted(packets: Iterable[Packet], by: int) -> Iterator[Packet]:
 def thinned(
     packets: Iterable[Packet], topics: TopicChoice, *, every: int = 1, rate: float = 0.0
 ) -> Iterator[Packet]:
-    """Yield each n-th message of the topics, and at most some a second [Hz]; all of others."""
+    """Yield every ``every``-th message of the topics, at most at ``rate`` [Hz]; all of others."""
     counts: dict[str, int] = {}
     due: dict[str, int] = {}
     period = round(1e9 / rate) if rate else 0
@@ -170,7 +170,7 @@ def thinned(
         counts[name] = count = counts.get(name, -1) + 1
         if count % every or packet.time < due.get(name, packet.time):
             continue
-        # on a grid: messages that come a little late do not make the next ones late
+        # on a time grid: slightly late messages do not delay the next ones
         missed = (packet.time - due.get(name, packet.time)) // period if period else 0
         due[name] = due.get(name, packet.time) + (missed + 1) * period
         yield packet
@@ -182,12 +182,12 @@ def merged(logs: Sequence[LogFile]) -> Iterator[Packet]:
 
 
 def in_order(log: LogFile) -> Iterator[Packet]:
-    """Yield the messages of a log in the order of their times; equal ones as they lie there."""
+    """Yield the messages of a log in the order of their times; equal times in the log's order."""
     times, places, senders = array("q"), array("q"), array("l")
     known = [None, *log.senders.values()]
     numbers = {sender: number for number, sender in enumerate(known)}
     for event, sender in log.placed():
-        times.append(event.time // 1000)  # a log has microseconds
+        times.append(event.time // 1000)  # a log has times in microseconds
         places.append(event.start)
         senders.append(numbers[sender])
     if all(map(int.__le__, times, times[1:])):

@@ -1,4 +1,4 @@
-"""Handing a log on: which target a format means, and its messages to there."""
+"""Exporting a log: choosing the target for a format, and writing the messages to it."""
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
@@ -28,14 +28,14 @@ FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2"
 
 @dataclass(slots=True)
 class Exported:
-    """The messages that were handed on."""
+    """The result of an export."""
 
-    messages: int = 0  # their number
-    # Sentences on what was left out, by the reason.
+    messages: int = 0  # number of exported messages
+    # Sentences on what was left out, by reason.
     left_out: dict[str, str] = field(default_factory=dict)
 
     def tell(self, reason: str, text: str) -> None:
-        """Take note of what is left out."""
+        """Note what is left out."""
         self.left_out.setdefault(reason, text)
 
 
@@ -45,7 +45,7 @@ class _Target(Protocol):
 
 
 def format_of(target: Path, named: str | None) -> str:
-    """Return the format that a name or the target's suffix means; UsageError if neither is one."""
+    """Return the format for a name or the target's suffix; UsageError if neither is one."""
     if named is not None:
         if named not in FORMATS:
             hint = did_you_mean(named, FORMATS) or f"formats: {', '.join(FORMATS)}"
@@ -68,13 +68,13 @@ def export(
 ) -> Exported:
     """Write messages to a file or folder in another format, one of ``FORMATS``.
 
-    CSV and Parquet have a file for each topic: a target without a suffix is a folder for them. It
-    appears when it is complete. ``compression`` is that of MCAP.
+    CSV and Parquet have a file for each topic: a target without a suffix is a folder for these. The
+    target appears when it is complete. ``compression`` is for MCAP.
 
     Raises:
         MissingExtra: A library is missing.
         LcmtoolsError: The target exists, and not ``force``; it cannot be written; or nothing could
-            be handed on.
+            be exported.
     """
     done = Exported()
     with (

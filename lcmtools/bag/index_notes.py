@@ -1,6 +1,6 @@
-"""The notes that a recorder keeps for the indexes of its files, and adds to each of them.
+"""A recorder's notes for the index of each of its files.
 
-Names of processes and files of types are looked up by a worker, so that reading goes on.
+A worker looks up names of processes and files of types, so that reading goes on.
 """
 
 import time
@@ -18,38 +18,38 @@ from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
-_AGAIN = 5.0  # [s] until a sender is looked up again that has no name
-_NOTE_PERIOD = 2.0  # [s] between records of messages sent, where none are lost
+_AGAIN = 5.0  # [s] until a sender without a name is looked up again
+_NOTE_PERIOD = 2.0  # [s] between records of sent messages if none are lost
 _FINGERPRINT_BYTES = 8
 
 
 class IndexNotes:
-    """The notes of one recording; ``worker``, of one thread, looks up what takes a while."""
+    """The notes of one recording; ``worker``, with one thread, does slow look-ups."""
 
     def __init__(self, monitor: BusMonitor, worker: Executor) -> None:
         self._monitor, self._worker = monitor, worker
-        # The losses since the beginning by the sender's name, of those that have lost any.
+        # The losses since the beginning by sender's name, for senders with losses.
         self.losses: Mapping[str, Loss] = {}
         self._names = SenderNames()
         self._announced: dict[str, tuple[str, ...]] = {}
         self._decoder = Decoder(self._announced.__getitem__)
-        self._numbers: dict[Sender | None, int] = {}  # in the file that is written
-        self._named: dict[Sender, str] = {}  # as the file has it
+        self._numbers: dict[Sender | None, int] = {}  # senders' numbers in the current file
+        self._named: dict[Sender, str] = {}  # senders' names in the current file
         self._nodes: dict[str, Packet] = {}  # the last announcement of each node by its id
         self._revisions: dict[bytes, bytes] = {}
         self._types: dict[str, RecordedType] = {}
-        self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints
+        self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints that have occurred
         self._unknown: list[Packet] = []
         self._latched: frozenset[str] = frozenset()
         self._held: dict[str, Packet] = {}  # the last message of each latched topic
         self._lookup: Future[list[RecordedType]] | None = None
         self._next_lookup = 0.0
-        self._noted: Losses = {}  # in the file's index
+        self._noted: Losses = {}  # losses recorded in the file's index
         self._next_note = 0.0
-        self._last_time = 0  # of a message that was added [ns since 1970], by which a loss shows
+        self._last_time = 0  # of the latest added message [ns since 1970], which reveals a loss
 
     def begin(self, writer: LogWriter, *, is_split: bool = False) -> None:
-        """Begin a file with what holds: types, nodes, and after a split latched messages."""
+        """Begin a file with the current types and nodes and, after a split, latched messages."""
         self._numbers = {}
         writer.add_types(self._types.values())
         for packet in self._nodes.values():
@@ -78,7 +78,7 @@ class IndexNotes:
             self._last_time = packet.time
 
     def take_node(self, packet: Packet, writer: LogWriter | None) -> bool:
-        """Keep an announcement; return whether it says more than the node's last one."""
+        """Keep an announcement; return whether it differs from the node's last one."""
         identity, revision = head_of(packet.payload)
         if self._revisions.get(identity) == revision:
             return False
@@ -88,7 +88,7 @@ class IndexNotes:
             return False
         ends = announcement.node.endpoints
         if announcement.node.tool and not any(end.role is Role.PUBLISHER for end in ends):
-            return True  # it only looks, as this recorder does
+            return True  # it only observes, as this recorder does
         if announcement.leaving:
             self._nodes.pop(announcement.node.id, None)
         else:
@@ -98,12 +98,12 @@ class IndexNotes:
         return True
 
     def learn(self, graph: Graph) -> None:
-        """Learn from a graph that has changed which topics are latched."""
+        """Learn from a changed graph which topics are latched."""
         self._latched = frozenset(topic.name for topic in graph.topics() if topic.is_latched)
         self._next_lookup = 0.0
 
     def look(self, writer: LogWriter, *, in_full: bool = False) -> None:
-        """Add the names, types and losses that are known meanwhile; all of them ``in_full``."""
+        """Add the names, types and losses known by now; all of them if ``in_full``."""
         if self._lookup is None and (in_full or time.monotonic() >= self._next_lookup):
             self._begin_lookup()
         if self._lookup is not None and (in_full or self._lookup.done()):
@@ -114,7 +114,7 @@ class IndexNotes:
         self._note_losses(writer, in_full=in_full)
 
     def _note_losses(self, writer: LogWriter, *, in_full: bool) -> None:
-        """Add what was lost since the last note, if it is news; take the sums of all."""
+        """Add the losses since the last note, if there is news; update the totals."""
         found, numbers = self._monitor.losses(), self._numbers
         counts: dict[int, tuple[int, int]] = {}
         for sender, loss in found.items():
@@ -162,7 +162,7 @@ class IndexNotes:
         for sender, number in self._numbers.items():
             name = self._names.name(sender)
             if sender is not None and name != self._named[sender]:
-                self._named[sender] = name  # later files have it from their beginning
+                self._named[sender] = name  # later files have the name from the beginning
                 writer.rename_sender(number, sender, name)
 
     def _look_up(

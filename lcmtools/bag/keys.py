@@ -10,7 +10,7 @@ _FACTORS = {UP: 2.0, DOWN: 0.5}
 
 
 def press(player: Player, key: str, now: int) -> tuple[bool, Played | None]:
-    """Do what a key means; return False for the end, and a message that is to be sent."""
+    """Execute a key; return False for the end, and a message that must be sent."""
     if key in ("q", ESCAPE):
         return False, None
     if key in (".", "s"):

@@ -1,4 +1,4 @@
-"""A log for Python: what is in it, and its messages.
+"""A log for Python programs: its content and its messages.
 
 with lcmtools.bag.open("ride.lcmlog") as log:
     print(log.duration, list(log.topics))
@@ -29,13 +29,13 @@ _ALL_TOPICS = "**"
 
 
 class Log(AbstractContextManager["Log"]):
-    """A log that is open for reading; iterating over it gives all messages but hidden ones.
+    """A log that is open for reading; iterating over it yields all messages except hidden ones.
 
     Attributes:
         path: The file.
 
     Raises:
-        BusError: The file cannot be read, or is no log.
+        BusError: The file cannot be read, or is not a log.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -51,12 +51,12 @@ class Log(AbstractContextManager["Log"]):
         self._file.close()
 
     def __iter__(self) -> Iterator[Arrival]:
-        """Return the messages of all topics; raises as ``messages``."""
+        """Yield the messages of all topics; raises errors as ``messages`` does."""
         return self.messages()
 
     @cached_property
     def summary(self) -> LogSummary:
-        """All that ``bag info`` shows; a log without an index is read for it."""
+        """Everything that ``bag info`` shows; a log without an index is read for this."""
         return summarize(self._file)
 
     @property
@@ -66,12 +66,12 @@ class Log(AbstractContextManager["Log"]):
 
     @property
     def start(self) -> int:
-        """The time of the first message [ns since 1970]; 0 of an empty log."""
+        """The time of the first message [ns since 1970]; 0 for an empty log."""
         return self.summary.start
 
     @property
     def end(self) -> int:
-        """The time of the last message [ns since 1970]; 0 of an empty log."""
+        """The time of the last message [ns since 1970]; 0 for an empty log."""
         return self.summary.end
 
     @property
@@ -87,19 +87,19 @@ class Log(AbstractContextManager["Log"]):
         where: str | None = None,
         on_error: Callable[[DecodeError], None] | None = None,
     ) -> Generator[Arrival, None, None]:
-        """Return the messages of topics, as ``lcmtools.observe.messages`` does on a bus.
+        """Yield the messages of topics, as ``lcmtools.observe.messages`` does on a bus.
 
         Args:
             *topics: Names or patterns; none for all.
-            start: Where to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05".
-            end: Where to end.
-            where: Only messages for which this expression is true.
-            on_error: Called for a message that cannot be decoded; None to raise.
+            start: The time at which to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05".
+            end: The time at which to end.
+            where: Yield only messages for which this expression is true.
+            on_error: Called if a message cannot be decoded; None to raise.
 
         Raises:
             UsageError: A time, a topic or the expression is wrong.
             DecodeError: A message cannot be decoded, and ``on_error`` is None.
-            LcmtoolsError: The log has no message of the topics.
+            LcmtoolsError: The log has no message on the topics.
         """
         return messages(
             *(topics or (_ALL_TOPICS,)),
@@ -112,17 +112,17 @@ class Log(AbstractContextManager["Log"]):
     def to_numpy(
         self, topic: str, *, start: str | None = None, end: str | None = None
     ) -> "Mapping[str, Array]":
-        """Return the messages of a topic as arrays, a row for each message.
+        """Return the messages of a topic as arrays, with a row for each message.
 
-        They are by the path of the field: ``"pose.pose.position.x"``, of an array with an axis
-        more, see ``columns.Table``; and ``"%time"``, the times of arrival [ns since 1970]. Messages
-        of another type than the first, and damaged ones, are left out. The names and times are as
-        of ``messages``.
+        They have the paths of fields as keys: ``"pose.pose.position.x"``, with more axes for an
+        array (see ``columns.Table``); and ``"%time"``, the times of arrival [ns since 1970].
+        Messages of another type than the first, and damaged ones, are left out. Names and times are
+        as in ``messages``.
 
         Raises:
             UsageError: A time is wrong.
-            LcmtoolsError: The log has no message of the topic, or none of a type that is known
-                and does not hold itself.
+            LcmtoolsError: The log has no message on the topic, or none of a type that is known and
+                does not contain itself.
         """
         first, last = self._between(start, end) or (0, sys.maxsize)
         decoder = Decoder(known_nodes(self._file).types_of)
@@ -143,9 +143,9 @@ class Log(AbstractContextManager["Log"]):
 
 
 def open_log(path: str | Path) -> Log:
-    """Open a log: one of lcmtools, of lcm-logger, or of any other LCM program.
+    """Open a log written by lcmtools, lcm-logger, or any other LCM program.
 
     Raises:
-        BusError: The file cannot be read, or is no log.
+        BusError: The file cannot be read, or is not a log.
     """
     return Log(path)

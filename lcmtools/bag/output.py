@@ -1,4 +1,4 @@
-"""Files that appear whole: written beside their target, and renamed when they are complete."""
+"""Files that appear only when complete: written beside their target, then renamed."""
 
 import os
 import shutil
@@ -11,9 +11,9 @@ from lcmtools.errors import LcmtoolsError, os_errors_as
 
 @contextmanager
 def output_beside(target: Path, *, force: bool = False) -> Iterator[Path]:
-    """Give the path to write to; it takes the target's place at the end, or goes with an error.
+    """Give the path to write to; at the end it replaces the target, or is deleted on an error.
 
-    With ``force`` also that of a file that exists; never that of a folder.
+    With ``force`` it may replace an existing file, but never a folder.
 
     Raises:
         LcmtoolsError: The target exists, or cannot be written.

@@ -1,7 +1,7 @@
 """Playing logs on a bus, as ``lcmtools bag play`` does.
 
-Belongs here: what is checked before the first message, the loop that sends, and what is said and
-done about commands at a pause and at the end. The meaning of keys is in ``keys``.
+Belongs here: the checks before the first message, the loop that sends, and messages and actions
+about commands at a pause and at the end. The meaning of keys is in ``keys``.
 """
 
 import os
@@ -36,27 +36,27 @@ OnPosition = Callable[[Position], None]
 
 _CLOCK_PERIOD = NANOSECONDS // 100
 _SHOW_PERIOD = NANOSECONDS // 10
-_WATCH_PERIOD = 2.0  # [s] between two looks for new publishers
-_WATCH_TIME = 0.3  # [s] of a look, for programs that are no nodes
-_ASLEEP = NANOSECONDS  # [ns] without a turn: the computer slept, or Ctrl-Z
-_ANSWERED = 0.3  # [s] after which nodes that are there have announced themselves
-_STOPS = 3  # times that a stop is sent: any one may be lost
+_WATCH_PERIOD = 2.0  # [s] between two checks for new publishers
+_WATCH_TIME = 0.3  # [s] of a check, for programs that are not nodes
+_ASLEEP = NANOSECONDS  # [ns] without a turn means that the computer slept, or Ctrl-Z
+_ANSWERED = 0.3  # [s] after which existing nodes have announced themselves
+_STOPS = 3  # times that a stop is sent, because each may be lost
 _STOP_GAP = 0.01  # [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """The manner of playing logs."""
+    """Options for playing logs."""
 
-    rate: float = 1.0  # seconds of the log in a second; 0 for as fast as possible
+    rate: float = 1.0  # seconds of the log per second; 0 for as fast as possible
     start: LogTime | None = None
     end: LogTime | None = None
-    duration: float | None = None  # of the log [s], at most
+    duration: float | None = None  # at most this part of the log [s]
     loops: bool = False
     is_paused: bool = False  # at the start
     clock: bool = False  # publish /clock
-    waits: bool = False  # for a subscriber of each topic
-    force: bool = False  # whoever publishes or obeys
+    waits: bool = False  # wait for a subscriber of each topic
+    force: bool = False  # play even if others publish or obey
 
 
 class Result(NamedTuple):
@@ -79,7 +79,7 @@ def play(
 
     Raises:
         BusError: A log cannot be read, or the bus cannot be reached.
-        UsageError: There is no such topic, or nothing of the log in these times.
+        UsageError: There is no such topic, or the log has nothing in these times.
         LcmtoolsError: Topics are in use on the bus, and nothing was played.
     """
     with Playlist(paths, choice, notify) as playlist:
@@ -109,7 +109,7 @@ def play(
 def _check(
     url: BusUrl, tracks: Sequence[Track], notify: Notify, *, force: bool
 ) -> tuple[frozenset[Conflict], Graph]:
-    """Refuse topics that are in use on the bus; return the reasons that do not count, and all."""
+    """Refuse topics that are in use on the bus; return overridden reasons, and the graph."""
     with BusMonitor(url, "play", os.environ) as monitor:
         graph = monitor.settle()
     found = conflicts(graph, tracks)
@@ -126,7 +126,7 @@ def _check(
 
 
 class _Session:
-    """The sending of a log by a node."""
+    """Sending a log by a node."""
 
     def __init__(
         self, node: Node, tracks: Sequence[Track], manner: Manner, notify: Notify, watch: "_Watch"
@@ -138,13 +138,13 @@ class _Session:
             track.topic: node.create_payload_publisher(track.topic, track.type, track.fingerprint)
             for track in tracks
         }
-        # a log's own clock is the time of its messages' stamps
+        # a log's own clock belongs to its messages' stamps
         ticks = manner.clock and CLOCK not in self._publishers
         self._clock = node.create_publisher(Clock, CLOCK) if ticks else None
         self._count = 0
 
     def find(self, graph: Graph) -> None:
-        """Find the nodes of a graph, and follow them from now on."""
+        """Learn the nodes of a graph, and follow them from now on."""
         there = {node.id for node in graph.nodes if not node.stale}
         wait_until(lambda: there <= {node.id for node in self._node.graph().nodes}, _ANSWERED)
 
@@ -160,7 +160,7 @@ class _Session:
         wait_until(lambda: not missing(), None, tell)
 
     def run(self, player: Player, on_position: OnPosition) -> Result:
-        """Play to the end, and leave no command standing without a word."""
+        """Play to the end; stop or report commands that are still in effect."""
         began = time.monotonic_ns()
         (player.pause if player.is_paused else player.resume)(began)
         try:
@@ -198,7 +198,7 @@ class _Session:
                     self._notify(f"{conflict.reason} while it is played")
 
     def _press(self, player: Player, key: str) -> bool:
-        """Do what a key means; return False for the end."""
+        """Execute a key; return False for the end."""
         was_paused = player.is_paused
         goes_on, message = press(player, key, time.monotonic_ns())
         if message:
@@ -219,7 +219,7 @@ class _Session:
             self._clock.publish(clock)
 
     def _settle(self, situation: str) -> None:
-        """Stop what commands have set in motion, or report it."""
+        """Stop actuators that commands have set in motion, or report them."""
         graph = self._node.graph()
         heard = self._node.has_plain_listeners(at_once=True)
         for one in self._commands.take(graph, heard=heard):
@@ -235,7 +235,7 @@ class _Session:
 
 
 class _Watch(AbstractContextManager["_Watch"]):
-    """Looks for programs that begin to use topics while they are played, on a thread."""
+    """Checks, on a thread, for programs that begin to use topics while they are played."""
 
     def __init__(
         self, url: BusUrl, tracks: Sequence[Track], own: str, known: frozenset[Conflict]
@@ -247,12 +247,12 @@ class _Watch(AbstractContextManager["_Watch"]):
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def __enter__(self) -> "_Watch":
-        """Begin to look."""
+        """Begin to check."""
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Look no more."""
+        """Stop checking."""
         self._is_over.set()
         self._thread.join(timeout=1.0)
 
@@ -262,7 +262,7 @@ class _Watch(AbstractContextManager["_Watch"]):
 
     def _run(self) -> None:
         while not self._is_over.wait(_WATCH_PERIOD):
-            with suppress(LcmtoolsError):  # a network that is gone may come back
+            with suppress(LcmtoolsError):  # a failed network may come back
                 with BusMonitor(self._url, "play", os.environ) as monitor:
                     graph = monitor.settle(wait=_WATCH_TIME)
                 if not any(node.name == self._own for node in graph.nodes):

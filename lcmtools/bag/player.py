@@ -1,4 +1,4 @@
-"""The player of a log: which message is due when, at a rate, paused, or somewhere else in the log.
+"""The player of a log: when each message is due, given rate, pauses and seeks.
 
 Pure: the time comes in as an argument, in nanoseconds of a monotonic clock.
 """
@@ -10,19 +10,19 @@ from lcmtools.bag.playlist import Played
 from lcmtools.clock import NANOSECONDS
 
 MOST_BEHIND = NANOSECONDS // 10
-"""A delay up to this [ns] is made up for; after a longer one the rest is postponed, so that a
-computer that slept sends no burst."""
+"""A delay up to this [ns] is made up for; a longer one postpones the rest, so that a computer that
+slept sends no burst."""
 _SLOWEST, _FASTEST = 1 / 64, 64.0
 
 Source = Callable[[int, int], Iterator[Played]]
-"""Returns the messages between two times of the log, both included [ns since 1970]."""
+"""Returns the messages between two times in the log, both included [ns since 1970]."""
 
 
 class Position(NamedTuple):
-    """Where a player is."""
+    """The position of a player."""
 
-    seconds: float  # since the start of what is played
-    length: float  # of what is played [s]
+    seconds: float  # since the start of the played part
+    length: float  # of the played part [s]
     rate: float  # 0 for as fast as possible
     is_paused: bool
 
@@ -45,9 +45,9 @@ class Player:
         now: int = 0,
     ) -> None:
         self._source, self._window, self._loops = messages, window, loops
-        self.rate = rate  # seconds of the log in a second; 0 for as fast as possible
-        self.is_paused = is_paused  # nothing is due
-        self.is_over = False  # there is no more message
+        self.rate = rate  # seconds of the log per second; 0 for as fast as possible
+        self.is_paused = is_paused  # True if paused: nothing is due
+        self.is_over = False  # True if there are no more messages
         self._log_time, self._begin = window[0], now
         self._next: Played | None = None
         self._move(window[0], now)
@@ -68,7 +68,7 @@ class Player:
         return message
 
     def step(self, now: int) -> Played | None:
-        """Pause, and return the next message whenever it is due."""
+        """Pause, and return the next message whether or not it is due."""
         self.pause(now)
         message = self._next
         if message is not None:
@@ -90,7 +90,7 @@ class Player:
         return min(played, self._window[1])
 
     def position(self, now: int) -> Position:
-        """Return where the player is."""
+        """Return the player's position."""
         start, end = self._window
         seconds, length = (self.time(now) - start) / NANOSECONDS, (end - start) / NANOSECONDS
         return Position(seconds, length, self.rate, self.is_paused)
@@ -101,11 +101,11 @@ class Player:
         self.is_paused = True
 
     def resume(self, now: int) -> None:
-        """Go on from where the pause began."""
+        """Continue from where the pause began."""
         self._begin, self.is_paused = now, False
 
     def postpone(self, delay: int) -> None:
-        """Go on as if so much time [ns] had not passed."""
+        """Continue as if this time [ns] had not passed."""
         self._begin += delay
 
     def set_rate(self, rate: float, now: int) -> None:
@@ -114,18 +114,18 @@ class Player:
         self.rate = min(max(rate, _SLOWEST), _FASTEST) if rate else 0.0
 
     def seek(self, time: int, now: int) -> None:
-        """Go on from a time in the log [ns since 1970]; behind the last message it is over."""
+        """Continue from a time in the log [ns since 1970]; after the last message it is over."""
         start, end = self._window
         self._move(min(max(time, start), end), now)
         if self.is_over and self._loops:
             self._move(start, now)
 
     def seek_by(self, seconds: float, now: int) -> None:
-        """Go forward, or back, in the log."""
+        """Go forward or back in the log."""
         self.seek(self.time(now) + round(seconds * NANOSECONDS), now)
 
     def seek_part(self, part: float, now: int) -> None:
-        """Go on from a part of what is played, 0 to 1."""
+        """Continue from a fraction of the played part, 0 to 1."""
         start, end = self._window
         self.seek(start + round((end - start) * part), now)
 

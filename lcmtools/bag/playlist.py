@@ -1,4 +1,4 @@
-"""The playlist: the messages of logs in the order of their times, each with the topic it goes to.
+"""The playlist: the messages of logs in order of time, each with its target topic.
 
 Belongs here: which channels are played, and under which names. Must not know buses and clocks.
 """
@@ -24,8 +24,8 @@ from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block, disorder
 
 CLOCK = "/clock"
-_SLOW_BYTES = 200_000_000  # of a log without an index, which are read first
-_NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements would make ghosts of the nodes
+_SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
+_NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,25 +33,25 @@ class Choice:
     """The channels that are played, and their names."""
 
     topics: TopicChoice = field(default_factory=TopicChoice)
-    names: NodeArguments = field(default_factory=NodeArguments)  # namespace and remaps
-    keeps_clock: bool = False  # /clock keeps its name in a namespace
+    names: NodeArguments = field(default_factory=NodeArguments)  # for namespace and remaps
+    keeps_clock: bool = False  # True if /clock keeps its name in a namespace
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """A channel of the logs, and the topic that it is played on."""
+    """A channel of the logs, and the topic on which it is played."""
 
     channel: str
     topic: str
     messages: int  # in the logs
-    type: str = ""  # "" where it is not known
+    type: str = ""  # "" if unknown
     fingerprint: int | None = None  # of its first message
 
 
 class Played(NamedTuple):
     """A message of a log."""
 
-    time: int  # of its recording [ns since 1970]
+    time: int  # time of recording [ns since 1970]
     topic: str
     payload: bytes
 
@@ -59,12 +59,12 @@ class Played(NamedTuple):
 class Playlist(AbstractContextManager["Playlist"]):
     """The messages of one or more logs, merged by their times.
 
-    Hidden channels, as those of services, are played only where they are named. Nodes' recorded
+    Hidden channels, such as those of services, are played only if they are named. Nodes' recorded
     announcements never are.
 
     Raises:
-        BusError: A file cannot be read, or is no log.
-        LcmtoolsError: A log is empty, or has no topic that is named.
+        BusError: A file cannot be read, or is not a log.
+        LcmtoolsError: A log is empty, or a named topic is missing.
         InvalidName: A topic's new name breaks the rules.
     """
 
@@ -108,7 +108,7 @@ class Playlist(AbstractContextManager["Playlist"]):
     ) -> Iterator[Played]:
         """Yield the messages from one time to another, both included [ns since 1970].
 
-        ``only`` has the topics that are wanted; None for all.
+        ``only`` has the wanted topics; None for all.
         """
         tracks = (one for one in self.tracks if only is None or one.topic in only)
         topics = {track.channel: track.topic for track in tracks}
@@ -116,7 +116,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         return parts[0] if len(parts) == 1 else heapq.merge(*parts, key=lambda one: one.time)
 
     def latest(self, topics: Collection[str], time: int, after: int = 0) -> list[Played]:
-        """Return each topic's last message up to a time and after another, in order of time."""
+        """Return each topic's last message between ``after`` and ``time``, in order of time."""
         found: dict[str, Played] = {}
         for log, blocks in self._logs:
             wanted = {one.channel: one.topic for one in self.tracks if one.topic in topics}
@@ -132,7 +132,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         return sorted(found.values(), key=lambda one: one.time)
 
     def histogram(self, bins: int) -> list[int]:
-        """Return the messages in each of the equal parts of the time of the logs."""
+        """Return the number of messages in each of ``bins`` equal parts of the logs' time."""
         parts = [histogram(log, blocks, self.span, bins) for log, blocks in self._logs]
         return [sum(one) for one in zip(*parts, strict=True)]
 
@@ -142,12 +142,12 @@ class Playlist(AbstractContextManager["Playlist"]):
         return [note.time for note in notes if any(lost > 0 for lost, _ in note.counts.values())]
 
     def announced(self) -> GraphBuilder:
-        """Return what the nodes of the logs announce, all of them."""
+        """Return the announcements of all nodes in the logs."""
         return self._nodes
 
     @cached_property
     def _counts(self) -> Mapping[str, tuple[int, int | None]]:
-        """The number of messages and the fingerprint of each channel."""
+        """Return the number of messages and the fingerprint of each channel."""
         found: dict[str, tuple[int, int | None]] = {}
         for _, blocks in self._logs:
             for block in blocks:
@@ -202,7 +202,7 @@ def _messages(
 
 
 def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
-    """The topic of each channel: moved by a remap, else into the namespace."""
+    """Return the topic of each channel: by a remap, else in the namespace."""
     said = choice.names
     namespace = resolve_namespace(said.namespace or "/")
     moved = {}

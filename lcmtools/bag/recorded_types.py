@@ -1,4 +1,4 @@
-"""The definitions of message types as a log keeps them."""
+"""The definitions of message types, as stored with a log."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -14,14 +14,14 @@ from lcmtools.wire.packet import Packet
 
 
 def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[RecordedType]:
-    """Return the types of messages and those of their fields, as far as they are known here."""
+    """Return the types of messages and of their fields, as far as known here."""
     known: dict[type[Message], None] = {}
     for packet in packets:
-        with suppress(LcmtoolsError):  # an unknown type takes nothing from the log
+        with suppress(LcmtoolsError):  # an unknown type does no harm to the log
             _add(decoder.message_class(packet), known)
     found: dict[str, RecordedType] = {}
     for kind in known:
-        with suppress(LcmtoolsError):  # its file is not here
+        with suppress(LcmtoolsError):  # its file does not exist here
             found[type_name(kind)] = _recorded(kind)
     return list(found.values())
 

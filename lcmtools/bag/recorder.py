@@ -1,6 +1,6 @@
-"""Recording: messages from a bus into logs, with what their index has to know.
+"""Recording messages from a bus into logs, with the facts for their index.
 
-One thread reads the bus, so that nothing waits for a disk; another one writes.
+One thread reads the bus, so that reading never waits for a disk; another one writes.
 """
 
 import bisect
@@ -28,19 +28,19 @@ from lcmtools.processes.memory import keep_freed_memory
 from lcmtools.wire.packet import Packet
 
 _WRITE_PERIOD = 0.1  # [s]
-_FRAME_PERIOD = 1.0  # [s] of a compressed log: the more is in a frame, the smaller it gets
-_WRITE_BYTES = 4 << 20  # are written at once
-_MOST_WAITING = 256 << 20  # bytes, before reading waits for the disk
-_LOOK_PERIOD = 0.25  # [s] between looks at nodes, names and losses
-_LONGEST_NAP = 0.004  # [s] that messages wait for each other; buffers hold more of them
-_DRAIN = 0.5  # [s] at most in the end, for messages that have arrived
+_FRAME_PERIOD = 1.0  # [s] for a compressed log: larger frames compress better
+_WRITE_BYTES = 4 << 20  # are written at a time
+_MOST_WAITING = 256 << 20  # bytes, after which reading waits for the disk
+_LOOK_PERIOD = 0.25  # [s] between updates of nodes, names and losses
+_LONGEST_NAP = 0.004  # [s] that messages wait to be read together; buffers have room for more
+_DRAIN = 0.5  # [s] at most at the end, for messages that have arrived
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The bounds of a recording and of its files; None for no bound."""
+    """The limits of a recording and of its files; None for no limit."""
 
-    duration: float | None = None  # of the whole [s]
+    duration: float | None = None  # of the whole recording [s]
     messages: int | None = None  # of each topic
     bytes: int | None = None  # of all files together
     split_time: float | None = None  # of a file [s]
@@ -49,16 +49,16 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """A recording at one moment."""
+    """The state of a recording at one time."""
 
     messages: int
     bytes: int  # of all files
     files: int
-    losses: Mapping[str, Loss]  # by the sender's name; of senders that lost any
-    trouble: str = ""  # with the bus; "" for none
+    losses: Mapping[str, Loss]  # by the sender's name; only senders with losses
+    trouble: str = ""  # problem with the bus; "" for none
     is_paused: bool = False
     is_writing: bool = True  # False while messages are only kept for a snapshot
-    kept_messages: int = 0  # for a snapshot
+    kept_messages: int = 0  # number of messages kept for a snapshot
     kept_bytes: int = 0
 
 
@@ -71,10 +71,10 @@ def open_bus(
     on_outage: Callable[[str], None] = lambda _: None,
     on_shutdown: Callable[[], None] | None = None,
 ) -> BusMonitor:
-    """Return the monitor of a bus as a recorder needs it: with all messages, whole.
+    """Return the monitor that a recorder needs: with all messages, assembled.
 
     Raises:
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
     keep_freed_memory()
     tap = Tap(url, whole=True, spread=True) if url.is_multicast else None
@@ -88,7 +88,7 @@ def open_bus(
 class BagRecorder(AbstractContextManager["BagRecorder"]):
     """A recording, which begins and ends with its context.
 
-    The monitor, with whole messages, is closed by its owner. With ``snapshot`` messages are kept in
+    The monitor, see ``open_bus``, is closed by its owner. With ``snapshot``, messages are kept in
     memory until ``save`` is called.
 
     Raises:
@@ -107,7 +107,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     ) -> None:
         self._monitor, self._choice, self._series = monitor, choice, series
         self._limits, self._snapshot = limits, snapshot
-        self._pauses = [(0, paused)]  # since when [ns since 1970]
+        self._pauses = [(0, paused)]  # times of changes [ns since 1970], and whether paused then
         self._ring = Ring(snapshot) if snapshot else None
         self._is_requested = False
         self._saves_until = 0  # [ns since 1970]
@@ -130,21 +130,21 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         self._look(self._began)
         if self._ring is None:
             self._open()
-        with suppress(BusError):  # nodes announce themselves soon without
+        with suppress(BusError):  # nodes will announce themselves soon anyway
             self._monitor.probe()
         try:
             self._reader.start()
-        except KeyboardInterrupt:  # a signal that came as it began; its context has no end
+        except KeyboardInterrupt:  # a signal during the start; ``__exit__`` is then not called
             self.stop()
             raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End; all that has arrived is written."""
+        """End; everything that has arrived is written."""
         self.stop()
 
     def stop(self) -> None:
-        """End the recording, and wait until all is written.
+        """End the recording, and wait until everything is written.
 
         Raises:
             LcmtoolsError: It could not be written.
@@ -164,7 +164,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
 
     @property
     def is_paused(self) -> bool:
-        """True if messages that arrive now are left out; may be set at any time."""
+        """True if messages that arrive now are not recorded; may be set at any time."""
         return self._pauses[-1][1]
 
     @is_paused.setter
@@ -173,25 +173,25 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
 
     @property
     def is_of_snapshots(self) -> bool:
-        """True if messages are kept in memory until they are wanted."""
+        """True if messages are kept in memory until a snapshot is requested."""
         return self._ring is not None
 
     def wait(self, timeout: float) -> bool:
-        """Wait up to ``timeout`` [s] for the recording to end by itself; return whether it has."""
+        """Wait up to ``timeout`` [s] for the recording to end by itself; return whether it did."""
         return self._ended.wait(timeout)
 
     def save(self) -> None:
-        """Write a snapshot; one that is being written goes on for longer."""
+        """Write a snapshot, or extend the one that is being written."""
         self._is_requested = True
 
     def silence(self) -> list[str]:
-        """Return sentences on topics that are named and silent, and on unknown nodes, each once."""
+        """Return sentences on named topics without messages and on unknown nodes, each once."""
         if told := self._silence or []:
             self._silence = []
         return told
 
     def progress(self) -> Progress:
-        """Return where the recording is."""
+        """Return the state of the recording."""
         writer, ring = self._writer, self._ring
         return Progress(
             self._messages,
@@ -208,7 +208,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     def _run(self) -> None:
         try:
             self._read()
-        except EOFError:  # the bus was a log, and is at its end
+        except EOFError:  # the bus was a log, which has ended
             pass
         except Exception as error:  # noqa: BLE001 - raised again on the owner's thread
             self._error = error
@@ -259,11 +259,11 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._add(wanted)
 
     def _was_paused(self, arrival: int) -> bool:
-        """Return whether a message that arrived then is left out, however late it is read."""
+        """Return whether a message that arrived then is not recorded, however late it is read."""
         return self._pauses[bisect.bisect(self._pauses, (arrival, True)) - 1][1]
 
     def _is_within(self, channel: str) -> bool:
-        """Count a message; return whether it is within the bound of its topic."""
+        """Count a message; return whether it is within the limit of its topic."""
         count = self._counts.get(channel, 0)
         if count == self._limits.messages:
             return False
@@ -276,7 +276,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._messages += len(packets)
 
     def _keep(self, packets: Sequence[Packet], ring: Ring, snapshot: SnapshotPlan) -> None:
-        """Keep messages, and write them too while a snapshot is written."""
+        """Keep messages; while a snapshot is being written, also write them."""
         now = time.time_ns()
         ring.add(packets, now)
         is_wanted = snapshot.is_wanted
@@ -292,12 +292,12 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._close(self._writer)
 
     def _attend(self, now: float) -> None:
-        """Do what is due."""
+        """Do the work that is due."""
         if now >= self._next_look:
             self._look(now)
         if now >= self._began + PATIENCE:
             self._note_silence()
-        if self._ring is not None:  # time passes without messages too
+        if self._ring is not None:  # time also passes without messages
             self._take([])
         writer = self._writer
         if writer is None:
@@ -325,7 +325,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         return is_large or (longest is not None and now - self._file_began >= longest)
 
     def _write(self, writer: LogWriter) -> None:
-        """Hand over what waits; unless too much waits, not while the disk is busy."""
+        """Pass on waiting messages; not while the disk is busy, unless too many wait."""
         if self._written is not None:
             if not self._written.done() and writer.waiting_bytes < _MOST_WAITING:
                 return

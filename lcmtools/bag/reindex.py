@@ -1,4 +1,4 @@
-"""Writing the index of a log that has none, or none of its end."""
+"""Writing the index of a log that has none, or an incomplete one."""
 
 from collections.abc import Iterator
 
@@ -14,12 +14,12 @@ from lcmtools.wire.packet import Packet
 
 
 def reindex_log(log: LogFile, progress: Progress = lambda _: None) -> int:
-    """Write a log's index, with all that it had; return the number of bytes that it is of.
+    """Write a log's index, keeping the existing one's facts; return the number of covered bytes.
 
-    The definitions of types that it has not and that are known here are added.
+    Missing definitions of types are added if known here.
 
     Raises:
-        LcmtoolsError: It cannot be written.
+        LcmtoolsError: The index cannot be written.
     """
     with (
         output_beside(index_path(log.path), force=True) as made,
@@ -58,7 +58,7 @@ def _lines(log: LogFile, progress: Progress) -> Iterator[str]:
 
 
 class _NewNodes:
-    """Announcements that say more than the ones before."""
+    """Announcements that differ from the ones before."""
 
     def __init__(self) -> None:
         self.found: list[RecordedNode] = []

@@ -1,4 +1,4 @@
-"""The damaged parts of a log: the bytes that are of no message."""
+"""The damaged parts of a log: bytes that belong to no message."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,20 @@ from lcmtools.observe.log_file import LogFile
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """Bytes one after another that are of no message; times are nanoseconds since 1970."""
+    """A range of bytes that belong to no message; times are nanoseconds since 1970."""
 
     start: int  # the first byte
-    end: int  # behind the last
-    after: int | None  # time of the message before; None where there is none
-    before: int | None  # time of the message behind
+    end: int  # after the last one
+    after: int | None  # time of the message before; None if there is none
+    before: int | None  # time of the message after
 
     def record(self) -> dict[str, object]:
-        """Return it for JSON."""
+        """Return the range for JSON."""
         names = ("start", "end", "after", "before")
         return {name: getattr(self, name) for name in names}
 
     def __str__(self) -> str:
-        """Return it for people."""
+        """Return the range as text."""
         size = size_text(self.end - self.start)
         where = f"{size} do not belong to any message: bytes {self.start} to {self.end - 1}"
         after = f"after {time_text(self.after)}" if self.after is not None else "at the start"
@@ -43,7 +43,7 @@ def find_damage(log: LogFile) -> list[Damage]:
 
 
 def damage_rows(damage: list[Damage]) -> list[str]:
-    """Return a line for each part, and one for all."""
+    """Return a line for each part, and one for the total."""
     total = sum(part.end - part.start for part in damage)
     rows = [f"left out: {part}" for part in damage]
     return [*rows, f"left out in total: {size_text(total)}"] if len(rows) > 1 else rows

@@ -14,16 +14,16 @@ from lcmtools.wire.packet import Packet
 
 @dataclass(frozen=True, slots=True)
 class SnapshotPlan:
-    """A recording that is kept in memory until it is wanted."""
+    """Options for a recording that is kept in memory until a snapshot is requested."""
 
-    before: float  # [s] of messages that are kept
-    after: float = 0.0  # [s] that are recorded after a request
-    most_bytes: int | None = None  # of payloads that are kept; None for all
-    is_wanted: Callable[[Packet], bool] | None = None  # because of a message
+    before: float  # [s] for which messages are kept
+    after: float = 0.0  # [s] for which recording continues after a request
+    most_bytes: int | None = None  # of kept payloads; None for no limit
+    is_wanted: Callable[[Packet], bool] | None = None  # True for a message that requests a snapshot
 
 
 class Trigger:
-    """A condition on messages of a topic, "/estop m.data"; UsageError for a text that is none."""
+    """A condition on messages of a topic, "/estop m.data"; UsageError for an invalid text."""
 
     def __init__(
         self, text: str, names: Resolver, announced: Callable[[str], Sequence[str]]
@@ -40,7 +40,7 @@ class Trigger:
         """Return whether a message meets the condition; False for one of an unknown type.
 
         Raises:
-            ValueMismatch: It does not fit the first message: a field, or a value's type.
+            ValueMismatch: A field or a value's type in it does not fit the first message.
         """
         if packet.channel not in self._channels:
             return False
@@ -51,7 +51,7 @@ class Trigger:
         try:
             is_met = self._filter.matches(message)
         except ValueMismatch:
-            if self._has_fitted:  # another type may come on the topic
+            if self._has_fitted:  # messages of another type may come on the topic
                 return False
             raise
         self._has_fitted = True
@@ -59,7 +59,7 @@ class Trigger:
 
 
 class Ring:
-    """The last messages."""
+    """The latest messages, kept in memory."""
 
     def __init__(self, snapshot: SnapshotPlan) -> None:
         self._before = round(snapshot.before * NANOSECONDS)
@@ -68,7 +68,7 @@ class Ring:
         self.bytes = 0  # bytes of their payloads
 
     def add(self, packets: Sequence[Packet], now: int) -> None:
-        """Keep some messages more; forget those that are too old at a time [ns], or too many."""
+        """Add messages; forget those that are too old at the time ``now`` [ns], or too many."""
         kept = self.packets
         kept.extend(packets)
         self.bytes += sum(packet.size for packet in packets)

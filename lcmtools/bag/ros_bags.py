@@ -1,4 +1,4 @@
-"""Logs in the formats of ROS: MCAP, bags of ROS 1 and of ROS 2."""
+"""Writing logs in ROS's formats: MCAP, and bags of ROS 1 and ROS 2."""
 
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -15,14 +15,14 @@ Encoding: TypeAlias = Literal["cdr", "ros1"]
 Compression: TypeAlias = Literal["zstd", "lz4", "none"]
 
 _LIBRARY = "lcmtools"
-_TIMES_END = 2**32 * 10**9  # [ns] of ROS 1, whose seconds have 32 bits
+_TIMES_END = 2**32 * 10**9  # [ns] end of ROS 1's range, whose seconds have 32 bits
 _STORAGE = {"db3": "SQLITE3", "mcap": "MCAP"}
 
 
 class McapFile(AbstractContextManager["McapFile"]):
-    """An MCAP file that is being written, with ROS's schemas, which Foxglove and PlotJuggler read.
+    """An MCAP file that is being written, with ROS's schemas, readable by Foxglove and PlotJuggler.
 
-    The encoding is ROS 2's or ROS 1's; the compression is that of chunks.
+    The encoding is ROS 2's or ROS 1's; the compression applies to chunks.
 
     Raises:
         MissingExtra: The library is missing.
@@ -50,7 +50,7 @@ class McapFile(AbstractContextManager["McapFile"]):
         """Write a message with the time of its arrival.
 
         Raises:
-            DecodeError: It cannot be decoded, or ROS cannot say its type beside those before.
+            DecodeError: It cannot be decoded, or ROS cannot express its type beside those before.
         """
         message = decoder.decode(packet)
         channel = self._channel(packet.channel, type(message))
@@ -76,12 +76,12 @@ def _time(packet: Packet) -> int:
 
 
 class RosBag(AbstractContextManager["RosBag"]):
-    """A bag of ROS 1, a file, or of ROS 2, a folder, that is being written.
+    """A bag that is being written: a file for ROS 1, a folder for ROS 2.
 
     Args:
-        path: It; nothing is there yet.
-        version: Of ROS.
-        storage: Of ROS 2: "db3" or "mcap".
+        path: The bag's path, which must not exist yet.
+        version: The version of ROS.
+        storage: For ROS 2: "db3" or "mcap".
 
     Raises:
         MissingExtra: The library is missing.
@@ -108,7 +108,7 @@ class RosBag(AbstractContextManager["RosBag"]):
         self._writer.close()
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
-        """Write a message with the time of its arrival; raises as of ``McapFile``."""
+        """Write a message with the time of its arrival; raises errors as ``McapFile`` does."""
         message = decoder.decode(packet)
         key = packet.channel, type(message)
         if key not in self._connections:

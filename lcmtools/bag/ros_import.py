@@ -1,7 +1,7 @@
-"""Messages of ROS's bags and of MCAP files as messages of LCM.
+"""Importing messages from ROS bags and MCAP files as LCM messages.
 
-A type that lcmtools or the user has by the same name and with the same fields is taken; all others
-are translated from the bag's own definitions and compiled, as .msg files of a package are.
+A type of lcmtools or the user with the same name and fields is used; all others are translated from
+the bag's own definitions and compiled, like .msg files of a package.
 """
 
 import struct
@@ -26,30 +26,30 @@ _SCHEMAS = ("ros1msg", "ros2msg", "ros2idl")
 _LIBRARIES = ("mcap", "rosbags", "zstandard")
 _BROKEN = (
     *(AssertionError, EOFError, KeyError, LookupError, OSError, ValueError, struct.error),
-    *(RuntimeError, MemoryError, OverflowError),  # of lz4; for lengths that cannot be
+    *(RuntimeError, MemoryError, OverflowError),  # from lz4, and for impossible lengths
 )
-"""The errors of the libraries for damaged files, besides their own."""
+"""Errors that the libraries raise for damaged files, in addition to their own."""
 
 
 class Imported(NamedTuple):
-    """A message of ROS as one of LCM."""
+    """A ROS message as an LCM message."""
 
     topic: str
     message: Message
-    time: int  # of its recording [ns since 1970]
+    time: int  # time of recording [ns since 1970]
 
 
 @dataclass(slots=True)
 class RosImport:
-    """The types for what is read, and what could not be."""
+    """Reads bags; collects translated types and the reasons for messages left out."""
 
     types: dict[str, RecordedType] = field(default_factory=dict)  # the types that were translated
-    # Why messages were left out, and how many for each reason.
+    # The reasons why messages were left out, with the number of messages.
     left_out: Counter[str] = field(default_factory=Counter)
     _classes: dict[str, type[Message]] = field(default_factory=dict)
 
     def read(self, path: Path) -> Iterator[Imported]:
-        """Yield the messages of a bag of ROS 1 or 2 or of an MCAP file, in their order.
+        """Yield the messages of a ROS 1 or 2 bag or an MCAP file, in their order.
 
         Raises:
             MissingExtra: The library is missing.
@@ -69,7 +69,7 @@ class RosImport:
                 raise LcmtoolsError(f"{path} is neither a ROS bag nor an MCAP file")
 
     def _bag(self, path: Path) -> Iterator[Imported]:
-        ros_store(None)  # MissingExtra, where the library is missing
+        ros_store(None)  # raises MissingExtra if the library is missing
         from rosbags.highlevel import AnyReader
 
         default = None if path.is_file() else ros_store(2)
@@ -108,7 +108,7 @@ class RosImport:
         return Imported(topic, conversion.to_lcm(cls, name, made), time)
 
     def _class(self, conversion: Conversion, name: str) -> type[Message]:
-        """The class of LCM for a type of ROS, known or translated."""
+        """Return the LCM class for a ROS type, known or translated."""
         try:
             known = message_class(_lcm_name(name))
         except UnknownType:
@@ -125,10 +125,10 @@ class RosImport:
 
 
 def _reader(
-    schema: Any,  # noqa: ANN401 - of a library that is imported when it is needed
+    schema: Any,  # noqa: ANN401 - from a library that is imported when needed
     channel: Any,  # noqa: ANN401 - likewise
 ) -> tuple[Conversion, str, Callable[..., Any]] | None:
-    """The types of an MCAP channel, its type's name, and what reads its messages."""
+    """Return an MCAP channel's types, its type's name, and the function that reads messages."""
     if schema is None or schema.encoding not in _SCHEMAS:
         return None
     store = ros_store(None)
@@ -149,10 +149,10 @@ def _reader(
 
 
 def _translated(store: "Typestore", name: str) -> Iterator[RecordedType]:
-    """A type of ROS, and those of its fields, as the .msg files that say the same."""
+    """Yield a ROS type and the types of its fields as equivalent .msg files."""
     for one in dict.fromkeys(parts(name, store.fielddefs)):
         if not one.startswith("builtin_interfaces/") and one != "std_msgs/msg/Header":
-            text, _ = store.gendefhash(one, {}, 1)  # with ROS 1's names of times
+            text, _ = store.gendefhash(one, {}, 1)  # with ROS 1's names for times
             yield RecordedType(_lcm_name(one), 0, f"{one}.msg", text)
 
 
@@ -167,7 +167,7 @@ def _start(path: Path) -> bytes:
 
 @contextmanager
 def _readable(path: Path) -> Iterator[None]:
-    """Turn what the libraries raise for damaged files into one line."""
+    """Turn the libraries' errors for damaged files into one-line errors."""
     try:
         yield
     except LcmtoolsError:

@@ -1,9 +1,9 @@
-"""The types of ROS that stand for LCM's, and messages of the one as messages of the other.
+"""The ROS types for LCM types, and conversion of messages in both directions.
 
-A type that ROS has by the same name and with the same fields is ROS's own, so that its tools know
-it; all others are described by their fields. Between the two are length fields, which ROS does not
-have, the sign of numbers, which LCM's have always, and three spellings: ``nsec`` for ``nanosec``,
-upper case in ROS 1's CameraInfo, and ``seq`` in a header, which ROS 2 has not.
+If ROS has a type with the same name and fields, ROS's own is used, so that its tools know it; all
+others are described by their fields. The differences are length fields, which ROS does not have;
+the sign of numbers, which LCM always has; and three spellings: ``nsec`` for ``nanosec``, upper case
+in ROS 1's CameraInfo, and ``seq`` in a header, which ROS 2 does not have.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 RosVersion: TypeAlias = Literal[1, 2]
 _Convert: TypeAlias = Callable[[Any], Any]
-_Definitions: TypeAlias = Mapping[str, Any]  # of rosbags: fields by a type's name
-_Described: TypeAlias = Any  # of rosbags: a kind, and what it is of
+_Definitions: TypeAlias = Mapping[str, Any]  # as in rosbags: fields by a type's name
+_Described: TypeAlias = Any  # as in rosbags: a kind, and its content
 
 _BITS = {
     **dict.fromkeys(("byte", "char", "octet", "int8", "uint8"), 8),
@@ -29,30 +29,30 @@ _BITS = {
 }
 _SIGNED = ("int8", "int16", "int32", "int64")
 _SAME = {"bool": "bool", "float32": "float32", "float64": "float64", "string": "string"}
-_FILLER = "structure_needs_at_least_one_member"  # rosbags's, in a type without fields
+_FILLER = "structure_needs_at_least_one_member"  # rosbags' field in a type without fields
 
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """A type of ROS."""
+    """A ROS type."""
 
-    name: str  # as ROS 2 spells it: "sensor_msgs/msg/LaserScan"
-    definition: str  # its fields, and those of the types of its fields, as bags keep them
-    digest: str  # the MD5 that ROS 1 compares
+    name: str  # in ROS 2's spelling: "sensor_msgs/msg/LaserScan"
+    definition: str  # its fields, and those of the types of its fields, as in bags
+    digest: str  # the MD5 sum that ROS 1 compares
 
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """A type as MCAP and Foxglove want it: its name, the form of the text, and the text."""
+    """A type as expected by MCAP and Foxglove: its name, the format of its text, and the text."""
 
-    name: str  # as the version of ROS spells it
+    name: str  # in the ROS version's spelling
     form: str  # "ros1msg" or "ros2msg"
     text: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class _Pair:
-    """A field of a type in both worlds."""
+    """A field of a type, in LCM and in ROS."""
 
     lcm_name: str
     ros_name: str
@@ -62,7 +62,7 @@ class _Pair:
 
 
 def ros_store(version: RosVersion | None) -> "Typestore":
-    """Return the types that a version of ROS has; without a version, none.
+    """Return the types of a ROS version; for None, an empty store.
 
     Raises:
         MissingExtra: The library for ROS's formats is missing.
@@ -74,24 +74,24 @@ def ros_store(version: RosVersion | None) -> "Typestore":
 
 
 class Conversion:
-    """Messages of LCM's classes as messages of the types in a store, and back."""
+    """Conversion between messages of LCM classes and of the types in a store."""
 
     def __init__(self, store: "Typestore") -> None:
         self.store = store
         self._pairs: dict[tuple[type[Message], str], tuple[_Pair, ...]] = {}
 
     def fits(self, cls: type[Message], name: str) -> bool:
-        """Return whether a type of ROS has the fields of a class."""
+        """Return whether a ROS type has the fields of a class."""
         return name in self.store.fielddefs and self._find(cls, name) is not None
 
     def to_ros(self, cls: type[Message], name: str, message: Message) -> object:
-        """Return a message as one of a type of ROS that fits."""
+        """Convert a message to a ROS type that fits its class."""
         pairs = self._find(cls, name) or ()
         values = {pair.ros_name: pair.to_ros(getattr(message, pair.lcm_name)) for pair in pairs}
         return self.store.types[name](**values or self._filler(name))
 
     def to_lcm(self, cls: type[Message], name: str, message: object) -> Message:
-        """Return a message of a type of ROS that fits as one of a class."""
+        """Convert a message of a ROS type that fits a class to that class."""
         made = cls()
         for pair in self._find(cls, name) or ():
             value = pair.to_lcm(getattr(message, pair.ros_name))
@@ -114,7 +114,7 @@ class Conversion:
         return self._pairs[key]
 
     def _matched(self, cls: type[Message], name: str) -> "tuple[_Pair, ...] | None":
-        """The fields of a type in both worlds; None where they do not fit."""
+        """Return the fields of a type in LCM and ROS; None if they do not fit."""
         from rosbags.typesys.base import normalize_fieldname
 
         theirs = {
@@ -134,7 +134,7 @@ class Conversion:
         return None if theirs else tuple(pairs)
 
     def _converts(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
-        """The conversions of a field's values; None where the field is another one."""
+        """Return the conversions of a field's values; None if the field is not the same."""
         from rosbags.interfaces import Nodetype
 
         kind, of = described
@@ -171,7 +171,7 @@ class Conversion:
         )
 
     def _array(self, part: Field, element: _Described) -> "tuple[_Convert, _Convert] | None":
-        """The conversions of an array, which ROS has in one dimension, row by row."""
+        """Return the conversions of an array; ROS has it in one dimension, row by row."""
         one = self._scalar(part, element)
         if one is None:
             return None
@@ -187,7 +187,7 @@ class Conversion:
         ours = np.dtype(part.type)
         theirs = np.dtype("uint8" if name in ("byte", "char", "octet") else name)
 
-        def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - as messages have them
+        def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - any value in messages
             if part.depth > 1:
                 values = list(_flat(values, part.depth))
             elif isinstance(values, (bytes, bytearray)):
@@ -202,7 +202,7 @@ class Conversion:
 
 
 class RosTypes(Conversion):
-    """The types of a version of ROS for those of LCM, found or described as they are needed.
+    """A ROS version's types for LCM types, found or described as they are needed.
 
     Raises:
         MissingExtra: The library for ROS's formats is missing.
@@ -215,32 +215,32 @@ class RosTypes(Conversion):
         self._names: dict[type[Message], str] = {}
 
     def ros_type(self, cls: type[Message]) -> RosType:
-        """Return the type of ROS for a class.
+        """Return the ROS type for a class.
 
         Raises:
-            DecodeError: ROS cannot say the class, or another one of its name came before.
+            DecodeError: ROS cannot express the class, or another class with its name came before.
         """
         name = self._add(cls)
         return RosType(name, *self.store.generate_msgdef(name, ros_version=self.version))
 
     def serialize(self, message: Message) -> bytes:
-        """Return a message as ROS has it on the wire: ROS 1's form, or CDR; raises as above."""
+        """Serialize a message for ROS, in ROS 1's format or CDR; raises errors as ``ros_type``."""
         cls = type(message)
         name = self._add(cls)
         write = self.store.serialize_ros1 if self.version == 1 else self.store.serialize_cdr
         return bytes(write(self.to_ros(cls, name, message), name))
 
     def schema(self, cls: type[Message]) -> Schema:
-        """Return the schema of a class; raises as ``ros_type``."""
+        """Return the schema of a class; raises errors as ``ros_type``."""
         found = self.ros_type(cls)
         name = found.name.replace("/msg/", "/") if self.version == 1 else found.name
         return Schema(name, f"ros{self.version}msg", found.definition.encode())
 
     def deserialize(self, cls: type[Message], data: bytes) -> Message:
-        """Return a message of a class from ROS's bytes; raises as ``ros_type``.
+        """Return a message of a class from ROS's bytes; also raises errors as ``ros_type``.
 
         Raises:
-            DecodeError: They are of another type, or cut off.
+            DecodeError: They are of another type, or truncated.
         """
         name = self._add(cls)
         read = self.store.deserialize_ros1 if self.version == 1 else self.store.deserialize_cdr
@@ -270,7 +270,7 @@ class RosTypes(Conversion):
         return name
 
     def _described(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":
-        """The fields of a class as ROS says them; lengths only of several dimensions."""
+        """Yield the fields of a class in ROS's form; length fields only for several dimensions."""
         from rosbags.interfaces import Nodetype
 
         needed = {size for part in fields(cls) if part.depth > 1 for size in part.dimensions}
@@ -290,13 +290,13 @@ class RosTypes(Conversion):
 
 
 def ros_name(cls: type[Message]) -> str:
-    """Return the name of a class as ROS 2 spells it; a type outside of packages is in "lcm"."""
+    """Return the name of a class in ROS 2's spelling; a type without a package is in "lcm"."""
     package, _, short = type_name(cls).rpartition("/")
     return f"{package.replace('/', '_') or 'lcm'}/msg/{short}"
 
 
 def parts(name: str, known: _Definitions) -> Iterator[str]:
-    """A type and those of its fields."""
+    """Yield a type and the types of its fields."""
     from rosbags.interfaces import Nodetype
 
     yield name
@@ -307,7 +307,7 @@ def parts(name: str, known: _Definitions) -> Iterator[str]:
 
 
 def _spelling(cls: type[Message], name: str, theirs: Mapping[str, _Described]) -> str | None:
-    """The name of a field in ROS; None where it has none."""
+    """Return a field's name in ROS; None if it has none."""
     spellings = [name, name.lower()]
     if is_time(cls):
         spellings += ["nanosec"] * name.startswith("n")
@@ -315,20 +315,20 @@ def _spelling(cls: type[Message], name: str, theirs: Mapping[str, _Described]) -
 
 
 def _fixed_size(part: Field) -> int | None:
-    """The number of elements of an array, over all its dimensions; None where that varies."""
+    """Return the number of elements of an array over all dimensions; None if it varies."""
     sizes = [size for size in part.dimensions if isinstance(size, int)]
     return prod(sizes) if len(sizes) == part.depth else None
 
 
 def _wrap(bits: int, *, is_signed: bool) -> _Convert:
-    """A conversion of whole numbers of so many bits to signed or unsigned ones."""
+    """Return a conversion of integers of this many bits to signed or unsigned ones."""
     half, mask = 1 << (bits - 1), (1 << bits) - 1
     if is_signed:
         return lambda value: ((int(value) + half) & mask) - half
     return lambda value: int(value) & mask
 
 
-def _as_it_is(value: Any) -> Any:  # noqa: ANN401 - of any type
+def _as_it_is(value: Any) -> Any:  # noqa: ANN401 - a value of any type
     return value
 
 
@@ -341,7 +341,7 @@ def _flat(values: Sequence[Any], depth: int) -> Iterator[Any]:
 
 
 def _shaped(values: Sequence[Any], sizes: Sequence[int]) -> Any:  # noqa: ANN401 - nested lists
-    """The elements of all rows as an array of several dimensions."""
+    """Return the elements of all rows as an array of several dimensions."""
     if len(sizes) == 1:
         return list(values)
     step = prod(sizes[1:])

@@ -15,13 +15,13 @@ USUAL_NAME = "%Y-%m-%d-%H-%M-%S.lcmlog"
 
 
 class LogSeries:
-    """The files of a recording, made one after another.
+    """The files of a recording, created one after another.
 
     Args:
-        pattern: The path, with the date as strftime(3) has it ("%H-%M"); a folder for the usual
+        pattern: The path, with strftime(3) codes for the date ("%H-%M"); a folder for the usual
             name in it.
         numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
-        most: The number of files that are kept; None for all.
+        most: The number of files to keep; None for all.
         force: Overwrite existing files.
         compression: Compress the files, whose names then end in ".zst" or ".lz4"; None not to.
     """
@@ -40,13 +40,13 @@ class LogSeries:
         self._numbered, self._most, self._force = numbered, most, force
         self._base: Path | None = None
         self.paths: deque[Path] = deque()  # the files that are kept, the oldest first
-        self.count = 0  # the number of files that were made
+        self.count = 0  # the number of files created
 
     def next(self) -> LogWriter:
-        """Return the next log; the oldest one goes where there are too many.
+        """Return the next log; delete the oldest one if there are too many.
 
         Raises:
-            LcmtoolsError: It exists, or cannot be made.
+            LcmtoolsError: It exists, or cannot be created.
         """
         writer = self._opened()
         self.count += 1
@@ -54,7 +54,7 @@ class LogSeries:
         while self._most is not None and len(self.paths) > self._most:
             oldest = self.paths.popleft()
             for path in (oldest, index_path(oldest)):
-                with suppress(OSError):  # somebody else has removed it
+                with suppress(OSError):  # it has been removed already
                     path.unlink()
         return writer
 
@@ -62,7 +62,7 @@ class LogSeries:
         if self._base is None or not self._numbered:
             self._base = Path(_dated(self._pattern))
             if self.compression and self._base.suffix == SUFFIXES[self.compression]:
-                self._base = self._base.with_suffix("")  # it comes behind the number
+                self._base = self._base.with_suffix("")  # it follows the number
         path = self._base
         if self._numbered or (self.count and path in self.paths):
             path = path.with_name(f"{path.stem}_{self.count}{path.suffix}")
@@ -74,7 +74,7 @@ class LogSeries:
 
 def _dated(pattern: str) -> str:
     now = datetime.now().astimezone()
-    try:  # all of the name but its bytes that are no UTF-8, which strftime refuses
+    try:  # all of the name, except bytes that are not UTF-8, which strftime refuses
         return re.sub("[^\ud800-\udfff]+", lambda part: now.strftime(part.group()), pattern)
     except ValueError as error:
         raise LcmtoolsError(f"'{pattern}' is not a valid name with a date: {error}") from error

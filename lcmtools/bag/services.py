@@ -1,4 +1,4 @@
-"""The node by whose services other programs start, stop and save a recording."""
+"""The node whose services let other programs start, stop and save a recording."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -14,14 +14,14 @@ from lcmtools.types.std_srvs import Trigger
 
 @contextlib.contextmanager
 def recorder_node(name: str, url: BusUrl, recorder: BagRecorder) -> Iterator[Node]:
-    """A node, by its full name, with the services of a recorder; who has it spins it.
+    """Give a node, by its full name, with a recorder's services; the caller spins it.
 
     The services are std_srvs/Trigger: ``~/start`` and ``~/stop`` end and begin a pause, and
     ``~/save`` writes a snapshot.
 
     Raises:
         InvalidName: The name breaks the naming rules.
-        BusError: The bus cannot be reached, with what to type.
+        BusError: The bus cannot be reached; the error says what to type.
     """
     context = open_context(url, NodeArguments(namespace=namespace_of(name)))
     try:

@@ -1,6 +1,6 @@
-"""The summary of a log: topics, counts, times, gaps and losses, by its index.
+"""The summary of a log: topics, counts, times, gaps and losses, from its index.
 
-Must not know how it is shown. What the index does not have is read, of each event only the head.
+Must not know how it is shown. Of events not in the index, only the head is read.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,9 +16,9 @@ from lcmtools.wire.log_index import Block, ChannelCount, disorder
 from lcmtools.wire.packet import Sender
 
 _BINS = 60  # of a histogram
-_SHORT = 8 << 20  # bytes of a log that is read for its histogram
+_SHORT = 8 << 20  # bytes up to which a log is read for its histogram
 
-Progress = Callable[[int], object]  # takes the number of bytes of the log that have been looked at
+Progress = Callable[[int], object]  # takes the number of processed bytes of the log
 
 
 @dataclass(slots=True)
@@ -31,7 +31,7 @@ class TopicSummary:
     bytes: int = 0  # of payloads
     first_time: int = 0
     last_time: int = 0
-    longest_gap: int = 0  # without a message, between the first and the last [ns]
+    longest_gap: int = 0  # longest time without a message, between the first and the last [ns]
     fingerprints: dict[int, None] = field(default_factory=dict)  # in order of appearance
     senders: dict[str, int] = field(default_factory=dict)  # messages by the sender's name
 
@@ -43,11 +43,11 @@ class TopicSummary:
 
     @property
     def mean_bytes(self) -> float:
-        """Bytes of a payload on average."""
+        """The average size of a payload [byte]."""
         return self.bytes / self.messages if self.messages else 0.0
 
     def add(self, count: ChannelCount, senders: Mapping[int, str]) -> None:
-        """Count the messages of one block, which is behind all earlier ones."""
+        """Count the messages of one block, which must follow all earlier ones."""
         first, last = count.first_time, count.last_time
         self.longest_gap = max(self.longest_gap, count.longest_gap, first - self.last_time)
         self.first_time = min(self.first_time, first)
@@ -68,14 +68,14 @@ class LogSummary:
     path: str
     bytes: int  # of the file
     indexed: int  # bytes that the index covers
-    damaged: int  # bytes that are of no event
-    start: int  # of the recording; 0 of an empty log
+    damaged: int  # bytes that belong to no event
+    start: int  # start of the recording; 0 for an empty log
     end: int
     topics: tuple[TopicSummary, ...]  # by name
     nodes: tuple[str, ...]  # that announced themselves
     losses: Mapping[Sender, Loss]  # as the recorder saw them
-    histogram: tuple[int, ...]  # messages in equal parts of the time
-    disorder: int  # [ns] by which a message is earlier than one before it, at most
+    histogram: tuple[int, ...]  # numbers of messages in equal parts of the time
+    disorder: int  # the most by which a message is earlier than one before it [ns]
 
     @property
     def messages(self) -> int:
@@ -124,7 +124,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
 
 
 def known_nodes(log: LogFile) -> GraphBuilder:
-    """Return what the nodes in a log's index announce; its types are known from here on."""
+    """Return the announcements of nodes in a log's index; also makes its types known."""
     provide_recorded_types(log.index.types.values())
     builder = GraphBuilder(is_log=True)
     for packet in log.announcements():
@@ -133,7 +133,7 @@ def known_nodes(log: LogFile) -> GraphBuilder:
 
 
 def log_span(log: LogFile) -> tuple[int, int]:
-    """Return the times of the first and the last message [ns since 1970]; of an empty log 0, 0."""
+    """Return the times of the first and the last message [ns since 1970]; 0, 0 for an empty log."""
     return span_of(list(log.blocks()))
 
 
@@ -152,21 +152,21 @@ def _event_bytes(topic: TopicSummary) -> int:
 def histogram(
     log: LogFile, blocks: Sequence[Block], span: tuple[int, int], bins: int = _BINS
 ) -> list[int]:
-    """Return the messages in each of the equal parts of a time [ns since 1970].
+    """Return the number of messages in each of ``bins`` equal parts of a time [ns since 1970].
 
-    Those of a block of a long log are taken as evenly spread, and those of other times left out.
+    In a long log, a block's are assumed evenly spread; other times are left out.
     """
     found, width = [0.0] * bins, max(1, -(-(span[1] - span[0] + 1) // bins))
     for first, last, messages in _spreads(log, blocks):
         one, other = (first - span[0]) // width, (last - span[0]) // width
-        # an index may be of times that a damaged log has no more
+        # an index may have times that a damaged log no longer has
         for place in range(max(one, 0), min(other + 1, bins)):
             found[place] += messages / (other + 1 - one)
     return list(map(round, found))
 
 
 def _spreads(log: LogFile, blocks: Sequence[Block]) -> Iterator[tuple[int, int, int]]:
-    """Yield times from and to [ns], and the number of messages between them."""
+    """Yield two times [ns], and the number of messages between them."""
     if log.size <= _SHORT:
         yield from ((event.time, event.time, 1) for event in log.events())
         return

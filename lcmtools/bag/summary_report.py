@@ -12,16 +12,16 @@ _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "S
 
 
 def time_text(time: int) -> str:
-    """Return a time [ns since 1970] as the computer's zone has it, and in seconds."""
+    """Return a time [ns since 1970] in the computer's time zone, and in seconds."""
     seconds = f"{time // 1_000_000_000}.{time % 1_000_000_000 // 1_000_000:03}"
-    with suppress(ValueError, OverflowError, OSError):  # far from any year with four digits
+    with suppress(ValueError, OverflowError, OSError):  # outside of years with four digits
         moment = datetime.fromtimestamp(time / 1e9, timezone.utc).astimezone()
         return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03} ({seconds})"
     return seconds
 
 
 def span_text(seconds: float) -> str:
-    """Return a time span for people: "12.3 s", "1m 32s", "2h 05m"."""
+    """Return a time span as text: "12.3 s", "1m 32s", "2h 05m"."""
     if seconds < 60:  # noqa: PLR2004 - seconds of a minute
         return f"{seconds:.3g} s"
     minutes, rest = divmod(round(seconds), 60)
@@ -30,7 +30,7 @@ def span_text(seconds: float) -> str:
 
 
 def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a log, each its key and its value."""
+    """Yield the lines of a log's summary, each a key and a value."""
     yield "path:", summary.path
     yield "size:", f"{size_text(summary.bytes)} in {summary.messages} messages"
     if summary.messages:
@@ -116,6 +116,6 @@ def _index_text(summary: LogSummary) -> str:
 
 
 def _spark_line(histogram: Sequence[int]) -> str:
-    """The messages over the time, as bars of eight heights; a blank for none."""
+    """Return the messages over time as bars of eight heights; a blank for none."""
     most = max(histogram) or 1
     return "".join(_LEVELS[-(-8 * count // most)] for count in histogram)

@@ -1,7 +1,7 @@
-"""Making a log of others: messages with their senders in, a log with its index out.
+"""Making a log from others: messages with their senders in, a log with its index out.
 
-What the indexes of the others know (types, nodes, senders) is carried over, and what was lost of
-the senders whose messages are in the result. The result appears when it is whole.
+Facts in the others' indexes (types, nodes, senders) are carried over, and so are the losses of
+senders with messages in the result. The result appears when it is complete.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -17,7 +17,7 @@ from lcmtools.wire.packet import Packet, Sender
 _AT_ONCE = 4 << 20  # bytes that wait to be written
 
 
-def write_log(  # noqa: PLR0913 - each is an option of its own
+def write_log(  # noqa: PLR0913 - each is a separate option
     target: str | Path,
     packets: Iterable[Packet],
     sources: Sequence[LogFile],
@@ -33,14 +33,14 @@ def write_log(  # noqa: PLR0913 - each is an option of its own
 
     Args:
         target: The log.
-        packets: Its messages, in their order.
-        sources: The logs that they are from.
-        force: Take the place of a file that exists; it may be one of the sources.
-        change_node: Changes the announcements of nodes, as the messages have been changed.
-        between: The times in the sources that they are of [ns since 1970]; None for all.
-        later: The time by which they are later than in the sources [ns].
-        types: Types that the sources do not have; asked for when all messages are written.
-        progress: Called with the number of bytes that have been written.
+        packets: Its messages, in order.
+        sources: The logs from which they come.
+        force: Replace an existing file, which may be one of the sources.
+        change_node: Changes nodes' announcements in the same way as messages were changed.
+        between: The time range of the messages in the sources [ns since 1970]; None for all.
+        later: The time by which messages are later than in the sources [ns].
+        types: Types that the sources do not have; read after all messages have been written.
+        progress: Called with the number of written bytes.
 
     Raises:
         LcmtoolsError: The file exists, or cannot be written.
@@ -56,20 +56,20 @@ def write_log(  # noqa: PLR0913 - each is an option of its own
                 copier.carry_lost(source, between, later)
                 copier.carry_nodes(source, change_node, later)
             writer.add_types(types)
-        # with the old log the new index says nothing
+        # with the old log, the new index has no effect
         index_path(made).rename(index_path(target))
     return writer.messages
 
 
 class _Copier:
-    """Copies messages, and what is known of their logs, into another log."""
+    """Copies messages, and the facts about their logs, into another log."""
 
     def __init__(self, writer: LogWriter) -> None:
         self._writer = writer
         self._numbers: dict[Sender | None, int] = {None: -1}
 
     def carry_lost(self, source: LogFile, between: tuple[int, int] | None, later: int) -> None:
-        """Carry over what was lost of the senders of the messages, within these times."""
+        """Carry over the losses of the messages' senders within these times."""
         kept = {n: self._numbers[one] for n, one in source.senders.items() if one in self._numbers}
         for time, counts in source.index.lost:
             if between is None or between[0] <= time <= between[1]:

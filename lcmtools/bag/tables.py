@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 _ALL_VALUES = ".jsonl, .npz and .parquet have all of its values"
 
-Tell = Callable[[str, str], None]  # takes the reason for what is left out, and a sentence
+Tell = Callable[[str, str], None]  # takes the reason why something is left out, and a sentence
 
 
 class _TopicFiles:
-    """The paths of files for a topic each: in a folder, or of one topic the target itself."""
+    """The paths of files, one per topic, in a folder; for a single topic, the target itself."""
 
     def __init__(self, target: Path, suffix: str) -> None:
         self._target, self._suffix = target, suffix
@@ -37,11 +37,11 @@ class _TopicFiles:
             target.mkdir()
 
     def path(self, topic: str) -> Path:
-        """Return the path of a new topic's file; UsageError for a second one of one file."""
+        """Return the path of a new topic's file; UsageError if the only file is taken."""
         if self._is_folder:
             usual = _file_name(topic)
             names = chain([usual], (f"{usual}_{number}" for number in count(2)))
-            # on some computers large and small letters are the same
+            # some file systems ignore case
             name = next(name for name in names if name.lower() not in self._taken)
             self._taken.add(name.lower())
             return self._target / f"{name}{self._suffix}"
@@ -63,7 +63,7 @@ def _file_name(topic: str) -> str:
 class CsvFiles(AbstractContextManager["CsvFiles"]):
     """Comma-separated values, a file for each topic, as ``echo --csv`` prints them.
 
-    A path without a suffix is that of a folder, which is made. ``tell`` is called with what is left
+    A path without a suffix is a folder, which is created. ``tell`` is called if something is left
     out.
     """
 
@@ -96,7 +96,7 @@ class CsvFiles(AbstractContextManager["CsvFiles"]):
 
 
 class JsonLines(AbstractContextManager["JsonLines"]):
-    """A line of JSON for each message: topic, time [ns], sender if it is known, type, message."""
+    """A line of JSON for each message: topic, time [ns], sender if known, type, message."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("x", encoding="utf-8", errors="backslashreplace")
@@ -116,7 +116,7 @@ class JsonLines(AbstractContextManager["JsonLines"]):
 
 
 class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
-    """Arrays of all messages of each topic, made at the end."""
+    """Arrays of all messages of each topic, created at the end."""
 
     def __init__(self, path: Path, tell: Tell) -> None:
         self._path, self._tell = path, tell
@@ -128,7 +128,7 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             self.write(self.tables())
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
-        """Take a message; DecodeError where columns cannot have its type, or have another one."""
+        """Add a message; DecodeError if columns cannot have its type, or have another type already."""
         cls = decoder.message_class(packet)
         require_columns(cls)
         if not -(2**63) <= packet.time < 2**63:
@@ -155,10 +155,10 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
 
 
 class NumpyFile(ColumnsOfTopics):
-    """An ``.npz`` file: the fields' arrays, of several topics as TOPIC/FIELD.
+    """An ``.npz`` file: the fields' arrays, for several topics named TOPIC/FIELD.
 
-    Where the lengths of an array differ between messages, FIELD has all elements one after another
-    and FIELD.lengths the number of each message.
+    If the lengths of an array differ between messages, FIELD has all elements one after another and
+    FIELD.lengths the number for each message.
     """
 
     def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
@@ -184,7 +184,7 @@ class NumpyFile(ColumnsOfTopics):
 
 
 class ParquetFiles(ColumnsOfTopics):
-    """A Parquet file for each topic: the file, for one; without a suffix a folder with them.
+    """A Parquet file for each topic; for a single one the target, without a suffix a folder.
 
     Raises:
         MissingExtra: pyarrow is missing.
@@ -206,7 +206,7 @@ class ParquetFiles(ColumnsOfTopics):
             parquet.write_table(pa.table(arrays), files.path(topic))
 
 
-def _arrow(column: "Array") -> Any:  # noqa: ANN401 - of pyarrow
+def _arrow(column: "Array") -> Any:  # noqa: ANN401 - a pyarrow object
     import numpy as np
     import pyarrow as pa
 

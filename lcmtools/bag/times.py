@@ -1,9 +1,9 @@
-"""Times within a log as a person writes them.
+"""Times within a log as users write them.
 
-    10, +10s, 1m, start+10s     so long after the start of the log
-    -1m, end-1m, end            so long before its end
-    12:30, 12:30:05.5           a time of the day, where the computer is
-    2026-11-22 12:30:05         a moment, where the computer is; with Z or +01:00 elsewhere
+    10, +10s, 1m, start+10s     this long after the start of the log
+    -1m, end-1m, end            this long before its end
+    12:30, 12:30:05.5           a time of the day in the computer's time zone
+    2026-11-22 12:30:05         a date and time in the computer's time zone, or with Z or +01:00
     1795350605.5                seconds since 1970: any number from 100000000 on
 
 Sans-I/O: the log's own start and end come in as arguments.
@@ -35,7 +35,7 @@ _HINT = "write 10s, end-1m, 12:30:05 or '2026-11-22 12:30:05'"
 class LogTime:
     """A time within a log."""
 
-    text: str  # as it was written
+    text: str  # as written
     _find: Callable[[int, int], int]
 
     def within(self, start: int, end: int) -> int:
@@ -47,7 +47,7 @@ class LogTime:
 
 
 def parse_time(text: str) -> LogTime:
-    """Return the time that a text means; UsageError if it means none."""
+    """Return the time for a text; UsageError if it is not a time."""
     said = text.strip()
     if said in ("start", "end"):
         return LogTime(text, lambda start, end: start if said == "start" else end)
@@ -73,9 +73,9 @@ def time_window(
     *,
     duration: float | None = None,
 ) -> tuple[int, int]:
-    """Return the first and the last time [ns since 1970] that are meant in a log of a ``span``.
+    """Return the first and the last time [ns since 1970] of a part of a log of this ``span``.
 
-    Without ``start`` or ``end`` it begins or ends as the log does; it has ``duration`` [s] at most.
+    Without ``start`` or ``end`` it begins or ends with the log; ``duration`` [s] is its limit.
 
     Raises:
         UsageError: Nothing of the log lies between them.
@@ -103,7 +103,7 @@ def _nanoseconds(text: str, span: str) -> int:
 
 
 def _moment(text: str, form: "re.Match[str]") -> LogTime:
-    """A date, a time of the day, or both."""
+    """Return the time for a date, a time of the day, or both."""
     hour, *rest = (form["time"] or "00:00").split(":")
     clock = ":".join([hour.zfill(2), *rest])
     part = int((form["part"] or "0").ljust(9, "0"))
@@ -122,7 +122,7 @@ def _moment(text: str, form: "re.Match[str]") -> LogTime:
         return LogTime(text, lambda _start, _end: fixed)
 
     def of_the_day(start: int, end: int) -> int:
-        """The time on the day of the log's start, or on the next where the log goes on to it."""
+        """Return the time on the day of the log's start, or the next day if the log reaches it."""
         day = datetime.fromtimestamp(start / NANOSECONDS).date()  # noqa: DTZ006 - local
         found, later = moment(day.isoformat()), moment((day + timedelta(days=1)).isoformat())
         return later if found < start and later <= end else found

@@ -1,6 +1,6 @@
 """Writing a log and the index beside it.
 
-Whole events reach the file: what a full disk or a write that failed leaves of an event is cut off.
+The file gets whole events: if a write fails, as on a full disk, a partial event is cut off.
 """
 
 import os
@@ -18,23 +18,23 @@ from lcmtools.wire.log_compression import Compression, compressor
 from lcmtools.wire.log_index import Block, LostMessages, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
-_AT_ONCE = 512 << 10  # bytes of a system call; Linux takes several times longer for each of more
+_AT_ONCE = 512 << 10  # bytes per system call; with more, Linux takes several times longer per byte
 
 
 class WriteBatch(NamedTuple):
-    """Events and lines that are to be written; one thread can take it while another one writes."""
+    """Events and lines to be written; one thread can take a batch while another one writes."""
 
-    start: int  # of the first event, in bytes of the log
-    parts: list[bytes]  # of the events, together all of them
-    lines: list[str]  # of the index
+    start: int  # offset of the first event in the log [byte]
+    parts: list[bytes]  # the bytes of the events, in pieces
+    lines: list[str]  # lines of the index
 
 
 class LogWriter(AbstractContextManager["LogWriter"]):
     """A log that is being written, and its index.
 
-    ``add`` only takes messages; ``flush`` writes them, or ``write``, on another thread, a batch of
-    them that ``take`` has returned: a compressed frame, if there is a ``compression``. With
-    ``force`` it takes the place of a file that exists.
+    ``add`` only queues messages. ``flush`` writes them; or, on another thread, ``write`` writes a
+    batch of them that ``take`` returned: a compressed frame, if there is a ``compression``. With
+    ``force`` it replaces an existing file.
 
     Raises:
         LcmtoolsError: The file exists, or cannot be written.
@@ -45,8 +45,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     ) -> None:
         self.path = Path(path)
         self._compress = compressor(compression) if compression else None
-        self.messages = 0  # that were added
-        self.size = 0  # bytes of the log, with what is not yet written, before they are compressed
+        self.messages = 0  # number of added messages
+        self.size = 0  # uncompressed bytes of the log, including those not yet written
         self._log = _create(self.path, force=force)
         try:
             self._index = _create(index_path(self.path), force=True)
@@ -58,16 +58,16 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._lines = [log_index.index_line()]
         self._block = Block(0)
         self._taken = 0
-        self._is_cut_off = False  # by a write that failed; the index ends before
+        self._is_cut_off = False  # True after a failed write: the index ends before it
         self._senders: dict[tuple[Sender | None, str], int] = {}
         self._types: set[str] = set()
 
     def __exit__(self, *_: object) -> None:
-        """Write what is left, and close the files."""
+        """Write the rest, and close the files."""
         self.close()
 
     def add(self, packet: Packet, sender: int = -1) -> None:
-        """Take a message; ``sender`` is a number that ``sender_number`` gave."""
+        """Add a message; ``sender`` is a number from ``sender_number``."""
         head, payload = encode_head(self.messages, packet), packet.payload
         self._parts += (head, payload)
         self.messages += 1
@@ -83,7 +83,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         return self._senders[key]
 
     def rename_sender(self, number: int, sender: Sender | None, name: str) -> None:
-        """Give a sender of this log, by its number, another name."""
+        """Give a sender of this log, by its number, a new name."""
         self._lines.append(log_index.sender_line(number, RecordedSender(sender, name)))
 
     def add_types(self, types: Iterable[RecordedType]) -> None:
@@ -98,7 +98,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._lines.append(log_index.node_line(node))
 
     def add_lost(self, lost: LostMessages) -> None:
-        """Keep the messages lost since the last record of such."""
+        """Keep the messages lost since the last such record."""
         self._lines.append(log_index.lost_line(lost))
 
     @property
@@ -107,7 +107,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         return self.size - self._taken
 
     def take(self) -> WriteBatch:
-        """Return what was added since, to be written by ``write`` in the same order."""
+        """Return what was added since then, for ``write``, in the same order."""
         if self._block.is_full(self.size):
             self._end_block()
         batch = WriteBatch(self._taken, self._parts, self._lines)
@@ -116,23 +116,23 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         return batch
 
     def write(self, batch: WriteBatch) -> None:
-        """Write a batch; the log first, so that the index never says more than it has.
+        """Write a batch, the log first, so that the index never covers more than the log.
 
         Raises:
-            LcmtoolsError: The disk is full, for example; the log ends with its last whole event.
+            LcmtoolsError: A write failed, as on a full disk; the log ends with a whole event.
         """
         self._write_events(batch)
         self._write_lines(batch.lines)
 
     def flush(self) -> None:
-        """Write what was added; raises as ``write``."""
+        """Write what was added; raises errors as ``write`` does."""
         self.write(self.take())
 
     def close(self) -> None:
-        """Write what is left, and close the files; does nothing the second time.
+        """Write the rest, and close the files; a second call does nothing.
 
         Raises:
-            LcmtoolsError: As of ``write``.
+            LcmtoolsError: As in ``write``.
         """
         if self._log < 0:
             return
@@ -194,7 +194,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
 
 
 def _pieces(parts: list[bytes]) -> Iterator[bytes]:
-    """Yield the parts joined, some at a time: joining all would hold up the thread that reads."""
+    """Yield the parts joined, some at a time: joining all would delay the reading thread."""
     some, size = [], 0
     for part in parts:
         some.append(part)

@@ -1,7 +1,7 @@
-"""The flow from a bus to Foxglove: a channel for each topic, and the messages that it asks for.
+"""The flow from a bus to Foxglove: a channel for each topic, and the messages that it requests.
 
-Only topics that a client subscribes to are decoded and translated; of latched ones the last message
-is kept as it came, for who subscribes later.
+Only topics that a client subscribes to are decoded and translated; of latched topics the last
+message is kept undecoded, for clients that subscribe later.
 """
 
 import threading
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from foxglove import Channel
     from foxglove.websocket import ChannelView, Client, ClientChannel
 
-_TURN = 0.05  # [s] at most until a client's wish is attended to
-_LOOK_PERIOD = 0.4  # [s] between looks at the graph
-_AGAIN = 0.5  # [s] before a network that fails is tried again
-_AT_ONCE = 32  # topics that are offered together: for whom too much waits, is disconnected
+_TURN = 0.05  # [s] at most until a client's request is handled
+_LOOK_PERIOD = 0.4  # [s] between updates from the graph
+_AGAIN = 0.5  # [s] before a failed network is tried again
+_AT_ONCE = 32  # topics offered together: clients with too many waiting messages are disconnected
 
 
 @dataclass(slots=True)
@@ -44,15 +44,15 @@ class _Offer:
     cls: type[Message]
     channel: "Channel"
     is_latched: bool = False
-    last: Packet | None = None  # of a latched topic
-    end: Callable[[], None] | None = field(default=None)  # of following it; None while it is not
+    last: Packet | None = None  # last message of a latched topic
+    end: Callable[[], None] | None = field(default=None)  # stops following it; None if not followed
 
 
 class Bridge(AbstractContextManager["Bridge"]):
-    """A bus for Foxglove; the owner of its monitor closes it.
+    """A bridge from a bus to Foxglove; the owner of the monitor closes it.
 
-    ``node`` publishes what clients do, on the topics that are ``allowed``; None where they may not.
-    ``notify`` is called with what a person should know, a sentence.
+    ``node`` publishes clients' messages on the ``allowed`` topics; None if clients may not publish.
+    ``notify`` is called with sentences for the user.
     """
 
     def __init__(
@@ -79,14 +79,14 @@ class Bridge(AbstractContextManager["Bridge"]):
             self.publishing = Publishing(node, allowed, self._schemas, self._refuse)
 
     def __exit__(self, *_: object) -> None:
-        """Follow nothing any more."""
+        """Stop following topics."""
         self._following.close()
 
     def serve(self, server: FoxgloveServer, on_ready: Callable[[], None]) -> None:
-        """Serve until an exception ends it, as Ctrl-C does.
+        """Serve until an exception ends it, for example Ctrl-C.
 
-        ``on_ready`` is called when all present topics are offered: the package refuses now and then
-        who subscribes to a topic in the moment in which it is offered.
+        ``on_ready`` is called when all present topics are offered: the package sometimes refuses
+        clients that subscribe to a topic at the moment it is offered.
         """
         self._monitor.discover()
         while self.look(self._monitor.graph(), server):
@@ -103,23 +103,23 @@ class Bridge(AbstractContextManager["Bridge"]):
                 has_more = self.look(self._monitor.graph(), server)
                 next_look = time.monotonic() + (_TURN if has_more else _LOOK_PERIOD)
 
-    # What clients do, on threads of the server, as the package's ``ServerListener`` names it
+    # Called for clients' actions on the server's threads; names of ``ServerListener``
 
     def on_subscribe(self, _: "Client", channel: "ChannelView") -> None:
-        """Take note that a client subscribes to a topic."""
+        """Note that a client subscribes to a topic."""
         self._wishes.put(partial(self._begin, channel.topic))
 
     def on_unsubscribe(self, _: "Client", channel: "ChannelView") -> None:
-        """Take note that a client does not any more."""
+        """Note that a client no longer subscribes to a topic."""
         self._wishes.put(partial(self._end, channel.topic))
 
     def on_client_advertise(self, client: "Client", channel: "ClientChannel") -> None:
-        """Take note that a client wants to publish."""
+        """Note that a client wants to publish."""
         if self.publishing:
             self.publishing.advertise(client.id, channel)
 
     def on_client_unadvertise(self, client: "Client", channel: int) -> None:
-        """Take note that a client does not want to any more."""
+        """Note that a client no longer wants to publish."""
         if self.publishing:
             self.publishing.dismiss(client.id, channel)
 
@@ -131,10 +131,10 @@ class Bridge(AbstractContextManager["Bridge"]):
     def _refuse(self, text: str) -> None:
         self._wishes.put(lambda: self._tell(text))
 
-    # On the thread that serves
+    # On the serving thread
 
     def _receive(self) -> str:
-        """Pass on what arrives, attend to wishes; return the trouble with the bus, "" for none."""
+        """Pass on messages, handle requests; return the bus's problem, "" for none."""
         try:
             packets = self._monitor.receive(_TURN)
         except (BusError, OSError) as error:
@@ -160,9 +160,9 @@ class Bridge(AbstractContextManager["Bridge"]):
         self._attend(topic)
 
     def look(self, graph: Graph, server: FoxgloveServer) -> bool:
-        """Offer what is new, and take back what is gone or of another type now.
+        """Offer new topics, and withdraw those that are gone or have another type now.
 
-        Names that are not UTF-8, or have control characters, are not for clients.
+        Names that are not UTF-8, or have control characters, are not offered.
         Returns whether there is more to offer.
         """
         most = len(self._offers) + _AT_ONCE
@@ -197,7 +197,7 @@ class Bridge(AbstractContextManager["Bridge"]):
         offer.channel.close()
 
     def _attend(self, topic: str) -> None:
-        """Follow a topic while a client wants it, and always where its messages come once."""
+        """Follow a topic while a client subscribes to it, and always if it is latched."""
         offer = self._offers.get(topic)
         if offer is None:
             return
@@ -215,7 +215,7 @@ class Bridge(AbstractContextManager["Bridge"]):
             self._send(offer, packet)
 
     def _send(self, offer: _Offer, packet: Packet) -> None:
-        """Translate a message and send it; it may be on the thread of large ones."""
+        """Translate a message and send it; may run on the thread for large messages."""
         try:
             with self._translating:
                 message = self._decoder.decode(packet)
@@ -229,7 +229,7 @@ class Bridge(AbstractContextManager["Bridge"]):
             offer.channel.log(data, log_time=packet.time)
 
     def _class_of(self, topic: Topic) -> type[Message] | None:
-        """Return a topic's type, as seen, else as announced; None where it is not known yet."""
+        """Return a topic's observed type, else the announced one; None if not known yet."""
         try:
             for number in topic.fingerprints:
                 if names := candidates(number):
@@ -245,14 +245,14 @@ class Bridge(AbstractContextManager["Bridge"]):
         return None
 
     def _tell(self, text: str) -> None:
-        """Say something once."""
+        """Notify the user of something once."""
         if text not in self._told:
             self._told.add(text)
             self._notify(text)
 
 
 def _ends(topic: Topic) -> tuple[list[str], list[str]]:
-    """Return the names of those who publish and subscribe, without commands that look on."""
+    """Return the names of publishers and subscribers, without observing commands."""
     others = [str(seen.sender) for seen in topic.foreign if seen.sender]
     return sorted({*_names(topic.publishers), *others}), sorted({*_names(topic.subscribers)})
 

@@ -1,4 +1,4 @@
-"""Clients' messages on the bus, by a node of ours: only on the topics that the person allows."""
+"""Publishing clients' messages on the bus, only on topics that the user allows."""
 
 import threading
 from collections.abc import Callable
@@ -18,7 +18,7 @@ _Key = tuple[int, int]  # a client, and its channel
 
 
 class Publishing:
-    """The messages of clients, on the bus. Its methods are called on threads of the server.
+    """Publishes clients' messages on the bus. Its methods are called on the server's threads.
 
     ``refuse`` is called with the reason why something is not published.
     """
@@ -33,7 +33,7 @@ class Publishing:
         self._publishers: dict[_Key, tuple[Publisher[Message], str]] = {}
 
     def advertise(self, client: int, channel: "ClientChannel") -> None:
-        """Publish on a channel from now, if that is allowed and its type is known."""
+        """Allow publishing on a channel, if permitted and its type is known."""
         try:
             with self._lock:
                 publisher = self._node.create_publisher(
@@ -44,7 +44,7 @@ class Publishing:
             self._refuse(f"cannot publish on {channel.topic}: {error}")
 
     def dismiss(self, client: int, channel: int) -> None:
-        """Publish on a channel no more."""
+        """Stop publishing on a channel."""
         with self._lock:
             publisher, _ = self._publishers.pop((client, channel), (None, ""))
             if publisher is not None:

@@ -1,4 +1,4 @@
-"""Types and messages as Foxglove reads them: of ROS 1, or JSON where ROS cannot say a type."""
+"""Types and messages as Foxglove reads them: in ROS 1's format if possible, else as JSON."""
 
 import json
 
@@ -14,19 +14,19 @@ ENCODINGS = (JSON, ROS1)
 
 
 class Schemas:
-    """Types and messages of LCM as Foxglove has them, and back.
+    """Conversion of LCM types and messages to Foxglove's, and back.
 
     Raises:
         MissingExtra: The library for ROS's formats is missing.
     """
 
     def __init__(self) -> None:
-        with needing_extra("foxglove", "foxglove needs"):  # it has ROS's types, too
+        with needing_extra("foxglove", "foxglove needs"):  # it also has ROS's types
             self._types = RosTypes(1)
         self._found: dict[type[Message], tuple[str, Schema]] = {}
 
     def of(self, cls: type[Message]) -> tuple[str, Schema]:
-        """Return the encoding of a type's messages, and its schema."""
+        """Return the encoding of a type's messages, and the schema."""
         if cls not in self._found:
             try:
                 self._found[cls] = ROS1, self._types.schema(cls)
@@ -40,7 +40,7 @@ class Schemas:
         return self._types.serialize(message) if encoding == ROS1 else to_json(message).encode()
 
     def read(self, cls: type[Message], encoding: str, data: bytes) -> Message:
-        """Return a client's message; DecodeError if it is of another type or encoding."""
+        """Return a client's message; DecodeError if it has another type or encoding."""
         if encoding == ROS1:
             return self._types.deserialize(cls, data)
         if encoding != JSON:

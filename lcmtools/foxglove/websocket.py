@@ -1,4 +1,4 @@
-"""The server of the package foxglove: channels, clients' wishes, and its errors as ours."""
+"""The package foxglove's server: channels, clients' requests, and errors as lcmtools' own."""
 
 import logging
 from collections.abc import Callable, Iterable, Mapping
@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from foxglove import Channel
 
 _MOST_WAITING = 256
-"""Messages that wait for a slow client; of more the oldest are left out."""
+"""The most messages that wait for a slow client; beyond this, the oldest are dropped."""
 
 
 class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
     """A server for Foxglove and Lichtblick, at a host and port; 0 for any port.
 
-    ``clients`` takes what they do, as far as it has methods of the package's ``ServerListener``, on
-    threads of the server; ``encodings`` are of messages that they may publish.
+    ``clients`` handles their requests by those methods of the package's ``ServerListener`` that it
+    has, on threads of the server; ``encodings`` are of messages that clients may publish.
 
     Raises:
         MissingExtra: The package is missing.
@@ -32,7 +32,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         with needing_extra("foxglove", "foxglove needs"):
             import foxglove
             from foxglove.websocket import Capability, StatusLevel
-        logging.getLogger("foxglove").addHandler(logging.NullHandler())  # of clients that are gone
+        logging.getLogger("foxglove").addHandler(logging.NullHandler())  # about lost clients
         self._package: Any = foxglove
         self._level = StatusLevel.Error
         self._context = foxglove.Context()
@@ -61,7 +61,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
 
     @property
     def port(self) -> int:
-        """The port that it listens at."""
+        """The port on which it listens."""
         return int(self._server.port)
 
     def offer(self, topic: str, encoding: str, schema: Schema) -> "Channel":
@@ -73,14 +73,14 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         return channel
 
     def tell(self, key: str, text: str) -> None:
-        """Show clients a trouble, in place of an earlier one of its key; "" for none any more."""
+        """Show clients a problem, replacing an earlier one with its key; "" removes it."""
         if text:
             self._server.publish_status(text, self._level, key)
         else:
             self._server.remove_status([key])
 
     def draw(self, graph: Mapping[str, tuple[list[str], list[str]]]) -> None:
-        """Show who publishes each topic, and who subscribes."""
+        """Show the publishers and subscribers of each topic."""
         if graph == self._graph:
             return
         self._graph = graph
@@ -92,7 +92,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
 
 
 class _Listener:
-    """The listener that the package calls: ``clients``, and nothing at its other calls."""
+    """The listener that the package calls: ``clients``; other calls do nothing."""
 
     def __init__(self, clients: object) -> None:
         self._clients = clients

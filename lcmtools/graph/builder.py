@@ -1,4 +1,4 @@
-"""Putting the graph together from packets, and from records of nodes that no longer answer."""
+"""Building the graph from packets, and from records of nodes that no longer answer."""
 
 from collections.abc import Iterable
 
@@ -13,7 +13,7 @@ from lcmtools.graph.protocol import (
 from lcmtools.wire.packet import Packet, Sender
 
 MOST_FINGERPRINTS = 4
-"""A sender with so many fingerprints on a channel sends no LCM type; more are not kept."""
+"""A sender with this many fingerprints on a channel does not send LCM types; no more are kept."""
 _OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})
 
 
@@ -25,7 +25,7 @@ class _Count:
     def __init__(self, first_time: int) -> None:
         self.first_time = first_time
         self.last_time = self.messages = self.bytes = 0
-        self.head = b""  # of the last payload, as long as a fingerprint
+        self.head = b""  # first bytes of the last payload, as many as in a fingerprint
         self.fingerprints: dict[int, None] = {}
         self.types: dict[str, None] = {}
 
@@ -46,7 +46,7 @@ class _Count:
 class GraphBuilder:
     """Learns the graph from the packets of a bus; the node with the id ``but`` is left out.
 
-    Of a log every node is kept, those that left too: they have sent what is in it.
+    For a log, nodes that have left are kept too, because they sent its messages.
     """
 
     def __init__(self, but: str = "", *, is_log: bool = False) -> None:
@@ -69,11 +69,11 @@ class GraphBuilder:
         return None
 
     def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
-        """Learn from packets; return those with which nodes talk."""
+        """Learn from packets; return those of the nodes' own protocol."""
         talk: list[Packet] = []
         channel, sender, count = None, None, None
         for packet in packets:
-            if count and packet[0] is channel and packet[3] is sender:  # mostly, in a stream
+            if count and packet[0] is channel and packet[3] is sender:  # the usual case in a stream
                 count.add(packet)
             elif packet.channel in TALK_CHANNELS:
                 self.add(packet)
@@ -85,7 +85,7 @@ class GraphBuilder:
         return talk
 
     def add_head(self, head: Head, packet: Packet) -> None:
-        """Learn from an announcement, decoding it only if more than counters has changed.
+        """Learn from an announcement, decoding it only if more than its counters have changed.
 
         Decoding is most of the work of following a large bus; the counters of a known node stay as
         they were when it was decoded.
@@ -100,11 +100,11 @@ class GraphBuilder:
             self._heads[head.identity] = head.revision, announcement.node.id
 
     def heard(self) -> set[str]:
-        """Return the ids of all nodes that have announced themselves, or have left."""
+        """Return the ids of all nodes that have announced themselves, or left."""
         return self._nodes.keys() | self._left
 
     def recall(self, nodes: Iterable[Node]) -> None:
-        """Learn of nodes by their records; those that never announce themselves are stale."""
+        """Learn of nodes from their records; nodes that never announce themselves are stale."""
         for node in nodes:
             self._recorded[node.id] = node
 
@@ -121,7 +121,7 @@ class GraphBuilder:
     def types_of(self, channel: str) -> tuple[str, ...]:
         """Return the types that nodes announce for a channel, publishers' first, each once.
 
-        After them those that are named beside its messages.
+        They are followed by the types attached to its messages.
         """
         every = (end for node in self._nodes.values() for end in node.endpoints)
         ends = [end for end in every if end.topic == channel and end.role in _OF_TOPICS]
@@ -131,7 +131,7 @@ class GraphBuilder:
         return tuple(dict.fromkeys([*(end.type for end in ends if end.type), *named]))
 
     def snapshot(self, now: int) -> Graph:
-        """Return the graph at the time ``now`` (nanoseconds since 1970)."""
+        """Return the graph at the time ``now`` [ns since 1970]."""
         announced = [
             node if node.is_recorded else _aged(node, now) for node in self._nodes.values()
         ]
@@ -159,14 +159,14 @@ class GraphBuilder:
             self._left.add(node.id)
             self._forget_behind(node.id)
         if node.id in self._left:
-            return  # an announcement that the goodbye has overtaken revives no node
+            return  # an announcement overtaken by its goodbye must not revive the node
         lag = packet.time - node.sent if node.sent else None
         known = self._nodes.get(node.id)
         if node.path and known is not None and not (known.path or _aged(known, packet.time).stale):
-            return  # it is on this bus itself
+            return  # the node itself is on this bus
         if lag is not None and known is not None and known.lag is not None:
-            lag = min(lag, known.lag)  # the quickest one shows the clocks' difference best
-        sender = None if node.path else packet.sender  # not that of what a relay has passed on
+            lag = min(lag, known.lag)  # the fastest one shows the clocks' difference best
+        sender = None if node.path else packet.sender  # a relay's packets have the relay as sender
         self._nodes[node.id] = node._replace(sender=sender, last_announced=packet.time, lag=lag)
 
     def _forget_behind(self, relay: str) -> None:

@@ -1,4 +1,4 @@
-"""The graph's values: nodes, their endpoints, and the messages observed on the channels."""
+"""The graph's values: nodes, their endpoints, and the messages observed on channels."""
 
 from collections import defaultdict
 from enum import Enum, IntEnum
@@ -9,7 +9,7 @@ from lcmtools.names import SELF_TEST_CHANNEL, base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
 
 STALE_AFTER = 3_000_000_000
-"""A node that has not announced itself for so long is stale [ns]."""
+"""A node that has not announced itself for this time is stale [ns]."""
 
 
 class Role(IntEnum):
@@ -22,7 +22,7 @@ class Role(IntEnum):
 
 
 class Staleness(str, Enum):
-    """The reason why a node is stale; empty, and so false, for one that is alive."""
+    """The reason why a node is stale; empty, and so false, for a living one."""
 
     NOT = ""
     SILENT = "no longer announces itself"
@@ -38,19 +38,19 @@ class Endpoint(NamedTuple):
 
     topic: str  # the full name of the topic or service
     role: Role  # the node's role for it
-    types: tuple[str, ...] = ()  # the declared one first, then others that are accepted too
+    types: tuple[str, ...] = ()  # the declared one first, then others that are also accepted
     fingerprints: tuple[int, ...] = ()  # of ``types``, unsigned
-    group: str = ""  # subscriptions of a node with the same group are alternatives of each other
-    depth: int = 0  # of the queue, in messages; 0 where there is no queue
-    messages: int = 0  # sent or received so far
+    group: str = ""  # subscriptions of a node with the same group are alternatives to each other
+    depth: int = 0  # of the queue, in messages; 0 without a queue
+    messages: int = 0  # number sent or received so far
     bytes: int = 0  # of their payloads
-    drops: int = 0  # messages that a full queue pushed out
+    drops: int = 0  # messages that newer ones displaced from a full queue
     last_time: int = 0  # of the last message [ns since 1970]; 0 for none
-    calls: int = 0  # of the callback; 0 where there is none
-    busy: int = 0  # time spent in the callback, in a running call too [ns]
-    longest: int = 0  # time of the longest call, of a running one so far [ns]
+    calls: int = 0  # calls of the callback; 0 without one
+    busy: int = 0  # time spent in the callback, including a running call [ns]
+    longest: int = 0  # time of the longest call, or of a running one so far [ns]
     latched: bool = False  # the last message is sent again to each new subscriber
-    rate: float = 0.0  # of its messages over the last one or two seconds [Hz]; 0 where not known
+    rate: float = 0.0  # of its messages in the last one or two seconds [Hz]; 0 if unknown
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -60,8 +60,8 @@ class Endpoint(NamedTuple):
     def rate_since(self, earlier: "Endpoint") -> float | None:
         """Return the rate of its messages since an earlier announcement [Hz].
 
-        The messages counted between them, over the time between the last ones that each knew of;
-        None where none came, or the first was the first ever.
+        It is the number of messages counted between them, over the time between their last
+        messages. None if no message came, or if the earlier one had none.
         """
         messages, span = self.messages - earlier.messages, self.last_time - earlier.last_time
         if messages <= 0 or span <= 0 or not earlier.last_time:
@@ -70,53 +70,53 @@ class Endpoint(NamedTuple):
 
     @property
     def type(self) -> str:
-        """The declared type; "" when there is none."""
+        """The declared type; "" if there is none."""
         return self.types[0] if self.types else ""
 
 
 class CallbackError(NamedTuple):
-    """An exception that a node's callback has raised, once or again and again."""
+    """An exception that a node's callback has raised, once or repeatedly."""
 
     callback: str  # "/odometry", "timer 0.1 s", "service /reset" or "parameters"
     exception: str  # "AttributeError"
     message: str  # the first line of its text, shortened
-    place: str  # innermost line of the user's own code: "simple_controller.py:35"
-    count: int  # type: ignore[assignment] # not tuple.count: calls since the node's start
+    place: str  # innermost line in the user's own code: "simple_controller.py:35"
+    count: int  # type: ignore[assignment] # not tuple.count: times raised since the node's start
     last_time: int  # nanoseconds since 1970
 
 
 class RelayStep(NamedTuple):
     """A relay that a node's announcement has passed."""
 
-    id: str  # of the relay
+    id: str  # the relay's id
     relay: str  # its name as a node
-    bus: str  # that it took the announcement from
+    bus: str  # the bus from which it took the announcement
 
 
 class Node(NamedTuple):
-    """A named participant of the bus; times are nanoseconds since 1970."""
+    """A named participant on the bus; times are nanoseconds since 1970."""
 
-    name: str  # in full: "/husky0/simple_controller"
+    name: str  # full name: "/husky0/simple_controller"
     id: str  # unique for each run of each node
     host: str  # the name of its computer
-    pid: int  # its process there
+    pid: int  # its process id there
     start_time: int = 0
     command: str = ""  # its command line
-    tool: bool = False  # a command that looks at the bus for a while, not a part of the system
-    ports: tuple[int, ...] = ()  # UDP ports it sends from besides that of its announcements
+    tool: bool = False  # True for a command that observes the bus, not a part of the system
+    ports: tuple[int, ...] = ()  # UDP ports it sends from, except its announcements' port
     endpoints: tuple[Endpoint, ...] = ()
-    sender: Sender | None = None  # of its announcements; None where the bus names none
+    sender: Sender | None = None  # of its announcements; None if the bus does not identify it
     last_announced: int = 0  # arrival of its last announcement; 0 for none
     stale: Staleness = Staleness.NOT
-    busy: int = 0  # time spent in its callbacks, those of timers too [ns]
-    sent: int = 0  # time of its last announcement by its own computer's clock; 0 if unknown
-    errors: tuple[CallbackError, ...] = ()  # of its callbacks; different ones, the newest last
+    busy: int = 0  # time spent in its callbacks, including those of timers [ns]
+    sent: int = 0  # when its last announcement was sent, by its computer's clock; 0 if unknown
+    errors: tuple[CallbackError, ...] = ()  # different errors of its callbacks, the newest last
     # Shortest time from the sending of an announcement to its arrival, by the two computers'
     # clocks [ns]: negative if its clock is ahead; None if unknown.
     lag: int | None = None
-    is_recorded: bool = False  # of a log: its process number means nothing on this computer
-    # The relays between its bus and this one, the nearest first; empty for a node of this bus. The
-    # computer, process and ports of one behind a relay are there, whatever their names.
+    is_recorded: bool = False  # True in a log: its pid means nothing on this computer
+    # The relays between its bus and this one, the nearest first; empty for a node on this bus. For
+    # a node behind a relay, computer, process and ports are those there, whatever their names.
     path: tuple[RelayStep, ...] = ()
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
@@ -126,7 +126,7 @@ class Node(NamedTuple):
         )
 
     def senders(self) -> frozenset[Sender]:
-        """Return all senders that are known to be this node."""
+        """Return all senders that are known to belong to this node."""
         if self.sender is None:
             return frozenset()
         address = self.sender.address
@@ -134,7 +134,7 @@ class Node(NamedTuple):
         return frozenset({self.sender, *(Sender(address, port, name) for port in self.ports)})
 
     def time_there(self, now: int) -> int:
-        """Return the time of the node's computer, which its counters use, at the time ``now`` here.
+        """Return the time on the node's computer, used in its counters, at the time ``now`` here.
 
         Both [ns since 1970], and equal if the lag is unknown.
         """
@@ -142,12 +142,12 @@ class Node(NamedTuple):
 
     @property
     def bus(self) -> str:
-        """The bus that it is on, as its relay calls it; "" for a node of this bus."""
+        """The bus that it is on, as named by its relay; "" for a node on this bus."""
         return self.path[-1].bus if self.path else ""
 
     @property
     def is_hidden(self) -> bool:
-        """True if lists leave it out."""
+        """True if it is left out of lists."""
         return is_hidden(self.name)
 
 
@@ -155,13 +155,13 @@ class Traffic(NamedTuple):
     """One sender's observed messages on one channel; times are nanoseconds since 1970."""
 
     channel: str
-    sender: Sender | None  # None where the bus names none
-    fingerprints: tuple[int, ...]  # in order of appearance; a few where they keep changing
+    sender: Sender | None  # None if the bus does not identify it
+    fingerprints: tuple[int, ...]  # in order of appearance; only a few if they keep changing
     messages: int
     bytes: int  # of their payloads
     first_time: int  # arrival of the first
     last_time: int
-    types: tuple[str, ...] = ()  # that the sender names beside the messages, where the bus does
+    types: tuple[str, ...] = ()  # types that the sender attaches to messages, if the bus can
 
     def rate(self) -> float | None:
         """Return the messages per second, first to last; None before two messages."""
@@ -177,8 +177,8 @@ Ends = tuple[tuple[Node, Endpoint], ...]
 class Topic(NamedTuple):
     """The known facts of one topic.
 
-    ``foreign`` is the part of the traffic that no announced node has sent. Where the bus names no
-    sender, an announced publisher explains all of it.
+    ``foreign`` is the part of the traffic that no announced node has sent. If the bus does not
+    identify senders, an announced publisher explains all of it.
     """
 
     name: str
@@ -189,7 +189,7 @@ class Topic(NamedTuple):
 
     @property
     def types(self) -> tuple[str, ...]:
-        """The announced types, publishers' first, and those named beside messages, each once."""
+        """The announced types, publishers' first, then those attached to messages, each once."""
         declared = [endpoint.type for _, endpoint in self.publishers + self.subscribers]
         named = (name for seen in self.traffic for name in seen.types)
         return tuple(dict.fromkeys(name for name in (*declared, *named) if name))
@@ -201,7 +201,7 @@ class Topic(NamedTuple):
 
     @property
     def is_latched(self) -> bool:
-        """True if a node that is there sends its last message again to each new subscriber."""
+        """True if a living node sends its last message again to each new subscriber."""
         return any(endpoint.latched and not node.stale for node, endpoint in self.publishers)
 
 
@@ -211,19 +211,19 @@ class _Known(NamedTuple):
     time: int = 0  # of this snapshot [ns since 1970]
 
 
-class Graph(_Known):  # a class of its own, for the table of topics that is kept
-    """All that is known of a bus at one time."""
+class Graph(_Known):  # a separate class, to cache the table of topics
+    """Everything that is known of a bus at one time."""
 
     def topic_names(self) -> list[str]:
         """Return all topics that are published, observed, or subscribed to by a node; sorted."""
         return [topic.name for topic in self.topics()]
 
     def topic(self, name: str) -> Topic:
-        """Return the facts of one topic; empty when there are none."""
+        """Return the facts of one topic; empty if there are none."""
         return self._topics.get(name) or Topic(name)
 
     def topics(self) -> list[Topic]:
-        """Return every topic, sorted; not those that only commands subscribe to."""
+        """Return every topic, sorted, except those that only commands subscribe to."""
         return [
             one
             for one in self._topics.values()
@@ -240,7 +240,7 @@ class Graph(_Known):  # a class of its own, for the table of topics that is kept
         ]
 
     def named(self, name: str) -> list[Node]:
-        """Return the nodes that a typed name means: a full name, or the last part of one."""
+        """Return the nodes for a typed name: a full name, or the last part of one."""
         full = name if name.startswith("/") else f"/{name}"
         exact = [node for node in self.nodes if node.name == full]
         if exact or name.startswith("/"):
@@ -249,7 +249,7 @@ class Graph(_Known):  # a class of its own, for the table of topics that is kept
 
     @cached_property
     def _topics(self) -> dict[str, Topic]:
-        """Every channel with a message, a publisher or a subscriber; sorted."""
+        """Return every channel with a message, a publisher or a subscriber, sorted."""
         ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = defaultdict(list)
         for node in self.nodes:
             for end in node.endpoints:

@@ -1,8 +1,8 @@
 """The protocol of announcements: its hidden channels and the messages on them.
 
-Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
-change, at once on a lcmtools_msgs/Probe on PROBE_CHANNEL, and one with the state LEAVING when it
-ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end. Relays pass
+Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a change
+or on a lcmtools_msgs/Probe on PROBE_CHANNEL, and, with the state LEAVING, when it ends. A
+lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end. Relays pass
 announcements on to other buses as lcmtools_msgs/RemoteAnnouncement, on NODE_CHANNEL too, and
 report on RELAY_CHANNEL.
 """
@@ -24,12 +24,12 @@ RELAY_CHANNEL = "/_lcmtools/relay"
 TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
 """The hidden channels of the protocol, which are not topics."""
 PERIOD = 1.0
-"""Seconds between two announcements of a node at rest."""
+"""Seconds between two announcements of a node that does not change."""
 ANSWER_SPREAD = 0.01
-"""Nodes answer a probe to all within so many seconds, not all in the same instant."""
+"""Nodes spread their answers to a probe for all over this time [s]."""
 
 MOST_OF_COMMAND = 1000
-"""Characters of a command line that are announced."""
+"""The most characters of a command line that are announced."""
 
 M = TypeVar("M", bound=Message)
 _COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate")
@@ -52,11 +52,11 @@ class Announcement(NamedTuple):
     """A node's announcement of itself."""
 
     node: Node
-    leaving: bool = False  # it is ending
-    answers: int = 0  # the nonce of the probe that this answers; 0 for none
+    leaving: bool = False  # True if the node is ending
+    answers: int = 0  # the nonce of the answered probe; 0 for none
 
     def sent_at(self, time: int) -> "Announcement":
-        """The same, as it is sent at a time [ns since 1970]."""
+        """Return the same announcement as sent at a time [ns since 1970]."""
         return self._replace(node=self.node._replace(sent=time))
 
 
@@ -64,22 +64,22 @@ class Probe(NamedTuple):
     """A request to nodes to announce themselves."""
 
     target: str = ""  # a node's full name; "" for every node
-    nonce: int = 0  # comes back in the answer
+    nonce: int = 0  # repeated in the answer
 
 
 class Shutdown(NamedTuple):
     """A request to a node's program to end, as by SIGTERM."""
 
     target: str  # the node's id
-    nonce: int = 0  # comes back in an announcement, which acknowledges the request
+    nonce: int = 0  # repeated in an announcement that acknowledges the request
     requester: str = ""  # for the node's log
 
 
 class Head(NamedTuple):
-    """The head of an announcement, read without decoding it; empty where there is none."""
+    """The head of an announcement, read without decoding it; empty if there is none."""
 
-    identity: bytes  # equal in all announcements of one node but its goodbye, and in no others
-    revision: bytes  # equal until more of the node changes than its counters and its clock
+    identity: bytes  # the same in all announcements of one node but its goodbye, and in no others
+    revision: bytes  # the same until more of the node changes than its counters and its clock
 
 
 def encode_probe(probe: Probe) -> bytes:
@@ -122,7 +122,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
 
 
 def decode_announcement(payload: bytes) -> Announcement | None:
-    """Return the announcement in a payload; None if it is of another version or type."""
+    """Return the announcement in a payload; None if it has another version or type."""
     if payload.startswith(_REMOTE):
         return _decode_remote(payload)
     message = _decoded(msgs.Announcement, payload)
@@ -158,7 +158,7 @@ def head_of(payload: bytes) -> Head:
 
 
 class Retained:
-    """The latest announcements of a program's nodes, for who asks for them later."""
+    """The latest announcements of a program's nodes, for programs that ask for them later."""
 
     def __init__(self) -> None:
         self._latest: dict[bytes, tuple[bytes, float]] = {}
@@ -173,7 +173,7 @@ class Retained:
             self._latest[node] = payload, now
 
     def payloads(self, now: float) -> Iterator[bytes]:
-        """Yield those of the last seconds, without the time at which they were sent.
+        """Yield the announcements of the last seconds, without their times of sending.
 
         Times are monotonic [s].
         """
@@ -202,11 +202,11 @@ def _decode_remote(payload: bytes) -> Announcement | None:
 
 
 def _revision(node: Node) -> int:
-    """Return a number that changes with anything of a node but what it counts."""
+    """Return a number that changes with everything in a node except its counters."""
     zeros: dict[str, Any] = dict.fromkeys(_COUNTERS, 0)
     plain = [endpoint._replace(**zeros) for endpoint in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
-    # of text, since Python's hash of some numbers is that of others; all by the node's own process
+    # hashes text, because different numbers may have equal hashes; only its own process compares
     return hash(repr((node.command, node.tool, node.ports, plain, errors)))
 
 
@@ -229,7 +229,7 @@ def _endpoint(message: msgs.Endpoint) -> Endpoint:
 
 
 def _filled(message: M, source: object, names: Iterable[str]) -> M:
-    """Return the message with the values of the attributes of the same names."""
+    """Return the message with the values of the source's attributes of the same names."""
     for name, value in _values(source, names).items():
         setattr(message, name, value)
     return message
@@ -247,7 +247,7 @@ def _decoded(cls: type[M], payload: bytes) -> M | None:
 
 
 def _sendable(command: str) -> str:
-    """Return a command line that can be sent each second: names may be no UTF-8, or thousands."""
+    """Return a command line that can be sent each second: it may be very long, or not UTF-8."""
     return command[:MOST_OF_COMMAND].encode("utf-8", "replace").decode()
 
 

@@ -1,8 +1,8 @@
 """Access: who may open a page, what it may do, and the headers that keep others out.
 
-Pure: headers and paths come in as texts. A browser sends any website's requests to this computer,
-so that neither the address that it listens on nor the absence of a password keeps a website out:
-the names in Host and Origin do, which a website cannot choose.
+Pure: headers and paths come in as text. A browser sends any website's requests to this computer, so
+neither the address on which the server listens nor a missing password keeps a website out. The
+names in the headers Host and Origin do, because a website cannot choose them.
 """
 
 import ipaddress
@@ -23,14 +23,14 @@ HEADERS: Mapping[str, str] = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
-"""Of every answer."""
+"""Headers of every answer."""
 WATCH, COMMAND, PLAY = "watch", "command", "play"
 _TOKEN_BYTES = 16
 _LOCAL = ("127.0.0.1", "localhost", "::1")
 
 
 class Refused(Exception):  # noqa: N818 - named for what happened
-    """A request that is not answered, with the status and the reason as a sentence."""
+    """A refused request, with the status and the reason as a sentence."""
 
     def __init__(self, status: HTTPStatus, reason: str) -> None:
         super().__init__(reason)
@@ -41,18 +41,18 @@ class Refused(Exception):  # noqa: N818 - named for what happened
 class Access:
     """The rules of one server."""
 
-    # The names by which it may be addressed, as in the header Host, without port.
+    # The allowed names in the header Host, without port.
     names: frozenset[str]
-    # It may be addressed by any IP address too, which no website can take over.
+    # True if any IP address is also allowed there: no website can take one over.
     any_address: bool = False
-    tokens: Mapping[str, str] | None = None  # the token of each right; empty where none is needed
-    is_read_only: bool = False  # nobody may command
+    tokens: Mapping[str, str] | None = None  # the token of each right; none if not needed
+    is_read_only: bool = False  # True if nobody may command
 
     def rights(self, host: str, target: str) -> tuple[str, ...]:
-        """Return the rights of who requests ``target`` (path and query) of ``host`` (the header).
+        """Return the rights for a request for ``target`` (path and query) at ``host`` (the header).
 
         Raises:
-            Refused: None.
+            Refused: There are none.
         """
         self.check_host(host)
         every = (WATCH,) if self.is_read_only else (WATCH, COMMAND)
@@ -69,7 +69,7 @@ class Access:
         )
 
     def addresses(self, host: str, port: int) -> dict[str, str]:
-        """Return the address to open for each right: to watch only, and to command too."""
+        """Return the address to open for each right: only to watch, and also to command."""
         host = f"[{host}]" if ":" in host else host
         start = f"http://{host}:{port}/"
         if self.tokens:
@@ -77,10 +77,10 @@ class Access:
         return {WATCH if self.is_read_only else COMMAND: start}
 
     def check_host(self, host: str) -> None:
-        """Refuse a name that is not this server's: a website's that leads here.
+        """Refuse a host name that is not this server's: a website's name that points here.
 
         Raises:
-            Refused: It is not.
+            Refused: It is not this server's.
         """
         name = _host_name(host)
         if name in self.names or (self.any_address and _is_address(name)):
@@ -88,10 +88,10 @@ class Access:
         raise Refused(HTTPStatus.FORBIDDEN, "This server does not answer to that name.")
 
     def check_origin(self, host: str, origin: str | None) -> None:
-        """Refuse a connection that a page of another server opens.
+        """Refuse a connection opened by a page of another server.
 
         Raises:
-            Refused: It is one, or no browser says whose page it is.
+            Refused: It is one, or its origin is not given.
         """
         if origin is None or origin.casefold() not in (f"http://{host}", f"https://{host}"):
             raise Refused(HTTPStatus.FORBIDDEN, "This server answers its own pages only.")
@@ -100,7 +100,7 @@ class Access:
 def access_for(
     address: str | None, own_names: Iterable[str] = (), *, is_read_only: bool = False
 ) -> Access:
-    """Return the rules for a server that others may reach at an address, or this computer alone.
+    """Return the rules for a server that others can reach at an address, or only this computer.
 
     With ``is_read_only`` nobody may command.
     """
@@ -118,7 +118,7 @@ def _is(given: str, token: str) -> bool:
 
 
 def _host_name(host: str) -> str:
-    """The name in a header Host, without port; "" for what is none."""
+    """Return the name in a header Host, without port; "" if it is invalid."""
     try:
         return (urlsplit(f"//{host}").hostname or "").casefold()
     except ValueError:

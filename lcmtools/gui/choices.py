@@ -1,4 +1,4 @@
-"""The topics and fields that a panel offers to choose from."""
+"""The topics and fields that a panel offers for selection."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,7 +13,7 @@ from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.channels import ChannelRow
 
 _MOST_FIELDS = 300  # of one type
-_DEEPEST = 6  # messages in each other
+_DEEPEST = 6  # levels of nested messages
 
 _KINDS: dict[str, Callable[[str], bool]] = {
     "velocity": is_velocity,
@@ -22,7 +22,7 @@ _KINDS: dict[str, Callable[[str], bool]] = {
 
 
 def topics(source: Source, parameters: Parameters) -> Json:
-    """Return the topics of a kind of messages, each with its type."""
+    """Return the topics for a kind of messages, each with its type."""
     kind = parameters.text("kind")
     if kind not in _KINDS:
         raise Rubbish(f"there is no kind of topics '{kind[:40]}'")
@@ -30,7 +30,7 @@ def topics(source: Source, parameters: Parameters) -> Json:
 
 
 def numbers(source: Source, parameters: Parameters) -> Json:
-    """Return the topics; of one that ``text`` begins with, the fields that have numbers."""
+    """Return the topics; if ``text`` begins with one, its fields with numbers."""
     text, rows = parameters.text("text", ""), source.latest.rows
     begun = [row for row in rows if row.types and text.startswith(tuple(_begun(row)))]
     if not begun:

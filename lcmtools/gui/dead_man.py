@@ -1,6 +1,6 @@
-"""A dead man's switch: who drives which topic, until when, and the stops that follow.
+"""A dead man's switch: which page drives which topic, until when, and the stops that follow.
 
-Pure: the time is an argument [s]. Must not know messages, nor pages, which are numbers here.
+Pure: the time is an argument [s]. Must not know messages or pages, which are just numbers here.
 """
 
 import math
@@ -8,14 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 HOLD = 0.35
-"""Time that one command counts [s]; a page repeats it every 0.1 s."""
+"""Time for which one command is valid [s]; a page repeats it every 0.1 s."""
 STOP_GAP = 0.01
 """Time between the stops of a topic [s]."""
 
 
 @dataclass(slots=True)
 class _Hold:
-    """A topic that is driven, or is being stopped: then ``stops`` are left to be sent."""
+    """A topic that is driven, or being stopped: then ``stops`` remain to be sent."""
 
     page: int
     until: float
@@ -25,18 +25,18 @@ class _Hold:
 class DeadMansSwitch:
     """The topics that pages drive.
 
-    One page at a time drives a topic. It is stopped when that page lets go, is gone or is silent
-    for HOLD, and when any page stops it; then that which drove has to let go first. A stop is sent
-    ``stops`` times, as any one of them may be lost.
+    Only one page at a time drives a topic. It is stopped when that page releases it, is gone or is
+    silent for HOLD, and when any page stops it; then the page that drove must release it first. A
+    stop is sent ``stops`` times, because each may be lost.
     """
 
     def __init__(self, stops: int = 1) -> None:
         self._stops = stops
         self._holds: dict[str, _Hold] = {}
-        self._overruled: dict[tuple[int, str], float] = {}  # pages that drive on in vain, until
+        self._overruled: dict[tuple[int, str], float] = {}  # pages that are ignored, until when
 
     def drive(self, page: int, topic: str, now: float) -> str:
-        """Take a command of a page; return why it does not count, "" if it does."""
+        """Accept a page's command; return the reason if it is ignored, else ""."""
         if self._overruled.get((page, topic), -math.inf) > now:
             self._overruled[page, topic] = now + HOLD
             return "it was stopped by another page: release the controls first"
@@ -54,14 +54,14 @@ class DeadMansSwitch:
             self._stop(hold, now)
 
     def stop(self, page: int, topic: str, now: float) -> None:
-        """Stop a topic, whoever drives it, also another program."""
+        """Stop a topic, even if another page or program drives it."""
         hold = self._holds.setdefault(topic, _Hold(page, now))
         if hold.page != page:
             self._overruled[hold.page, topic] = now + HOLD
         self._stop(hold, now)
 
     def leave(self, page: int, now: float) -> None:
-        """Stop all that a page drives: it is gone."""
+        """Stop everything that a page drives, because the page is gone."""
         for hold in self._holds.values():
             if hold.page == page and not hold.stops:
                 self._stop(hold, now)
@@ -74,7 +74,7 @@ class DeadMansSwitch:
                 self._stop(hold, now)
 
     def stops_due(self, now: float) -> Iterator[str]:
-        """Yield the topics that are to be sent a stop now."""
+        """Yield the topics on which a stop must be sent now."""
         for topic, hold in list(self._holds.items()):
             if hold.until > now:
                 continue
@@ -88,7 +88,7 @@ class DeadMansSwitch:
 
     @property
     def next_time(self) -> float:
-        """The time of the next stop, if nothing else comes; infinite without any."""
+        """The time of the next stop unless commands come; infinite if there is none."""
         return min((hold.until for hold in self._holds.values()), default=math.inf)
 
     def _stop(self, hold: _Hold, now: float) -> None:

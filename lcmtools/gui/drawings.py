@@ -1,7 +1,7 @@
-"""Messages as pages draw them: plain values, and numbers as bytes where there are many.
+"""Messages in the form that pages draw: plain values, and many numbers as bytes.
 
-Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure: no source, no time
-but what comes in.
+Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure: no source, and
+times come in as arguments.
 """
 
 import sys
@@ -38,14 +38,14 @@ def drawable_types() -> frozenset[str]:
 
 
 class Poses:
-    """Frames, each with its parent and its last pose there."""
+    """Frames, each with its parent and its latest pose in it."""
 
     def __init__(self) -> None:
         self._stamp = 0.0
         self._frames: dict[str, tuple[str, list[float]]] = {}
 
     def take(self, message: TFMessage) -> None:
-        """Take the frames of a message."""
+        """Add the frames of a message."""
         for one in message.transforms:
             stamp = one.header.stamp
             self._stamp = stamp.sec + stamp.nsec / _NANOSECONDS
@@ -53,7 +53,7 @@ class Poses:
             self._frames[one.child_frame_id] = (one.header.frame_id, _pose(place, turn))
 
     def drawing(self, time: float) -> Update:
-        """Return all frames at a time [s]: pairs of names, and their poses as float32."""
+        """Return all frames at a time [s]: pairs of names, and the poses as float32."""
         names: list[Json] = [[parent, child] for child, (parent, _) in self._frames.items()]
         numbers = (number for _, pose in self._frames.values() for number in pose)
         about: dict[str, Json] = {"kind": "frames", "time": time, "stamp": self._stamp}
@@ -69,7 +69,7 @@ class MarkerScene:
         self._has_changed = False
 
     def take(self, message: Message, now: float) -> None:
-        """Take a Marker or a MarkerArray at a time [s]."""
+        """Process a Marker or a MarkerArray at a time [s]."""
         for marker in message.markers if isinstance(message, MarkerArray) else [message]:
             assert isinstance(marker, Marker), "a topic of markers has no others"
             self._take(marker, now)
@@ -134,7 +134,7 @@ def _rgba(color: ColorRGBA) -> list[float]:
 
 
 def _scan(scan: LaserScan) -> Update:
-    """The ranges as float32 [m]."""
+    """Return the ranges as float32 [m]."""
     about: dict[str, Json] = {
         "kind": "scan",
         "frame": scan.header.frame_id,
@@ -147,7 +147,7 @@ def _scan(scan: LaserScan) -> Update:
 
 
 def _cloud(cloud: PointCloud2) -> Update:
-    """The points as they are, with the places of their fields: the page reads them."""
+    """Return the points unchanged, with the offsets of their fields, for the page to read."""
     about: dict[str, Json] = {
         "kind": "cloud",
         "frame": cloud.header.frame_id,
@@ -162,7 +162,7 @@ def _cloud(cloud: PointCloud2) -> Update:
 
 
 def _plain_cloud(cloud: PointCloud) -> Update:
-    """The points as float32 [m]."""
+    """Return the points as float32 [m]."""
     about: dict[str, Json] = {"kind": "points", "frame": cloud.header.frame_id}
     return Update(about, floats(number for at in cloud.points for number in (at.x, at.y, at.z)))
 
@@ -196,20 +196,20 @@ def _uncertain(message: PoseWithCovarianceStamped) -> Update:
 
 
 def _many(message: PoseArray) -> Update:
-    """The poses as float32."""
+    """Return the poses as float32."""
     about: dict[str, Json] = {"kind": "poses", "frame": message.header.frame_id}
     return Update(about, floats(number for pose in message.poses for number in _of(pose)))
 
 
 def _path(path: Path) -> Update:
-    """The positions as float32 [m]."""
+    """Return the positions as float32 [m]."""
     places = (one.pose.position for one in path.poses)
     about: dict[str, Json] = {"kind": "path", "frame": path.header.frame_id}
     return Update(about, floats(number for at in places for number in (at.x, at.y, at.z)))
 
 
 def _grid(grid: OccupancyGrid) -> Update:
-    """The cells as int8: -1 for unknown, 0 to 100 for how likely it is occupied."""
+    """Return the cells as int8: -1 for unknown, 0 to 100 for the probability of occupancy [%]."""
     about: dict[str, Json] = {
         "kind": "grid",
         "frame": grid.header.frame_id,
@@ -233,4 +233,4 @@ _DRAWINGS = {
     OccupancyGrid: _grid,
 }
 DRAWINGS = cast("Mapping[type[Message], Callable[[Message], Update]]", _DRAWINGS)
-"""The types that are drawn alone, the newest message only."""
+"""The types of which only the newest message is drawn."""

@@ -1,6 +1,6 @@
-"""A log as a source: it is played, and its one position is that of all pages.
+"""A log as a source: it is played, with one position for all pages.
 
-A thread owns the player. What pages want is done by it, between two messages.
+One thread owns the player and executes pages' requests between two messages.
 """
 
 import threading
@@ -29,19 +29,19 @@ from lcmtools.observe.following import Take
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
-_WINDOW = 2.0  # [s] of the log that rates are about
+_WINDOW = 2.0  # [s] of the log over which rates are measured
 _PERIOD = 0.2  # [s] between two snapshots
-_MOST = 2000  # messages between two looks at what pages want
-_BINS = 300  # of the time line
+_MOST = 2000  # messages between two checks for pages' requests
+_BINS = 300  # intervals of the time line
 _MOST_MARKS = 1000
-_MOST_READ = 100_000  # messages that a plot of the whole log is made of
+_MOST_READ = 100_000  # most messages that a plot of the whole log uses
 
 
 class LogSource:
     """A log that is played; it begins at its start.
 
     Raises:
-        BusError: The file cannot be read, or is no log.
+        BusError: The file cannot be read, or is not a log.
         LcmtoolsError: It has no message.
     """
 
@@ -56,7 +56,7 @@ class LogSource:
         builder = self._playlist.announced()
         self._decoder = Decoder(builder.types_of)
         self._types = {track.topic: track.type for track in self._playlist.tracks}
-        for track in self._playlist.tracks:  # topics are known before their first message
+        for track in self._playlist.tracks:  # so that topics are known before their first message
             if track.fingerprint is not None:
                 head = track.fingerprint.to_bytes(8, "big")
                 builder.add(Packet(track.topic, head, self._playlist.span[0]))
@@ -65,22 +65,22 @@ class LogSource:
         self._activity = Activity(_WINDOW)
         self._takers: dict[str, tuple[Take, ...]] = {}
         self._wishes: SimpleQueue[Callable[[], object]] = SimpleQueue()
-        self._new: list[tuple[str, Take]] = []  # who follows since the last turn
+        self._new: list[tuple[str, Take]] = []  # new followers since the last turn
         self._wakes, self._ends = threading.Event(), threading.Event()
         self._fault = ""
         self.latest = self._snapshot()
         self._thread = threading.Thread(target=self._run, name="log", daemon=True)
         self._thread.start()
 
-    # For pages, on any thread
+    # For pages; called on any thread
 
     def follow(self, channel: str, take: Take) -> End:
-        """Pass a channel's messages on, its latest one at once; return the end of that."""
+        """Pass a channel's messages on, its latest one at once; return a call to end it."""
         self._wish(lambda: self._add(channel, take))
         return partial(self._wish, lambda: self._remove(channel, take))
 
     def read(self, topics: Collection[str]) -> tuple[int, Iterator[Packet]]:
-        """Return n, 1 unless they are many, and each n-th message of topics from start to end."""
+        """Return n, 1 unless there are many, and every n-th message of topics in the log."""
         count = sum(track.messages for track in self._playlist.tracks if track.topic in topics)
         every = -(-count // _MOST_READ) or 1
         counts: Counter[str] = Counter()
@@ -98,21 +98,21 @@ class LogSource:
         return self._playlist.span[0] / NANOSECONDS
 
     def listen_to_all(self) -> End:
-        """Do nothing: nobody listens to a log."""
+        """Do nothing: a log has no listeners."""
         return lambda: None
 
     def decode(self, packet: Packet) -> Message:
-        """Return the message in a packet; raises as ``Decoder.decode``."""
+        """Return the message in a packet; raises errors as ``Decoder.decode``."""
         return self._decoder.decode(packet)
 
     def state(self) -> Mapping[str, Json]:
-        """Return the trouble, and where the log is."""
+        """Return the problem, and the position in the log."""
         seconds, length, rate, is_paused = self._player.position(time.monotonic_ns())
         about = {"time": round(seconds, 3), "length": length, "rate": rate, "isPaused": is_paused}
         return {"trouble": self._fault, "log": {**about, "isOver": self._player.is_over}}
 
     def timeline(self) -> Mapping[str, Json]:
-        """Return what a time line shows: messages over time, and when some were lost."""
+        """Return the data of a time line: messages over time, and the times of losses."""
         start, end = self._playlist.span
         lost = [(one - start) / NANOSECONDS for one in islice(self._playlist.losses(), _MOST_MARKS)]
         return {
@@ -123,15 +123,15 @@ class LogSource:
         }
 
     def pause(self) -> None:
-        """Hold the log."""
+        """Pause the log."""
         self._wish(lambda: self._player.pause(time.monotonic_ns()))
 
     def resume(self) -> None:
-        """Let it go on; at its end, from its start."""
+        """Continue; at its end, from its start."""
         self._wish(self._resume)
 
     def seek(self, seconds: float) -> None:
-        """Go to a time since the start, and pass on what was the latest of each topic then."""
+        """Go to a time since the start, and pass on each topic's latest message then."""
         self._wish(lambda: self._seek(seconds))
 
     def set_rate(self, rate: float) -> None:
@@ -143,7 +143,7 @@ class LogSource:
         self._wish(self._step)
 
     def close(self) -> None:
-        """Read no more."""
+        """Stop reading."""
         self._ends.set()
         self._wakes.set()
         self._thread.join(5.0)
@@ -153,7 +153,7 @@ class LogSource:
         self._wishes.put(wish)
         self._wakes.set()
 
-    # On the thread that owns the player
+    # Called on the thread that owns the player
 
     def _run(self) -> None:
         next_snapshot = 0.0
@@ -173,7 +173,7 @@ class LogSource:
             self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
 
     def _attend(self) -> None:
-        """Do what pages want; who follows gets the latest messages, all in the order of time."""
+        """Execute pages' requests; new followers get the latest messages, in order of time."""
         self._wakes.clear()
         try:
             while True:
@@ -226,7 +226,7 @@ class LogSource:
             self.latest = self._snapshot()
 
     def _seek(self, seconds: float) -> None:
-        """Go there; forward, only what is new is passed on, so that curves go on."""
+        """Go there; forward, only newer messages are passed on, so that curves continue."""
         now, start = time.monotonic_ns(), self._playlist.span[0]
         before, there = self._player.time(now), start + round(seconds * NANOSECONDS)
         self._player.seek(there + 1, now)
@@ -239,7 +239,7 @@ class LogSource:
         self.latest = self._snapshot()
 
     def _count(self, latest: Iterable[Played], now: int) -> None:
-        """Count what came before a time, so that rates and ages are known there."""
+        """Count the messages before a time, so that rates and ages are known there."""
         self._activity.clear()
         start = now - round(_WINDOW * NANOSECONDS)
         for one in (
@@ -255,7 +255,7 @@ class LogSource:
         return Snapshot(tuple(map(self._typed, rows)), trouble=self._fault, graph=graph)
 
     def _typed(self, row: ChannelRow) -> ChannelRow:
-        """A row with its type, where no message has shown it yet."""
+        """Return a row with its type, even if no message has shown it yet."""
         known = self._types.get(row.channel)
         return replace(row, types=(known,)) if known and not row.types else row
 

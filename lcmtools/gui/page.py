@@ -1,7 +1,7 @@
-"""One page: its open streams, what it asks for, and what it is sent.
+"""One page: its open streams, its requests, and the frames sent to it.
 
-A page is sent updates only as fast as it takes them. Meanwhile each stream keeps the newest, so
-that a slow page sees less, and neither the bus nor the memory suffers.
+A page is sent updates only as fast as it accepts them. Meanwhile, each stream keeps the newest, so
+that a slow page sees less, while neither the bus nor the memory suffers.
 """
 
 import asyncio
@@ -21,9 +21,9 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
 from lcmtools.gui.streams.pool import OpenStream, StreamPool
 
-_MOST_STREAMS = 300  # a world has one for each topic of each robot
-_MOST_REQUESTS = 8  # that are being answered; a page waits for the first of more
-_ANSWERED = ("ask", "do", "open")  # by a frame for each
+_MOST_STREAMS = 300  # a world panel has one for each topic of each robot
+_MOST_REQUESTS = 8  # pending requests; with more, a page waits for the first answer
+_ANSWERED = ("ask", "do", "open")  # operations that get one frame as an answer
 _STATE_PERIOD = 0.25  # [s]
 _MAY_NOT = "this page may only watch, not command"
 
@@ -42,7 +42,7 @@ class BrowserPage:
         self._open: dict[int, _Subscription] = {}
         self._outbox: deque[Frame] = deque()
         self._tasks: set[asyncio.Task[None]] = set()
-        # Actions of one kind are done in the order in which the page sends them.
+        # Actions of one kind are executed in the order in which the page sends them.
         self._turns: dict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._state: Mapping[str, Json] = {}
         self._next_state = 0.0
@@ -61,7 +61,7 @@ class BrowserPage:
         """Serve the page until it is gone.
 
         Raises:
-            Rubbish: It sends what no page of ours would.
+            Rubbish: It sends data that no page of this server would.
         """
         self._outbox.append(text_frame({"hello": hello}))
         both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
@@ -93,7 +93,7 @@ class BrowserPage:
             raise Rubbish(f"there is no operation '{request.op[:40]}'")
 
     async def _has_room(self) -> None:
-        """Wait while the page has too many answers outstanding, or does not take them."""
+        """Wait while the page has too many pending answers, or does not accept them."""
         while len(self._tasks) + len(self._outbox) > _MOST_REQUESTS:
             self._has_gone.clear()
             await self._has_gone.wait()
@@ -119,7 +119,7 @@ class BrowserPage:
             return
         try:
             opened = _Subscription(number, self._streams.open(name, parameters))
-        except LcmtoolsError as error:  # a value that a person has typed
+        except LcmtoolsError as error:  # for example a mistyped value
             self._close_stream(request)
             self._send({"id": number, "problem": str(error)})
             return
@@ -133,7 +133,7 @@ class BrowserPage:
             self._streams.close(one.stream)
 
     def _steer(self, request: PageRequest) -> None:
-        """Command a robot; where that does not count, its stream is told why."""
+        """Command a robot; if the command is ignored, tell its stream why."""
         steering, refusal = self._source.steering, _MAY_NOT
         if steering and COMMAND in self._rights:
             refusal = steering.take(id(self), request)
@@ -174,7 +174,7 @@ class BrowserPage:
                 await self._socket.send(frame)
                 self._has_gone.set()
             pause = max(0.001, self._next_time() - time.monotonic())
-            # not wait_for(), which before Python 3.12 may lose the end of this task
+            # not wait_for(), which before Python 3.12 may miss the cancellation of this task
             timer = asyncio.get_running_loop().call_later(pause, self._wakes.set)
             try:
                 await self._wakes.wait()
@@ -205,7 +205,7 @@ class BrowserPage:
 
 
 class _Subscription:
-    """A stream that a page has open, and what of it the page has been sent."""
+    """A stream that a page has open, and which of its updates the page has been sent."""
 
     def __init__(self, number: int, stream: OpenStream) -> None:
         self.number, self.stream = number, stream
@@ -214,7 +214,7 @@ class _Subscription:
         self._problem = ""
 
     def next_frame(self, now: float) -> Frame | None:
-        """Return what the page has not been sent; None, until the next period, for nothing."""
+        """Return the next update for the page; None if there is none yet in this period."""
         self.stream.refresh()
         if self.stream.problem != self._problem:
             self._problem = self.stream.problem

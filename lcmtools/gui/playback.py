@@ -1,4 +1,4 @@
-"""Requests about a log: its time line, and playing it."""
+"""Requests for a log: its time line, and playing it."""
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.log_source import LogSource
@@ -15,7 +15,7 @@ def timeline(source: Source, _: Parameters) -> Json:
 
 
 def play(source: Source, parameters: Parameters) -> Json:
-    """Do what ``action`` says: "play", "pause", "step", "seek" to ``time``, or "rate"."""
+    """Execute ``action``: "play", "pause", "step", "seek" to ``time``, or "rate"."""
     log, action = _log(source), parameters.text("action")
     if action == "seek":
         log.seek(parameters.number("time", None, -_DAY, 1000 * _DAY))

@@ -1,6 +1,6 @@
-"""The protocol between a page and the server: requests as they may come in, frames as they go out.
+"""The protocol between a page and the server: incoming requests and outgoing frames.
 
-A page sends JSON texts with an ``op``, and the server answers with the ``id`` that they had:
+A page sends JSON texts with an ``op``, and the server answers with the same ``id``:
 
     {"op": "open", "id": 7, "stream": "topics", ...}    updates follow until it is closed; with the
                                                         id of an open one: in place of that
@@ -12,7 +12,7 @@ Other values of ``op`` are in ``page``. The server sends JSON texts, and for man
 frames: the length of a JSON header (uint32), the header, padded with blanks so that the payload
 begins at a multiple of eight bytes, and the payload. All numbers are little-endian.
 
-Sans-I/O. Must not know what the streams are.
+Sans-I/O. Must not know the content of streams.
 """
 
 import json
@@ -29,7 +29,7 @@ Frame: TypeAlias = str | bytes
 
 SUBPROTOCOL = "lcmtools.1"
 LONGEST_REQUEST = 1 << 20
-"""Bytes of the longest text that a page may send: a form with long arrays."""
+"""Bytes of the longest text that a page may send, such as a form with long arrays."""
 _LONGEST_TEXT = 1000  # characters of a name
 _MOST_TEXTS = 1000  # names in a list
 _LARGEST_ID = 1 << 31
@@ -37,14 +37,14 @@ _ALIGNMENT = 8
 
 
 class Rubbish(LcmtoolsError):  # noqa: N818 - named for what came
-    """A page has sent what no page of ours would."""
+    """A page has sent data that no page of this server would."""
 
 
 class Parameters:
     """The values of a request, each checked as it is read.
 
     Raises:
-        Rubbish: By every method, where a value is not what it should be.
+        Rubbish: Raised by every method if a value is not as expected.
     """
 
     def __init__(self, values: Mapping[str, Json]) -> None:
@@ -63,7 +63,7 @@ class Parameters:
         return value
 
     def texts(self, name: str) -> tuple[str, ...]:
-        """Return a list of short texts; empty where there is none."""
+        """Return a list of short texts; empty if there is none."""
         value = self._get(name, [])
         if not isinstance(value, list) or len(value) > _MOST_TEXTS:
             raise Rubbish(f"'{name}' is not a short list")
@@ -92,7 +92,7 @@ class Parameters:
         return value
 
     def value(self, name: str) -> Json:
-        """Return a value of any kind; None where there is none."""
+        """Return a value of any kind; None if there is none."""
         return self._values.get(name)
 
     def without(self, *names: str) -> "Parameters":
@@ -115,7 +115,7 @@ class PageRequest(Parameters):
 
     @property
     def id(self) -> int:
-        """The number that the page has given it."""
+        """The number that the page has assigned to it."""
         return int(self.number("id", None, 0, _LARGEST_ID))
 
 
@@ -137,7 +137,7 @@ def _refuse(constant: str) -> None:
 
 
 def text_frame(values: Mapping[str, Json]) -> str:
-    """Return a text for a page; numbers that JSON lacks become null."""
+    """Return a text for a page; numbers that JSON does not have become null."""
     try:
         return json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     except ValueError:
@@ -145,7 +145,7 @@ def text_frame(values: Mapping[str, Json]) -> str:
 
 
 def finite(value: Json) -> Json:
-    """Return a value with null for each number that JSON lacks."""
+    """Return a value with null for each number that JSON does not have."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):

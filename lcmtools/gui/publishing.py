@@ -1,4 +1,4 @@
-"""Publishing for pages, by one node of the server."""
+"""Publishing for pages, with one node of the server."""
 
 import threading
 from contextlib import ExitStack
@@ -16,7 +16,7 @@ ResponseT = TypeVar("ResponseT", bound=Message)
 
 
 class Publishers:
-    """The publishers of a server, made when they are first needed; for any thread."""
+    """The publishers of a server, created when first needed; for any thread."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
@@ -28,7 +28,7 @@ class Publishers:
 
     @property
     def node(self) -> Node:
-        """The node, which is hidden, as that of ``lcmtools pub``.
+        """The node, which is hidden, like that of ``lcmtools pub``.
 
         Raises:
             BusError: The bus cannot be reached.
@@ -42,7 +42,7 @@ class Publishers:
         """Publish a message of a type, encoded, on a channel of this name.
 
         Raises:
-            BusError: The bus cannot be reached, or does not take it.
+            BusError: The bus cannot be reached, or does not accept it.
             InvalidName: LCM cannot carry this name.
         """
         with self._lock:
@@ -54,7 +54,7 @@ class Publishers:
     def client(
         self, kind: ServiceType[RequestT, ResponseT], name: str
     ) -> Client[RequestT, ResponseT]:
-        """Return a client of a service of this full name, made when it is first needed.
+        """Return a client of a service of this full name, created when first needed.
 
         Raises:
             BusError: The bus cannot be reached.

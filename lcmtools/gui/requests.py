@@ -1,7 +1,7 @@
-"""Requests that a page makes once: what it asks, and what it lets be done.
+"""Requests with a single answer: questions and actions of a page.
 
 A request is a function and a line in ``ASKS`` or, if it needs the right to command, in ``ACTIONS``.
-It runs on a thread of its own, so that it may wait.
+It runs on its own thread, so that it may block.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +12,7 @@ from lcmtools.gui.protocol import Json, Parameters, Rubbish
 from lcmtools.gui.source import Source
 
 Answer: TypeAlias = Callable[[Source, Parameters], Json]
-"""Returns the answer; an LcmtoolsError becomes an error for the person."""
+"""Returns the answer; an LcmtoolsError is shown to the user."""
 
 ASKS = {
     "color maps": "streams.image:color_maps",
@@ -29,11 +29,11 @@ ACTIONS = {
     "send-pose": "simulators:send_pose",
     "simulate": "simulators:simulate",
 }
-"""The same of each action, which only a page that may command can take."""
+"""The same for each action, which only a page with the right to command may request."""
 
 
 def answer(name: str, table: Mapping[str, str]) -> Answer:
-    """Return the function of a request; Rubbish if there is none of this name."""
+    """Return the function of a request; Rubbish if there is none with this name."""
     if name not in table:
         raise Rubbish(f"there is no request '{name[:40]}'")
     module, attribute = table[name].split(":")

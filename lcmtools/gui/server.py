@@ -34,16 +34,16 @@ from lcmtools.signals import ENDING, Doubles
 STATIC = Path(__file__).parent / "static"
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 _MOST_PAGES = 100
-_WAITING_BYTES = 1 << 16  # that are handed to the system before a stream waits
-_RUBBISH = 1008  # the close code: it violates the policy
-_CLOSE_TIMEOUT = 1.0  # [s] for a page's answer when the server ends
+_WAITING_BYTES = 1 << 16  # that are passed to the system before a stream waits
+_RUBBISH = 1008  # the close code: policy violation
+_CLOSE_TIMEOUT = 1.0  # [s] to wait for a page's answer when the server ends
 
 
 class Server:
-    """A server of pages.
+    """A server for pages.
 
-    ``view`` is the panel that is shown at first, and its settings; empty for all panels. ``notify``
-    is called with what the person should read, as of a page that sends rubbish.
+    ``view`` is the initial panel and its settings; empty for all panels. ``notify`` is called with
+    sentences for the user, for example about a page that sends invalid requests.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Server:
     def run_until_interrupted(
         self, address: str, port: int, on_start: Callable[[int], None]
     ) -> None:
-        """Serve until Ctrl-C, and tell all pages before that goes on; else as ``run``."""
+        """Serve until Ctrl-C, and close all pages before it takes effect; see ``run``."""
         with contextlib.closing(asyncio.new_event_loop()) as loop:
             task = loop.create_task(self.run(address, port, on_start))
             try:
@@ -77,7 +77,7 @@ class Server:
 
         Args:
             address: The IP address to listen on.
-            port: The TCP port; 0 for any that is free.
+            port: The TCP port; 0 for any free one.
             on_start: Called with the port once pages can be opened.
 
         Raises:
@@ -110,7 +110,7 @@ class Server:
         )
 
     def _respond(self, _: ServerConnection, request: Request) -> Response | None:
-        """Answer a request; None lets a page's WebSocket begin."""
+        """Answer a request; None to open a page's WebSocket."""
         try:
             return self._answer(request)
         except Refused as refused:
@@ -146,13 +146,13 @@ class Server:
         except Rubbish as rubbish:
             self._say_once(f"a page was closed: {rubbish}")
             await connection.close(_RUBBISH, str(rubbish)[:100])
-        except Exception as error:  # noqa: BLE001 - told; the other pages go on
+        except Exception as error:  # noqa: BLE001 - reported; the other pages go on
             self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
             self._pages -= 1
 
     def _rights(self, request: Request) -> tuple[str, ...]:
-        """Return what a page may do; who may command a bus may play a log."""
+        """Return a page's rights; the right to command a bus is the right to play a log."""
         rights = self._access.rights(_one(request, "Host") or "", request.path)
         is_log = self._source.kind == "log"
         return tuple(PLAY if is_log and one == COMMAND else one for one in rights)
@@ -178,8 +178,8 @@ def _cancelled_by_signals(
 ) -> Iterator[None]:
     """Let Ctrl-C and other signals that have handlers cancel a task, and come again afterwards.
 
-    Raised anywhere in the loop, KeyboardInterrupt may leave a connection half closed, for whose end
-    the server would wait for ever.
+    A KeyboardInterrupt raised anywhere in the loop may leave a connection half closed, and the
+    server would wait forever for its end.
     """
     is_main = threading.current_thread() is threading.main_thread()
     handled = {n: now for n in ENDING if is_main and callable(now := signal.getsignal(n))}
@@ -208,7 +208,7 @@ def _files() -> list[Path]:
 
 
 def _one(request: Request, name: str) -> str | None:
-    """The value of a header that is there once."""
+    """Return the value of a header that occurs once."""
     values = request.headers.get_all(name)
     return values[0] if len(values) == 1 else None
 
@@ -227,7 +227,7 @@ def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Resp
     headers = Headers(HEADERS)
     headers["Content-Type"] = kind
     headers["Content-Length"] = str(len(body))
-    headers["Cache-Control"] = "no-cache"  # ask again, with the tag
+    headers["Cache-Control"] = "no-cache"  # revalidate with the tag
     headers["Connection"] = "close"
     if tag:
         headers["ETag"] = tag
@@ -244,7 +244,7 @@ def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
         return LcmtoolsError(
             f"port {port} is not permitted", "choose one from 1024 on: --port 7680"
         )
-    # asyncio puts a sentence about itself in place of the system's; negative are those of names
+    # asyncio replaces the system's message; negative numbers are name look-up errors
     number = error.errno or 0
     reason = os.strerror(number) if number > 0 else error.strerror or str(error)
     return LcmtoolsError(f"cannot listen on {address}: {reason}")

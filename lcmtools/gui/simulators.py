@@ -1,4 +1,4 @@
-"""Requests of a page for simulators, by their services, and poses that it sends."""
+"""A page's requests to simulators, through their services, and poses that it sends."""
 
 from typing import Protocol, TypeVar
 
@@ -36,7 +36,7 @@ def simulate(source: Source, parameters: Parameters) -> Json:
     """Call ``verb`` of the simulator ``node``; return its answer.
 
     Raises:
-        LcmtoolsError: It could not do it, with the reason.
+        LcmtoolsError: The simulator refused; the error has its reason.
         ServiceTimeout: It did not answer.
     """
     verb = parameters.text("verb")
@@ -60,7 +60,7 @@ def simulate(source: Source, parameters: Parameters) -> Json:
 
 
 def send_pose(source: Source, parameters: Parameters) -> Json:
-    """Publish a pose in a ``frame`` on ``topic``, as rviz does for a goal."""
+    """Publish a pose in a ``frame`` on ``topic``, like rviz for a goal."""
     message = PoseStamped()
     message.header.frame_id, message.pose = parameters.text("frame"), _pose(parameters)
     topic = resolve(parameters.text("topic"))
@@ -87,7 +87,7 @@ def _publishers(source: Source) -> Publishers:
 
 
 def _pose(parameters: Parameters) -> Pose:
-    """The pose in ``x``, ``y`` [m] and the quaternion's ``qz`` and ``qw``."""
+    """Return the pose in ``x``, ``y`` [m] and the quaternion's ``qz`` and ``qw``."""
     pose = Pose()
     pose.position.x, pose.position.y, pose.position.z = (
         parameters.number(name, 0.0, -_FARTHEST, _FARTHEST) for name in "xyz"

@@ -1,7 +1,7 @@
-"""The sources that pages look at: a bus, or a log that is played.
+"""The sources that pages show: a bus, or a log that is played.
 
-A source reads on a thread of its own. ``latest`` is a frozen snapshot; ``follow`` hands the whole
-messages of a channel over on the source's thread.
+A source reads on its own thread. ``latest`` is a frozen snapshot; ``follow`` passes on a channel's
+whole messages on the source's thread.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,35 +20,35 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 End = Callable[[], None]
-"""Ends what was begun; called once."""
+"""Ends what was begun; must be called once."""
 
 
 class Source(Protocol):
-    """A bus or a log, as pages see it."""
+    """A bus or a log, as shown by pages."""
 
     kind: Literal["bus", "log"]  # whether it is a bus or a log
     name: str  # the URL, or the file
-    publishers: Publishers | None  # what publishes for pages; None where nobody can
-    steering: Steering | None  # what drives robots for pages; likewise
+    publishers: Publishers | None  # publishes for pages; None if not possible
+    steering: Steering | None  # drives robots for pages; likewise
 
     @property
     def latest(self) -> Snapshot:
-        """Its channels, nodes and trouble; another object each time it changes."""
+        """Its channels, nodes and problems; a new object each time it changes."""
 
     def follow(self, channel: str, take: Take) -> End:
-        """Pass a channel's whole messages on, on another thread; return the end of that."""
+        """Pass a channel's whole messages on, on another thread; return a call to end it."""
 
     def listen_to_all(self) -> End:
-        """Let nodes know of a listener to every channel but images'; return the end of that."""
+        """Announce a listener to every channel except images'; return a call to end it."""
 
     def decode(self, packet: Packet) -> Message:
-        """Return the message in a packet; raises as ``Decoder.decode``."""
+        """Return the message in a packet; raises errors as ``Decoder.decode``."""
 
     def state(self) -> Mapping[str, Json]:
-        """Return the state for all pages: ``trouble``, and more of a log."""
+        """Return the state for all pages: ``trouble``, and more for a log."""
 
     def close(self) -> None:
-        """Read no more, and publish no more."""
+        """Stop reading and publishing."""
 
 
 class BusSource:
@@ -64,18 +64,18 @@ class BusSource:
         self._feed = Feed(monitor, ChannelSelection())
         self._feed.listens_to_all = False
         self._feed.keeps_last = True
-        self._feed.listens_to_large = False  # a table is not worth 100 MB/s of a camera
+        self._feed.listens_to_large = False  # a table is not worth a camera's 100 MB/s
         self._decoder = Decoder(self._announced)
         self._listeners = 0
         self._feed.start()
 
     @property
     def latest(self) -> Snapshot:
-        """The bus as it was last looked at."""
+        """The latest snapshot of the bus."""
         return self._feed.latest
 
     def follow(self, channel: str, take: Take) -> End:
-        """Pass a channel's whole messages on, on another thread; return the end of that.
+        """Pass a channel's whole messages on, on another thread; return a call to end it.
 
         Raises:
             InvalidName: No channel can have this name.
@@ -83,7 +83,7 @@ class BusSource:
         return self._feed.follow(check_length(channel), take)
 
     def listen_to_all(self) -> End:
-        """Announce to listen to every channel but those of images; return the end of that."""
+        """Announce a listener to every channel except images'; return a call to end it."""
         self._listeners += 1
         self._feed.listens_to_all = True
 
@@ -94,15 +94,15 @@ class BusSource:
         return end
 
     def decode(self, packet: Packet) -> Message:
-        """Return the message in a packet; raises as ``Decoder.decode``."""
+        """Return the message in a packet; raises errors as ``Decoder.decode``."""
         return self._decoder.decode(packet)
 
     def state(self) -> Mapping[str, Json]:
-        """Return the trouble of the bus."""
+        """Return the bus's problem."""
         return {"trouble": self.latest.trouble}
 
     def close(self) -> None:
-        """Read no more, and publish no more."""
+        """Stop reading and publishing."""
         if self.steering:
             self.steering.close()
         self._feed.stop()
@@ -115,7 +115,7 @@ class BusSource:
 
 
 def absence(source: Source, topic: str) -> str:
-    """Return the reason why no message of a topic comes, as a sentence; "" while some do."""
+    """Return a sentence on why no message arrives on a topic; "" while some do."""
     if not topic:
         return "choose a topic"
     latest = source.latest

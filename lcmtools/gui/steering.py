@@ -1,6 +1,6 @@
 """Steering: velocity commands of pages, published while a page holds, then stops, then silence.
 
-It stops by a thread of its own, so that a server that is busy does not let a robot run away.
+A separate thread sends the stops, so that no robot runs away if the server is busy.
 """
 
 import threading
@@ -14,12 +14,12 @@ from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.velocity import VelocityCommand
 from lcmtools.messages.registry import message_class
 
-_STOPS = 3  # zero commands where datagrams may be lost
+_STOPS = 3  # zero commands if datagrams may be lost
 _END = 1.0  # [s] at most for the stops when the server ends
 
 
 class Steering:
-    """The commands of all pages, for any thread; on a lossy bus one may be lost on the way."""
+    """The commands of all pages, for any thread; on a lossy bus a command may be lost."""
 
     def __init__(self, publishers: Publishers, *, is_lossy: bool) -> None:
         self._publishers = publishers
@@ -30,10 +30,10 @@ class Steering:
         self._is_over = False
 
     def take(self, page: int, request: PageRequest) -> str:
-        """Take a command of a page: "drive", "release" or "stop"; return as ``drive``.
+        """Execute a page's command, "drive", "release" or "stop"; returns the same as ``drive``.
 
         Raises:
-            Rubbish: It is none.
+            Rubbish: It is another command.
         """
         topic = request.text("topic")
         if request.op == "release":
@@ -45,7 +45,7 @@ class Steering:
         return self.drive(page, topic, request.text("type"), velocity)
 
     def drive(self, page: int, topic: str, kind: str, velocity: tuple[float, float]) -> str:
-        """Publish a command of a page; return why it does not count, "" if it does.
+        """Publish a page's command; return the reason if it is ignored, else "".
 
         The velocity is forward [m/s], and the turn rate to the left [rad/s].
         """
@@ -67,7 +67,7 @@ class Steering:
             self._changed.notify()
 
     def stop(self, page: int, topic: str, kind: str) -> str:
-        """Stop a topic, whoever drives it; return why that cannot be, else ""."""
+        """Stop a topic, whoever drives it; return the reason if that is impossible, else ""."""
         with self._changed:
             try:
                 self._prepare(topic, kind)
@@ -78,7 +78,7 @@ class Steering:
             return ""
 
     def leave(self, page: int) -> None:
-        """Stop all that a page drives: it is gone."""
+        """Stop everything that a page drives, because the page is gone."""
         with self._changed:
             self._switch.leave(page, time.monotonic())
             self._changed.notify()
@@ -109,7 +109,7 @@ class Steering:
         with self._changed:
             while True:
                 for topic in self._switch.stops_due(time.monotonic()):
-                    with suppress(LcmtoolsError):  # the page has been told by its own commands
+                    with suppress(LcmtoolsError):  # the page learns of it by its own commands
                         self._publish(topic, 0.0, 0.0)
                 pause = self._switch.next_time - time.monotonic()
                 if pause == float("inf"):

@@ -1,4 +1,4 @@
-"""The types of messages for pages: fields with comments, units and defaults; and filled in."""
+"""Message types for pages: fields with comments, units and defaults, and filling them in."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -26,21 +26,21 @@ def names(source: Source, _: Parameters) -> Json:
 
 
 def describe(_: Source, parameters: Parameters) -> Json:
-    """Return a type with its fields, nested ones within."""
+    """Return a type with its fields, including nested ones."""
     kind = message_class(parameters.text("type"))
     about = _comments(kind).get("", Comment())
     return {"type": type_name(kind), "comment": about.text, "fields": _fields(kind, ())}
 
 
 def filled_in(parameters: Parameters) -> MessageTemplate[Message]:
-    """Return the message that a page's form means: ``type``, and ``values`` by field.
+    """Return the message for a page's form: ``type``, and ``values`` by field.
 
-    Values are texts, read by the type of their field; those of arrays are YAML. Empty texts leave
-    the default, but in a field of text.
+    Values are texts, interpreted by the field's type; arrays are YAML. Empty texts keep
+    the default, except in string fields.
 
     Raises:
         UnknownType: There is no such type.
-        ValueMismatch: A value does not fit its field, which it names.
+        ValueMismatch: A value does not fit its field, which the error names.
     """
     kind = message_class(parameters.text("type"))
     values = parameters.value("values")
@@ -72,12 +72,12 @@ def _read(kind: type[Message], values: Mapping[str, Json]) -> Value:
 def _comments(kind: type[Message]) -> Mapping[str, Comment]:
     try:
         return comments(source_text(kind))
-    except LcmtoolsError:  # of a log, or without its file
+    except LcmtoolsError:  # a type from a log, or without its file
         return _NOTHING
 
 
 def _fields(kind: type[Message], outer: tuple[type[Message], ...]) -> list[Json]:
-    if kind in outer:  # it holds an array of itself
+    if kind in outer:  # it contains an array of itself
         return []
     about = _comments(kind)
     defaults = to_plain(kind())

@@ -1,4 +1,4 @@
-"""Messages that command a velocity: their types, and one with a velocity in it."""
+"""Messages that command a velocity: their types, and creating one."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from lcmtools.messages.message_template import draft
 from lcmtools.messages.registry import Message
 
 USUAL = "geometry_msgs/Twist"
-"""The type where a topic has none."""
+"""The type for a topic without one."""
 _HEADER = "std_msgs/Header"
 _OTHERS = ("Accel", "Wrench", "Inertia")  # names of messages with the fields of a velocity
 
@@ -16,10 +16,10 @@ _OTHERS = ("Accel", "Wrench", "Inertia")  # names of messages with the fields of
 class VelocityCommand:
     """A message of a type that commands a velocity: Twist, TwistStamped, or one like them.
 
-    The message itself or, beside a header, its only message has ``linear.x`` and ``angular.z``.
+    The message itself, or its only nested one besides a header, has ``linear.x`` and ``angular.z``.
 
     Raises:
-        ValueError: The class is none of these.
+        ValueError: The class is not one of these.
     """
 
     def __init__(self, cls: type[Message]) -> None:
@@ -34,7 +34,7 @@ class VelocityCommand:
         self._velocity = velocity
 
     def payload(self, forward: float, turn: float, now: int) -> bytes:
-        """Return it with the speed [m/s], the turn rate to the left [rad/s] and the time [ns]."""
+        """Return a payload with this speed [m/s], turn rate to the left [rad/s] and time [ns]."""
         self._velocity.linear.x = forward  # type: ignore[attr-defined] # has been looked up
         self._velocity.angular.z = turn  # type: ignore[attr-defined]
         return encode(self._template.at(now))
@@ -60,7 +60,7 @@ def _is_velocity(cls: type[Message]) -> bool:
 
 
 def _has(cls: type[Message], name: str, component: str) -> bool:
-    """Return whether a message has a vector of this name, with this component, a number."""
+    """Return whether a message has a vector of this name, with this component as a number."""
     vectors = [one.message_class for one in _messages(cls) if one.name == name]
     return any(
         part.name == component and part.type.startswith("float") and not part.dimensions
@@ -71,5 +71,5 @@ def _has(cls: type[Message], name: str, component: str) -> bool:
 
 
 def _messages(cls: type[Message]) -> Iterator[Field]:
-    """The fields of a message that are a single message."""
+    """Yield the fields of a message that are single messages."""
     return (one for one in visible_fields(cls) if one.message_class and not one.dimensions)

@@ -2,5 +2,5 @@
 
 Belongs here: the two kinds of launch files (YAML, and ROS 1's XML), their meaning, the program of
 each node, and the supervision of processes. Must not know the bus, and prints nothing. A mistake in
-a file is an ``InvalidFile`` that names the file and the line, wherever it is found.
+a file, wherever it is found, is an ``InvalidFile`` with the file and line.
 """

@@ -1,4 +1,4 @@
-"""The arguments of launch files: declared, given, passed on to files that are included.
+"""The arguments of launch files: declared, given, passed on to included files.
 
 Belongs here: the meaning of ``<arg>``. https://wiki.ros.org/roslaunch/XML/arg
 """
@@ -15,7 +15,7 @@ from lcmtools.names import did_you_mean
 
 
 def declare(element: Element, scope: Scope) -> Scope:
-    """Return the scope behind an ``<arg>``."""
+    """Return the scope after an ``<arg>``."""
     name = scope.required(element, "name")
     has_value, has_default = "value" in element.attributes, "default" in element.attributes
     if has_value and has_default:
@@ -36,7 +36,7 @@ def declare(element: Element, scope: Scope) -> Scope:
 
 
 def arguments_of(element: Element) -> list[LaunchArgument]:
-    """Return the arguments that a file takes: those that it does not fix itself."""
+    """Return the arguments that a file accepts: those whose values it does not fix."""
     found: dict[str, LaunchArgument] = {}
     for child in _declarations(element):
         about = child.attributes
@@ -46,7 +46,7 @@ def arguments_of(element: Element) -> list[LaunchArgument]:
 
 
 def names_in(element: Element) -> set[str]:
-    """Return the names of a file's arguments, the fixed ones too."""
+    """Return the names of a file's arguments, including the fixed ones."""
     return {child.attributes.get("name", "") for child in _declarations(element)}
 
 
@@ -75,7 +75,7 @@ def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]
 
 
 def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
-    """Raise UsageError for an argument that no file takes."""
+    """Raise UsageError for an argument that no file accepts."""
     known = {name for root in roots for name in names_in(root)}
     for name, text in passed.items():
         if name not in known:
@@ -86,7 +86,7 @@ def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
 
 
 def check_passed(element: Element, passed: Mapping[str, str], root: Element) -> None:
-    """Refuse arguments of an include that the file does not take."""
+    """Refuse arguments of an include that the file does not accept."""
     known = names_in(root)
     for name in passed:
         if name not in known:

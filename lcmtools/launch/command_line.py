@@ -11,12 +11,12 @@ from lcmtools.names import resolve, resolve_namespace
 
 _ASSIGNMENT = re.compile(r"([^\s:=]+):=(.*)", re.DOTALL)
 _MEANINGLESS = ("__log", "__ip", "__hostname", "__master")
-"""ROS's own, which mean nothing on LCM; accepted so that old command lines work."""
+"""ROS's special names that mean nothing with LCM; accepted so that old command lines work."""
 
 
 @dataclass(frozen=True, slots=True)
 class CommandLine:
-    """PACKAGE and FILE or files, their arguments, and the full namespace of everything."""
+    """Package and files, their arguments, and the full namespace for everything."""
 
     places: tuple[str, ...]
     arguments: Mapping[str, str]
@@ -24,7 +24,7 @@ class CommandLine:
 
 
 def read_words(words: Sequence[str], flag: str | None, default: str) -> CommandLine:
-    """Sort words, with the value of ``--ns`` and the namespace to start from.
+    """Parse the words, given the value of ``--ns`` and the default namespace.
 
     Raises:
         UsageError: One of them is wrong, or there is no file.

@@ -1,7 +1,7 @@
 """The programs of nodes: from the names in a launch file to a command line.
 
 Belongs here: ``pkg`` and ``type`` of a ``<node>``, and ``run:``. Must not know launch files.
-Everything is found before anything is started.
+All programs are looked up before any is started.
 """
 
 import os
@@ -29,12 +29,12 @@ _SAME_NODE = {
     "gzserver": "sim",
     "morse": "sim",
 }
-"""Other names of lcmtools' nodes in the labs' texts and in ROS."""
+"""Other names of lcmtools' nodes, in the labs' texts and in ROS."""
 _ROS_PACKAGES = {
     *("beginner_tutorials", "image_view", "my_package", "morse"),
     *("rqt_robot_steering", "teleop_twist_keyboard"),
 }
-"""Packages of ROS whose nodes lcmtools has under the same names; besides the labs' own."""
+"""ROS packages, besides the labs' own, whose nodes lcmtools has under the same names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +43,15 @@ class Executable:
 
     command: tuple[str, ...]  # the words that start it
     directory: str = ""  # the directory that it must be run in; "" for any
-    arguments: tuple[str, ...] = ()  # the words behind them in the file
-    takes_names: bool = True  # it reads ``__ns:=`` and the like, as nodes do
-    note: str = ""  # a sentence on whose program it is, if that may not be the one that is meant
+    arguments: tuple[str, ...] = ()  # the words after them in the file
+    takes_names: bool = True  # True if it reads ``__ns:=`` etc., as nodes do
+    note: str = ""  # a sentence on whose program it is, if another may be meant
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:
     """Return the command of a package's node, as ``pkg`` and ``type`` name it.
 
-    The package is of the workspace, also that of the launch file's folder, installed, or one that
+    The package is in the workspace (also that of the launch file's folder), installed, or one that
     the labs' texts name. A script's name may have its suffix.
 
     Raises:
@@ -72,7 +72,7 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
         if is_own and spelling in nodes:
             return _own(spelling, known, package)
     if not nodes:
-        package_folder(package, folder)  # says that there is none
+        package_folder(package, folder)  # raises that there is none
     if error := undeclared((package, plain), known, (Path.cwd(), folder)):
         raise error
     listed = f"it has {', '.join(sorted(nodes))}" if nodes else "make its file executable: chmod +x"
@@ -81,7 +81,7 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
 
 
 def find_typed(words: Sequence[str], folder: Path) -> Executable:
-    """Return the program that words mean after ``lcmtools run``; the words after are arguments.
+    """Return the program for words as after ``lcmtools run``; further words are arguments.
 
     Raises:
         UsageError: There is no such node, or several packages have it.
@@ -106,7 +106,7 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
 
 
 def find_program(word: str, folder: Path) -> str:
-    """Return a program by its path from a folder on, or by its name; UsageError for none."""
+    """Return a program by its path relative to a folder, or by its name; UsageError for none."""
     if "/" not in word:
         if shutil.which(word) is None:
             raise UsageError(f"there is no program '{word}' on the PATH", "write a path: ./name")
@@ -120,7 +120,7 @@ def find_program(word: str, folder: Path) -> str:
 
 
 def find_script(word: str, folder: Path) -> tuple[str, ...]:
-    """Return the command of a file that is a node: Python's with this Python, others as they are.
+    """Return the command of a file that is a node; this Python runs Python files.
 
     Raises:
         UsageError: There is none, or it is not executable.
@@ -132,7 +132,7 @@ def find_script(word: str, folder: Path) -> tuple[str, ...]:
 
 
 def startable(command: Sequence[str]) -> list[str]:
-    """Return a command line as it is started here: ``lcmtools`` is the one that runs now."""
+    """Return a command line as it is started here: ``lcmtools`` means the running one."""
     words = list(command)
     try:
         place = next(i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN)
@@ -144,7 +144,7 @@ def startable(command: Sequence[str]) -> list[str]:
 
 
 def _own(name: str, known: Sequence[Runnable], package: str) -> Executable:
-    """Return the command of lcmtools' own node, which a launch file names by another package."""
+    """Return the command of lcmtools' own node, which a launch file names with another package."""
     node = next(node for node in known if (node.package, node.name) == (OWN, name))
     is_hidden = any(node.name == name and node.folder for node in known)
     words = (OWN, name) if is_hidden else (name,)
@@ -169,7 +169,7 @@ def _as_lcmtools() -> set[str]:
 
 
 def _script(package: str, name: str, folder: Path) -> str:
-    """Return an executable file of a package's folder, as rosrun finds them, or ""."""
+    """Return an executable file in a package's folder, as found by rosrun, or ""."""
     try:
         files = files_below(package_folder(package, folder))
     except UsageError:

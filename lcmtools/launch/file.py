@@ -1,4 +1,4 @@
-"""A launch file's text, read and made into elements by the reader for its kind."""
+"""Reading a launch file into elements, with the reader for its kind."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ STANDARD_INPUT = "-"
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A launch file that was read: its content, its full path, and the folder of its paths."""
+    """A launch file's content, its full path, and the folder for its relative paths."""
 
     root: Element
     path: str
@@ -22,7 +22,7 @@ class File:
 
 
 def read_file(path: Path, place: str = "") -> File:
-    """Read a launch file, which another one may name at a place; InvalidFile for none."""
+    """Read a launch file; ``place`` is where another includes it; InvalidFile for none."""
     before = f"{place}: " if place else ""
     what = f"{before}cannot read {_shown(path)}"
     with os_errors_as(what, kind=InvalidFile), path.open("rb") as file:
@@ -32,13 +32,13 @@ def read_file(path: Path, place: str = "") -> File:
 
 
 def read_standard_input() -> File:
-    """Read the launch file that comes from a pipe; InvalidFile for none."""
+    """Read the launch file from a pipe; InvalidFile for none."""
     root = _read(sys.stdin.buffer.read(LARGEST + 1), "standard input")
     return File(root, STANDARD_INPUT, Path.cwd())
 
 
 def _shown(path: Path) -> str:
-    """Return a path for errors: short if it is below this folder, or one of the labs'."""
+    """Return a path for errors, short if it is below the current folder or one of the labs'."""
     full = path.resolve()
     for folder in (Path.cwd(), LABS):
         if full.is_relative_to(folder):
@@ -67,7 +67,7 @@ def _read(content: bytes, source: str) -> Element:
 
 
 def _is_xml(content: bytes, source: str) -> bool:
-    suffix = os.path.splitext(source)[1]  # noqa: PTH122 - of a name that is no path always
+    suffix = os.path.splitext(source)[1]  # noqa: PTH122 - the name need not be a path
     if suffix in (".yaml", ".yml"):
         return False
     begins = content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")

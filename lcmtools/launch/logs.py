@@ -12,10 +12,10 @@ from lcmtools.folders import home_folder
 
 
 def make_folder(environment: Mapping[str, str]) -> Path:
-    """Make this launch's folder, by the XDG rules, and let the link ``latest`` lead to it.
+    """Make this launch's folder, by the XDG rules, and point the link ``latest`` to it.
 
     Raises:
-        LcmtoolsError: It cannot be made.
+        LcmtoolsError: It cannot be created.
     """
     state = home_folder(environment, "XDG_STATE_HOME", ".local/state")
     if state is None:
@@ -24,7 +24,7 @@ def make_folder(environment: Mapping[str, str]) -> Path:
     folder = base / f"{time.strftime('%Y-%m-%d-%H-%M-%S')}-{os.getpid()}"
     try:
         base.mkdir(parents=True, exist_ok=True)
-        if folder.exists():  # an earlier launch of this process, or of a container with this number
+        if folder.exists():  # an earlier launch of this process, or of a container with this pid
             folder = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=base))
             folder.chmod(0o755)
         else:

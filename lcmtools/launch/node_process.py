@@ -1,4 +1,4 @@
-"""A node of a plan with the process that runs it: its runs so far, its log, its end in words."""
+"""A node of a plan with the process that runs it: its runs so far, its log, and how it ended."""
 
 import math
 import signal
@@ -14,7 +14,7 @@ from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
 _LONG_LIFE = 5.0
-"""Seconds; a node that keeps dying sooner is started again after ever longer delays."""
+"""Seconds; a node that repeatedly dies sooner is restarted after increasing delays."""
 _SLOWEST = 10.0
 
 
@@ -23,22 +23,22 @@ class NodeProcess:
     """A node that runs, or has run."""
 
     plan: NodePlan
-    number: int  # its place among the nodes, from 1
+    number: int  # its position among the nodes, from 1
     folder: Path  # for its log file
     child: ChildProcess | None = None  # the process of its last run; None before the first
-    code: int | None = None  # of its last run, negative for a signal; None while it runs
+    code: int | None = None  # exit code of its last run, negative for a signal; None while it runs
     starts: int = 0  # number of starts
     started_at: float = 0.0  # monotonic time of the last start
-    short_lives: int = 0  # number of runs, up to the last one, that ended soon
+    short_lives: int = 0  # number of latest runs in a row that ended soon
     due: float = math.inf  # monotonic time of the next start; infinite if there is none
-    is_draining: bool = False  # its process has ended, but perhaps not all of its group
-    was_asked: bool = False  # true if it was asked to end
+    is_draining: bool = False  # True if its process has ended, but perhaps not its whole group
+    was_asked: bool = False  # True if it was asked to end
     failure: str = ""  # the reason why it could not be started, or ""
     _file: TextIO | None = None
 
     @property
     def label(self) -> str:
-        """Its name where lines are shown: ``husky0/driver-1``."""
+        """Its name in front of shown lines: ``husky0/driver-1``."""
         return f"{self.plan.name.strip('/')}-{self.number}"
 
     @property
@@ -55,7 +55,7 @@ class NodeProcess:
 
     @property
     def has_failed(self) -> bool:
-        """True if it failed, was not asked to end, and is not to be started again."""
+        """True if it failed, was not asked to end, and will not be started again."""
         died = self.code not in (0, None) and not self.was_asked
         return bool(self.failure) or (died and not self.plan.respawn)
 
@@ -87,7 +87,7 @@ class NodeProcess:
     def start(
         self, environment: Mapping[str, str], guard: ProcessGuard, timeouts: StopTimeouts
     ) -> ChildProcess:
-        """Start it; OSError where the system does not."""
+        """Start it; OSError if the system does not."""
         plan = self.plan
         start = Start(
             startable(plan.command),
@@ -111,7 +111,7 @@ class NodeProcess:
         return self.code is not None
 
     def start_later(self, now: float) -> float:
-        """Be due for a start after some seconds, more if it keeps dying young; return them."""
+        """Schedule a restart after some seconds, more if it keeps dying soon; return the delay."""
         self.short_lives = self.short_lives + 1 if now - self.started_at < _LONG_LIFE else 0
         slower = min(_SLOWEST, 0.5 * 2 ** (self.short_lives - 2)) if self.short_lives > 1 else 0.0
         delay = max(self.plan.respawn_delay, slower)
@@ -119,7 +119,7 @@ class NodeProcess:
         return delay
 
     def end_text(self) -> str:
-        """Return the end of its last run in words."""
+        """Return a text on the end of its last run."""
         if self.failure:
             return self.failure
         if self.code is None:

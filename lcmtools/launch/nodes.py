@@ -1,6 +1,6 @@
 """A ``<node>`` as a process: its names, its program and its command line.
 
-Belongs here: the meaning of one node tag in its scope. Parameters that have full names come later,
+Belongs here: the meaning of one node tag in its scope. Parameters with full names are added later,
 when the whole file is known.
 """
 
@@ -25,7 +25,7 @@ from lcmtools.launch.scope import Scope, located
 from lcmtools.names import base_name_of, check_base_name, namespace_of, resolve
 
 _OUTPUTS = tuple(output.value for output in Output)
-_HOMES = ("ROS_HOME", "node")  # of cwd; other values that roslaunch knows
+_HOMES = ("ROS_HOME", "node")  # values of cwd that roslaunch knows; others are errors
 _NAMESPACE = "LCMTOOLS_NAMESPACE"
 
 
@@ -55,7 +55,7 @@ def find_node(element: Element, scope: Scope) -> Executable:
 
 
 def _of_words(words: list[str], scope: Scope, way: str) -> Executable:
-    """Return the program of exec: or run:, which takes words as ``lcmtools run`` or a path."""
+    """Return the program of exec: or run:, given words as for ``lcmtools run`` or a path."""
     first, rest = words[0], tuple(words[1:])
     if way == "exec":
         program = find_program(first, scope.folder)
@@ -75,7 +75,7 @@ def plan_node(
         raise element.error("a node cannot be both required and respawned", "leave one of them out")
     prefix = _words(element, scope.text(element, "launch-prefix"))
     words = [*program.arguments, *_words(element, scope.text(element, "args"))]
-    end = words.index("--") if "--" in words else len(words)  # nodes take no names behind it
+    end = words.index("--") if "--" in words else len(words)  # nodes accept no names after it
     own = [word for word in words[:end] if word.startswith("_") and not word.startswith("__")]
     typed = split_arguments(own)[0].parameters
     if program.takes_names:
@@ -112,7 +112,7 @@ def _name_of(program: Executable) -> str:
 
 
 def _words(element: Element, text: str) -> list[str]:
-    """Return the words of a text, split as a shell does."""
+    """Return the words of a text, split as by a shell."""
     try:
         return shlex.split(text)
     except ValueError:
@@ -120,17 +120,17 @@ def _words(element: Element, text: str) -> list[str]:
 
 
 def _environment(scope: Scope, program: Executable) -> dict[str, str]:
-    """Return the variables that files set; a program that takes no names may read this one."""
+    """Return the variables that files set; a program that accepts no names may read this one."""
     is_told = program.takes_names or scope.namespace == "/"
     return {**({} if is_told else {_NAMESPACE: scope.namespace}), **scope.set_variables}
 
 
 def _check_texts(element: Element, texts: Iterable[str]) -> None:
-    """Refuse characters that no process can be given; YAML can write any."""
+    """Refuse characters that cannot be passed to a process; YAML allows any."""
     for text in texts:
         try:
             is_bad = b"\0" in os.fsencode(text)
-        except UnicodeEncodeError:  # half a character
+        except UnicodeEncodeError:  # a lone surrogate
             is_bad = True
         if is_bad:
             raise element.error(f"{text!a} has a character that a command line cannot have")
@@ -141,7 +141,7 @@ def _directory(element: Element, scope: Scope) -> str:
     if not text or text in _HOMES:
         return ""
     path = located(element, lambda: path_from(scope.folder, text))
-    if not os.path.isdir(path):  # noqa: PTH112 - pathlib's raises for a name that is too long
+    if not os.path.isdir(path):  # noqa: PTH112 - pathlib raises for a name that is too long
         raise element.error(f"there is no folder {path}")
     return str(path)
 

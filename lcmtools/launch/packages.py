@@ -1,7 +1,7 @@
 """Packages and the launch files in them: from names to folders and files.
 
 A package is one of the workspace, an installed Python package, or one of the labs' packages, which
-come with lcmtools.
+are part of lcmtools.
 """
 
 import os
@@ -21,15 +21,15 @@ LARGEST = 1_000_000
 """Bytes of a file."""
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 _MOST_FILES = 10_000
-"""Limit of files of a package that are looked at: a home folder may be one."""
+"""The most files of a package that are searched: it may be a home folder."""
 
 
 def path_from(folder: Path, name: str) -> Path:
-    """Return the path that a launch file in a folder names, also with "~"; UsageError for none."""
+    """Return a path in a launch file in a folder, which may begin with "~"; UsageError if bad."""
     try:
         os.fsencode(name)
         path = folder / Path(name).expanduser()
-    except (RuntimeError, ValueError):  # an unknown user's home, or half a character
+    except (RuntimeError, ValueError):  # an unknown user's home, or a lone surrogate
         raise UsageError(f"{name!a} is not a path") from None
     if "\0" in name:
         raise UsageError(f"{name!a} is not a path")
@@ -37,15 +37,15 @@ def path_from(folder: Path, name: str) -> Path:
 
 
 def is_there(path: Path) -> bool:
-    """Return True if a path can be read: a file, or a pipe that a shell has made."""
+    """Return True if a path can be read: a file, or a pipe made by a shell."""
     try:
         return path.exists() and not path.is_dir()
-    except (OSError, ValueError):  # a name that is too long, or none
+    except (OSError, ValueError):  # a name that is too long or invalid
         return False
 
 
 def package_folder(name: str, *starts: Path) -> Path:
-    """Return a package's folder, also of the workspaces of ``starts``; UsageError for none."""
+    """Return a package's folder, also from the workspaces of ``starts``; UsageError for none."""
     space = workspace(Path.cwd(), *starts)
     if name.replace("_", "a").replace("-", "a").isalnum():
         own = (package.folder for package in space.packages if package.name == name)
@@ -91,7 +91,7 @@ def launch_files(package: str) -> list[str]:
 
 
 def files_below(folder: Path) -> Iterator[Path]:
-    """Return a package's files in order, without those of hidden folders."""
+    """Return a package's files in order, without those in hidden folders."""
     for count, path in enumerate(sorted(folder.rglob("*"))):
         if count == _MOST_FILES:
             return
@@ -100,7 +100,7 @@ def files_below(folder: Path) -> Iterator[Path]:
 
 
 def find_files(words: Sequence[str]) -> list[Path]:
-    """Return the launch files that ``[PACKAGE] FILE...`` means.
+    """Return the launch files for ``[PACKAGE] FILE...``.
 
     Raises:
         InvalidFile: There is no such file.
@@ -118,7 +118,7 @@ def find_files(words: Sequence[str]) -> list[Path]:
 
 
 def _find_alone(word: str) -> Path:
-    """Return a file here, one of the labs', or the launch file of a package that has one."""
+    """Return a local file, one of the labs', or the only launch file of a package."""
     names = _spellings(word)
     own = (package.folder / "launch" for package in workspace(Path.cwd()).packages)
     for name, place in product(names, (Path(), Path("launch"), *own)):
@@ -139,7 +139,7 @@ def _find_alone(word: str) -> Path:
 
 def _find_in(folder: Path, package: str, name: str) -> Path:
     wanted = _spellings(name)
-    for spelling in wanted:  # what stands where launch files usually are comes first
+    for spelling in wanted:  # usual places of launch files come first
         for place in (folder / "launch" / spelling, folder / spelling):
             if place.is_file():
                 return place
@@ -161,7 +161,7 @@ def _only_file(folder: Path, package: str) -> Path:
 
 
 def _launch_files(folder: Path) -> list[Path]:
-    """Return the files where launch files usually are."""
+    """Return the files in the usual places of launch files."""
     return [
         path
         for path in files_below(folder)

@@ -1,7 +1,7 @@
 """Parameters of launch files: from ``<param>`` and ``<rosparam>`` to names and YAML texts.
 
-Belongs here: the values of parameters, and the nodes that get them. There is no parameter server on
-LCM: each node gets its own on its command line.
+Belongs here: the values of parameters, and which nodes get them. There is no parameter server on
+LCM: each node gets its parameters on its command line.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -21,7 +21,7 @@ _MOST_NAMED = 5
 
 
 def param(element: Element, scope: Scope) -> tuple[str, str] | None:
-    """Return a ``<param>``'s name and text; None for a command's output, which is left out."""
+    """Return a ``<param>``'s name and text; None for a command's output, which is not supported."""
     name = scope.required(element, "name")
     located(element, lambda: check_legal(name))
     given = [source for source in _SOURCES if source in element.attributes]
@@ -35,7 +35,7 @@ def param(element: Element, scope: Scope) -> tuple[str, str] | None:
 
 
 def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
-    """Return the names and texts of a ``<rosparam>``: YAML that stands in it, or a file's."""
+    """Return the names and texts of a ``<rosparam>``: YAML in it, or in a file."""
     text, source, line = element.text, element.source, element.line
     if file := scope.text(element, "file"):
         text, source, line = _read(element, file, scope), file, 1
@@ -55,9 +55,9 @@ def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
 
 
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
-    """Return the parameters with full names that a node gets: those below it, and above it.
+    """Return the parameters, of those with full names, that a node gets: below or above it.
 
-    A node in ROS would find those above by looking in its namespace and those around it.
+    A ROS node would find those above by searching in its namespace and its parents.
     """
     from_above = sorted(everywhere, key=lambda name: name.count("/"))
     return {own: everywhere[name] for name in from_above if (own := _own_name(node, name))}
@@ -99,7 +99,7 @@ def _typed(element: Element, scope: Scope, name: str) -> str:
     """Return a value's text, checked by its type."""
     kind, text = scope.text(element, "type", "auto"), scope.text(element, "value")
     if kind in ("auto", "yaml"):
-        return text or write_setting("")  # nodes take no notice of nothing
+        return text or write_setting("")  # nodes ignore an empty text
     if kind not in _KINDS:
         raise element.error(f"'{kind}' is not a type", f"types: {', '.join(_KINDS)}, yaml, auto")
     return located(

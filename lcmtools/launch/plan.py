@@ -1,4 +1,4 @@
-"""A plan, the meaning of launch files as frozen values: processes, arguments and notes."""
+"""A plan: the content of launch files as frozen values: processes, arguments and notes."""
 
 import shlex
 from collections.abc import Mapping
@@ -19,23 +19,23 @@ class Output(Enum):
 
 @dataclass(frozen=True, slots=True)
 class NodePlan:
-    """A process that is to be run."""
+    """A process to be run."""
 
     name: str  # the node's full name ("/husky0/driver")
     command: tuple[str, ...]  # the command line, as a user would type it
     place: str  # file and line ("robot.launch:3")
-    parameters: Mapping[str, str] = field(default_factory=dict)  # typed, name to YAML text
-    environment: Mapping[str, str] = field(default_factory=dict)  # besides the launcher's own
+    parameters: Mapping[str, str] = field(default_factory=dict)  # checked, name to YAML text
+    environment: Mapping[str, str] = field(default_factory=dict)  # added to the launcher's
     directory: str = ""  # its working directory; "" for the launcher's
     output: Output = Output.LOG  # the place for its lines
-    respawn: bool = False  # it is started again when it ends
+    respawn: bool = False  # True if it is started again when it ends
     respawn_delay: float = 0.0  # seconds until then
-    is_required: bool = False  # its end is the end of all
-    takes_input: bool = False  # it reads the launcher's standard input
-    takes_terminal: bool = False  # it has the launcher's standard input and output for its own
+    is_required: bool = False  # True if its end is the end of all
+    takes_input: bool = False  # True if it reads the launcher's standard input
+    takes_terminal: bool = False  # True if it uses the launcher's standard input and output
 
     def command_line(self) -> str:
-        """Return the line that runs it alone in a shell."""
+        """Return the line to run it alone in a shell."""
         variables = [f"{name}={shlex.quote(text)}" for name, text in self.environment.items()]
         line = " ".join([*variables, shlex.join(self.command)])
         return f"cd {shlex.quote(self.directory)} && {line}" if self.directory else line
@@ -45,7 +45,7 @@ class NodePlan:
 class LaunchArgument:
     """An argument of a launch file: its name, its default as written, its description.
 
-    Without a default (None) a value must be given.
+    If the default is None, a value must be given.
     """
 
     name: str
@@ -55,11 +55,11 @@ class LaunchArgument:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The meaning of launch files, all together."""
+    """The combined content of launch files."""
 
     nodes: tuple[NodePlan, ...]  # the processes in the order of the files
-    files: tuple[str, ...]  # the files that were read, the included ones too
-    notes: tuple[str, ...] = ()  # things that have no meaning here, each with its place
+    files: tuple[str, ...]  # the files that were read, including the included ones
+    notes: tuple[str, ...] = ()  # parts that have no meaning here, each with its place
 
     def find(self, name: str) -> NodePlan:
         """Return a node by its full name, or by the last part; UsageError for none, or several."""

@@ -1,6 +1,6 @@
-"""From launch files to a plan: the meaning of every tag but node's and param's own.
+"""From launch files to a plan: the meaning of every tag except node and param.
 
-Belongs here: order and scope, arguments, groups, includes, and notes on things that mean nothing on
+Belongs here: order and scope, arguments, groups, includes, and notes on parts that mean nothing on
 LCM. Nothing is started here, and a file with a mistake gives no plan.
 https://wiki.ros.org/roslaunch/XML
 """
@@ -25,7 +25,7 @@ from lcmtools.names import resolve
 from lcmtools.packages.workspace import workspace
 
 _MOST_ELEMENTS = 100_000
-"""Tags of all files together, repeated ones counted: a file may include one several times."""
+"""The most tags of all files together, repeated includes counted each time."""
 
 
 def make_plan(
@@ -34,11 +34,11 @@ def make_plan(
     namespace: str,
     environment: Mapping[str, str],
 ) -> Plan:
-    """Return the plan of files, with their arguments and the namespace of everything.
+    """Return the plan of files, with their arguments and the namespace for everything.
 
     Raises:
         InvalidFile: Something in them is wrong.
-        UsageError: An argument was given that no file takes.
+        UsageError: An argument was given that no file accepts.
     """
     check_given([file.root for file in files], arguments)
     reading = _Reading()
@@ -57,7 +57,7 @@ def make_plan(
 
 @dataclass(slots=True)
 class _Reading:
-    """The content of the files so far."""
+    """The content of the files read so far."""
 
     nodes: list[tuple[Element, Scope, Executable]] = field(default_factory=list)
     parameters: dict[str, str] = field(default_factory=dict)
@@ -92,7 +92,7 @@ class _Reading:
         return Plan(tuple(plans.values()), tuple(dict.fromkeys(self.files)), tuple(self.notes))
 
     def _children(self, element: Element, scope: Scope) -> Scope:
-        """Take in the elements in an element; return the scope behind the last of them."""
+        """Read the elements in an element; return the scope after the last of them."""
         self.notes += notes_on(element)
         for child in known_children(element):
             self.elements += 1
@@ -103,8 +103,8 @@ class _Reading:
         return scope
 
     def _take(self, element: Element, scope: Scope) -> Scope:
-        """Take in an element; return the scope behind it."""
-        if element.tag not in ("group", "node"):  # theirs come with their children's
+        """Read an element; return the scope after it."""
+        if element.tag not in ("group", "node"):  # these are checked with their children's
             self.notes += notes_on(element)
         changes: Mapping[str, Callable[[Element, Scope], Scope]] = {
             "arg": declare,
@@ -121,14 +121,14 @@ class _Reading:
             self._include(element, scope)
         elif element.tag == "node":
             self._node(element, scope.below(element))
-        return scope  # a test is for rostest, and left out as roslaunch leaves it out
+        return scope  # a test is for rostest, and ignored as in roslaunch
 
     def _node(self, element: Element, scope: Scope) -> None:
         program = find_node(element, scope)
         if program.note and not scope.folder.is_relative_to(LABS):
             self.notes.append(f"{element.place}: {program.note}")
         name = node_name(element, scope, program)
-        # what is not private already has the node's name before it: parameters, as in roslaunch
+        # within a node, parameters that are not private get the node's name, as in roslaunch
         behind = self._children(element, replace(scope, namespace=name))
         self.nodes.append((element, replace(behind, namespace=scope.namespace), program))
 
@@ -148,7 +148,7 @@ class _Reading:
         return scope
 
     def _set(self, element: Element, scope: Scope, found: Sequence[tuple[str, str]]) -> Scope:
-        """Set parameters: private ones for the nodes below, the others by their full names."""
+        """Set parameters: private ones for the nodes that follow, others by their full names."""
         private = {name[1:].lstrip("/"): text for name, text in found if name.startswith("~")}
         for name, text in found:
             if not name.startswith("~"):

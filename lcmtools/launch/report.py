@@ -81,7 +81,7 @@ def _record(node: NodePlan) -> dict[str, object]:
 
 
 def _parameters(plan: Plan, _node: str) -> Answer:
-    """Return the nodes' parameters, as param dump writes those of nodes that run."""
+    """Return the nodes' parameters in the form of param dump for running nodes."""
     records, rows = [], []
     for node in plan.nodes:
         values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}

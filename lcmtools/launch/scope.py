@@ -1,7 +1,7 @@
-"""The scope at a place of a launch file: namespace, arguments, remaps, parameters, variables.
+"""The scope at a place in a launch file: namespace, arguments, remaps, parameters, variables.
 
-Belongs here: the value, and the attributes of a tag read with it. Must not know the meaning of
-tags. A tag that changes the scope behind it makes a new one; nothing is changed in place.
+Belongs here: the value, and the attributes of a tag that are read with it. Must not know the
+meaning of tags. A tag that changes the scope after it makes a new one; nothing is changed in place.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,16 +26,16 @@ T = TypeVar("T")
 class Scope:
     """The scope at a place."""
 
-    folder: Path  # of the file, for ``$(dirname)`` and paths
-    namespace: str  # the full one
-    environment: Mapping[str, str]  # all variables, the launcher's own too
-    names: dict[str, str]  # the names that ``$(anon x)`` has had
-    set_variables: Mapping[str, str] = field(default_factory=dict)  # those that the files set
+    folder: Path  # the file's, for ``$(dirname)`` and relative paths
+    namespace: str  # the full namespace
+    environment: Mapping[str, str]  # all variables, including the launcher's own
+    names: dict[str, str]  # the names made by ``$(anon x)``
+    set_variables: Mapping[str, str] = field(default_factory=dict)  # those set by the files
     arguments: Mapping[str, str] = field(default_factory=dict)  # those declared so far
     passed: Mapping[str, str] = field(default_factory=dict)  # given to the file; override defaults
     is_included: bool = False  # the file was included by another one
-    takes_all: bool = False  # with ``pass_all_args``: it may fix arguments that it is given
-    remaps: Mapping[str, str] = field(default_factory=dict)  # from each name to another
+    takes_all: bool = False  # with ``pass_all_args``: the file may fix arguments that it is given
+    remaps: Mapping[str, str] = field(default_factory=dict)  # from name to name
     parameters: Mapping[str, str] = field(default_factory=dict)  # private, name to YAML text
 
     def substituted(self, element: Element, text: str) -> str:
@@ -84,7 +84,7 @@ class Scope:
         return value
 
     def holds(self, element: Element) -> bool:
-        """Return True if an element counts, by its ``if`` and ``unless``."""
+        """Return True if an element applies, by its ``if`` and ``unless``."""
         if {"if", "unless"} <= set(element.attributes):
             hint = "leave one of them out"
             raise element.error(f"{element.tag} has both 'if' and 'unless'", hint)
@@ -98,7 +98,7 @@ class Scope:
         return replace(self, namespace=located(element, lambda: resolve(namespace, self.namespace)))
 
     def with_remap(self, element: Element) -> "Scope":
-        """Return the scope behind a remap."""
+        """Return the scope after a remap."""
         source, target = self.required(element, "from"), self.required(element, "to")
         for name in (source, target):
             located(element, partial(check_legal, name))
@@ -106,7 +106,7 @@ class Scope:
         return replace(self, remaps={**others, source: target})
 
     def with_variable(self, element: Element) -> "Scope":
-        """Return the scope behind a variable that is set."""
+        """Return the scope after a variable has been set."""
         name, text = self.required(element, "name"), self.text(element, "value")
         if "value" not in element.attributes:
             raise element.error("'value' is missing in env")
@@ -120,7 +120,7 @@ class Scope:
 
 
 def located(element: Element, work: Callable[[], T]) -> T:
-    """Return the result of some work on an element; its errors get the element's place."""
+    """Return the result of ``work`` on an element; add the element's place to its errors."""
     try:
         return work()
     except UsageError as error:

@@ -1,7 +1,7 @@
 """Text in ``$( )``: arguments, variables, folders of packages, names, expressions.
 
-Belongs here: roslaunch's substitutions as functions of text and of what is known at a place of a
-launch file. Must not know tags. https://wiki.ros.org/roslaunch/XML#substitution_args
+Belongs here: roslaunch's substitutions as functions of a text and of the values known at a place in
+a launch file. Must not know tags. https://wiki.ros.org/roslaunch/XML#substitution_args
 """
 
 import contextlib
@@ -33,7 +33,7 @@ class Known:
 
     arguments: Mapping[str, str]
     environment: Mapping[str, str]
-    folder: str  # of the file
+    folder: str  # the file's
     package_folder: Callable[[str], str]  # returns a package's folder
     names: dict[str, str] = field(default_factory=dict)  # of ``$(anon x)``; new ones are added
 
@@ -52,7 +52,7 @@ class Known:
         return self.environment[name]
 
     def anonymous(self, name: str) -> str:
-        """Return a unique name, the same one for each use."""
+        """Return a unique name, the same for each use."""
         return self.names.setdefault(name, f"{name}_{secrets.token_hex(4)}")
 
     def named(self, name: str) -> object:
@@ -64,7 +64,7 @@ class Known:
         raise LookupError(f"there is no '{name}'")
 
     def attribute(self, owner: object, name: str) -> object:
-        """Raise the error for a field: values have none here."""
+        """Raise the error for a field: values have no fields here."""
         raise LookupError(f"{owner} has no field '{name}'")
 
 
@@ -78,7 +78,7 @@ def substitute(text: str, known: Known) -> str:
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
-    """Return the text in parts, each with True if it stands in ``$( )``."""
+    """Return the text in parts, each with True if it is within ``$( )``."""
     rest = text
     while True:
         before, mark, rest = rest.partition("$(")
@@ -90,7 +90,7 @@ def _parts(text: str) -> Iterator[tuple[bool, str]]:
 
 
 def _closed(rest: str, text: str) -> tuple[str, str]:
-    """Return the text before the parenthesis that closes, and the text behind it."""
+    """Return the text before the closing parenthesis, and the text after it."""
     quotes = _QUOTES if rest.startswith("eval") else ""
     depth, quote = 1, ""
     for index, character in enumerate(rest):
@@ -115,7 +115,7 @@ def _replaced(inside: str, known: Known) -> str:
         return known.environment.get(_one(command, name), default.strip())
     if command == "dirname":
         return known.folder
-    command = {"var": "arg"}.get(command, command)  # as ROS 2 has it
+    command = {"var": "arg"}.get(command, command)  # as in ROS 2
     functions = _functions(known)
     if command not in functions:
         hint = did_you_mean(command, _COMMANDS) or f"there are {', '.join(_COMMANDS)}"
@@ -142,7 +142,7 @@ def _functions(known: Known) -> dict[str, Callable[[str], str]]:
 
 
 def _evaluated(text: str, known: Known) -> str:
-    """Return the value of an expression of the file's arguments, as text."""
+    """Return the value of an expression with the file's arguments, as text."""
     language = Language(
         name="eval",
         example="write for example $(eval arg('count') * 2 + 1)",
@@ -162,7 +162,7 @@ def _evaluated(text: str, known: Known) -> str:
 
 
 def _typed(text: str) -> object:
-    """Return the value that a text stands for: true or false, a number, or itself."""
+    """Return the value of a text: true or false, a number, or the text itself."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     with contextlib.suppress(ValueError):

@@ -1,7 +1,7 @@
-"""Runs a plan: starts its processes, passes on their lines, starts them again, ends them.
+"""Runs a plan: starts its processes, passes on their output, restarts and ends them.
 
-Belongs here: the order of things. It has one thread, and waits for signals, ends and lines at once.
-Must not know how anything is printed: that is a ``Watcher``'s.
+Belongs here: the order of events. It has one thread, which waits for signals, ends and lines at
+once. Must not know how anything is printed: that is up to a ``Watcher``.
 """
 
 import signal
@@ -20,13 +20,13 @@ from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.processes.signal_waiter import SignalWaiter
 
 _LOOK_AGAIN = 0.02
-"""Seconds between looks at a group whose first process has ended."""
+"""Seconds between checks of a process group whose first process has ended."""
 _TALK = ("[INFO] ", "[DEBUG] ")
-"""The beginnings of log lines that are no errors, although they are in the error stream."""
+"""The prefixes of log lines that are not errors, although they are in the error stream."""
 
 
 class Watcher(Protocol):
-    """Shows what happens; both methods that show raise BrokenPipeError when nothing reads."""
+    """Shows lines and events; ``line`` and ``event`` raise BrokenPipeError if nothing reads."""
 
     def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
         """Show a line that a node has written."""
@@ -35,7 +35,7 @@ class Watcher(Protocol):
         """Show an event."""
 
     def stream(self, *, is_error: bool) -> int:
-        """Return the descriptor for lines; events go where errors go."""
+        """Return the descriptor for lines; events go to the same one as errors."""
 
 
 class Supervisor:
@@ -58,7 +58,7 @@ class Supervisor:
         self._is_watched = True
 
     def run(self) -> Sequence[NodeProcess]:
-        """Run everything; return the nodes, which have ended."""
+        """Run everything; return the nodes after they have ended."""
         with self._signals, ProcessGuard() as guard, ExitStack() as logs:
             for node in self._nodes:
                 logs.callback(node.close_log)
@@ -90,7 +90,7 @@ class Supervisor:
                 self._start(node, guard)
 
     def _patience(self) -> float | None:
-        """Return the seconds until something has to be done even if nothing happens."""
+        """Return the seconds until work is due even if nothing happens."""
         if any(node.is_draining for node in self._nodes):
             return _LOOK_AGAIN
         steps = [node.child.next_step for node in self._nodes if node.child and node.is_running]
@@ -111,7 +111,7 @@ class Supervisor:
         self._tell(f"[{node.label}] started{again}, pid {child.pid}")
 
     def _handle_signals(self) -> None:
-        """The first signal asks all nodes to end, each further one to end sooner."""
+        """Handle signals: the first asks all nodes to end, each further one to end sooner."""
         for number in self._signals.take():
             if self._is_stopping:
                 self._ask_all()
@@ -128,17 +128,17 @@ class Supervisor:
 
     def _ask_all(self) -> None:
         now = time.monotonic()
-        for node in reversed(self._nodes):  # those that were started last go first
+        for node in reversed(self._nodes):  # in reverse order of their starts
             if node.child and (node.is_running or node.is_draining):
                 node.was_asked = node.was_asked or node.is_running
                 node.child.ask_to_end(now)
 
     def _ended(self, node: NodeProcess, now: float) -> None:
-        """A node's own process has ended; others of its group may be left."""
+        """Handle the end of a node's own process; others of its group may be left."""
         child = node.child
         assert child is not None
         node.is_draining = True
-        for stream in child.streams:  # its last lines come before its end
+        for stream in child.streams:  # its last lines are shown before its end
             self._take_lines(node, child.read(stream))
         if node.was_asked:
             return
@@ -152,7 +152,7 @@ class Supervisor:
             self._stop()
 
     def _drain(self, node: NodeProcess, now: float) -> None:
-        """Wait for the end of a group."""
+        """Finish a node if its group has ended."""
         child = node.child
         if child is None or not child.group_is_gone():
             return
@@ -179,7 +179,7 @@ class Supervisor:
         self._show(lambda: self._watcher.event(text, is_bad=is_bad), is_error=True)
 
     def _show(self, write: Callable[[], None], *, is_error: bool) -> None:
-        """Show something, unless the screen takes nothing while the nodes are to end."""
+        """Show something, unless the screen accepts nothing while the nodes are being ended."""
         if not self._is_watched:
             return
         stream = self._watcher.stream(is_error=is_error)
@@ -187,7 +187,7 @@ class Supervisor:
             return
         try:
             write()
-        except BrokenPipeError:  # nothing reads any more: end
+        except BrokenPipeError:  # nothing reads the output any more: end
             self._is_watched = False
             if not self._is_stopping:
                 self._stop()

@@ -1,4 +1,4 @@
-"""The tags of launch files and their attributes, as roslaunch has them.
+"""The tags of launch files and their attributes, as in roslaunch.
 
 https://wiki.ros.org/roslaunch/XML
 """
@@ -16,7 +16,7 @@ _ATTRIBUTES: Mapping[str, set[str]] = {
     "node": {
         *("pkg", "type", "name", "args", "ns", "machine", "cwd", "output", "clear_params"),
         *("respawn", "respawn_delay", "required", "launch-prefix"),
-        *("run", "exec", "stdin"),  # ours
+        *("run", "exec", "stdin"),  # lcmtools' own
     },
     "remap": {"from", "to"},
     "param": {"name", "value", "type", "textfile", "binfile", "command"},
@@ -42,7 +42,7 @@ _CHILDREN: Mapping[str, set[str]] = {
     "include": {"arg", "env"},
     "machine": {"env"},
 }
-"""The tags that may stand in each; in all others none may."""
+"""The tags allowed within each; others may not contain any."""
 
 
 def unknown_attributes(element: Element) -> list[str]:

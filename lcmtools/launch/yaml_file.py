@@ -1,8 +1,8 @@
 """YAML launch files, as elements.
 
-Belongs here: the keys of our own form, and the tags that they mean. Others are refused.
+Belongs here: the keys of lcmtools' own format, and their tags. Other keys are refused.
 
-    args: {robot: husky0}                    arguments with defaults; none given: must be given
+    args: {robot: husky0}                    arguments, defaults; without one, required
     nodes:
       - run: simple_controller               as after lcmtools run
         name: husky_simple_controller
@@ -23,7 +23,7 @@ from lcmtools.messages.setting import write_setting
 from lcmtools.names import did_you_mean
 
 _Parts: TypeAlias = Mapping[str, Callable[[Node], list[Element]]]
-"""The elements that the value of a key means, by key."""
+"""For each key, the function that converts its value to elements."""
 
 _NODE = (
     *("run", "exec", "name", "ns", "args", "cwd", "output", "respawn", "respawn_delay"),
@@ -40,10 +40,10 @@ _OF_ROS = {
     "parameters": "param",
     "remappings": "remap",
 }
-"""The words of ROS's launch files for the same things."""
+"""The words for the same in ROS's launch files."""
 _EXAMPLES = {"a node": "run: talker", "remap": "chatter: news", "param": "kp: 0.5"}
 _FIRST = ("args", "remap", "param", "env")
-"""The keys that count for the others wherever they stand."""
+"""The keys that apply to the others wherever they stand."""
 
 
 def read_yaml(text: str, source: str) -> Element:
@@ -64,7 +64,7 @@ class _Reader:
     def element(
         self, tag: str, node: Node, what: str, attributes: Collection[str], parts: _Parts
     ) -> Element:
-        """Return the element that a mapping means, its parts in the order of their effect."""
+        """Return the element for a mapping, with its parts in the order of their effect."""
         element = Element(tag, self.source, node.line)
         found: dict[str, list[Element]] = {name: [] for name in _FIRST}
         for name, value in self._fields(node, what):
@@ -85,7 +85,7 @@ class _Reader:
         return element
 
     def block_parts(self) -> _Parts:
-        """Return the meaning of the keys of a file or a group."""
+        """Return the conversions for the keys of a file or a group."""
         return {
             **self._node_parts(),
             "args": self._arguments,
@@ -137,7 +137,7 @@ class _Reader:
         ]
 
     def _private_parameters(self, node: Node, path: str = "~") -> list[Element]:
-        """Return the parameters of the nodes below; in groups, all of them."""
+        """Return the private parameters of the nodes below, also from nested mappings."""
         found: list[Element] = []
         for name, value in self._fields(node, "param"):
             if isinstance(value.value, dict):
@@ -148,7 +148,7 @@ class _Reader:
         return found
 
     def _flow(self, node: Node) -> str:
-        """Return a value as YAML in one line; what was quoted stays text."""
+        """Return a value as one line of YAML; quoted values stay text."""
         if isinstance(node.value, list):
             return f"[{', '.join(self._flow(part) for part in node.value)}]"
         text = self._text(node, "param")
@@ -166,7 +166,7 @@ class _Reader:
         return self.element("include", node, "include", _INCLUDE, parts)
 
     def _fields(self, node: Node, what: str) -> Iterator[tuple[str, Node]]:
-        """Return the keys and values of a mapping; nothing is an empty one."""
+        """Return the keys and values of a mapping; nothing counts as an empty one."""
         if isinstance(node.value, dict):
             yield from node.value.items()
         elif not node.is_nothing:
@@ -175,7 +175,7 @@ class _Reader:
             raise self._error(node.line, reason, f"for example  {example}")
 
     def _items(self, node: Node, what: str) -> list[Node]:
-        """Return the elements of a list; nothing is an empty one."""
+        """Return the elements of a list; nothing counts as an empty one."""
         if isinstance(node.value, list):
             return node.value
         if node.is_nothing:
@@ -184,7 +184,7 @@ class _Reader:
         raise self._error(node.line, reason, "begin each of its parts with '- '")
 
     def _words(self, node: Node, what: str) -> str:
-        """Return a text, or the elements of a list, as a shell reads them."""
+        """Return a text, or the elements of a list, as words for a shell."""
         if not isinstance(node.value, list):
             return self._text(node, what)
         words = [self._text(word, what) for word in node.value]

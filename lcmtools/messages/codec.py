@@ -1,10 +1,10 @@
-"""Messages to payloads and back, with nothing cut, padded or believed.
+"""Messages to payloads and back, with nothing truncated, padded or trusted.
 
-Belongs here: LCM's encoding of whole messages, the fast way (see ``coder``), and the careful one
-that is taken when it fails, to name the value that is wrong. Must not know channels or datagrams.
-Wire format (https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order,
-big-endian, without padding. lcm-gen's own code takes an array's length from a field that the user
-must keep in step, and reads a truncated string or byte array as a short one; this does neither, and
+Belongs here: LCM's encoding of whole messages, in the fast way (see ``coder``) and, if that fails,
+in a careful way, which names the wrong value. Must not know channels or datagrams. Wire format
+(https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order, big-endian,
+without padding. lcm-gen's own code takes an array's length from a field that the user must keep
+consistent, and reads a truncated string or byte array as a short one; this code does neither, and
 is mostly faster.
 """
 
@@ -30,7 +30,7 @@ _NOT_PLAIN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueErro
 
 
 def encode(message: Message) -> bytes:
-    """The payload of a message.
+    """Encode a message into a payload.
 
     Length fields are set from the arrays, here and in nested messages; nothing else of the message
     changes. Arrays may be lists, tuples, numpy arrays and, for bytes, anything bytes-like.
@@ -52,19 +52,19 @@ def encode(message: Message) -> bytes:
 
 
 def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray: bool = False) -> M:
-    """The message in a payload; bytes after its end are ignored, as by every LCM decoder.
+    """Decode the message in a payload; bytes after its end are ignored, as by LCM's decoders.
 
-    Arrays of uint8 come as bytes, of other numbers as a NumberArray, or a tuple where the type
-    fixes a size of at most 64; all others as lists.
+    Arrays of uint8 are decoded as bytes; arrays of other numbers as a NumberArray, or a tuple if
+    the type fixes a size of at most 64; all others as lists.
 
     Args:
         cls: The message's class.
         payload: The fingerprint and the fields.
-        keep_stray: Bytes in strings that are not UTF-8 come as Python's "surrogateescape" has
-            them, which ``encode`` takes back, and ``print`` does not; else as U+FFFD.
+        keep_stray: Decode bytes in strings that are not UTF-8 by Python's "surrogateescape", which
+            ``encode`` accepts and ``print`` does not; else as U+FFFD.
 
     Raises:
-        DecodeError: The payload is of another type, ends early, or has a length that cannot be.
+        DecodeError: The payload has another type, ends early, or has an impossible length.
     """
     data = payload if isinstance(payload, bytes) else bytes(payload)
     known = coder(cls)
@@ -89,36 +89,36 @@ class PayloadEncoder:
         self._write: Write = self._write_first
 
     def encode(self, message: Message) -> bytes:
-        """Return the payload of a message of the class; ValueMismatch as of ``encode``."""
+        """Return the payload of a message of the class; raises ValueMismatch as ``encode`` does."""
         try:
             return b"".join((self._head, *self._write(message)))
-        except (*_NOT_PLAIN, Misfit, RecursionError):  # for the careful encoder
+        except (*_NOT_PLAIN, Misfit, RecursionError):  # left to the careful encoder
             return encode(message)
 
     def _write_first(self, message: object) -> tuple[bytes, ...]:
-        self._write = coder(self._cls).write  # most publishers send nothing soon
+        self._write = coder(self._cls).write  # late: most publishers send nothing at first
         return self._write(message)
 
 
 class PayloadDecoder:
-    """Decodes many payloads, each as the one of some classes whose fingerprint it carries.
+    """Decodes many payloads, each as the class whose fingerprint it has, one of several.
 
-    It looks up by the payload alone what ``decode`` asks the class for, which takes half the time
-    where a thread has slept and its caches are cold.
+    It finds by the payload alone what ``decode`` looks up in the class, which halves the time if
+    the thread has slept and its caches are cold.
     """
 
     def __init__(self, classes: Sequence[type[Message]]) -> None:
         self._classes = {
             fingerprint(cls).to_bytes(_FINGERPRINT_BYTES, "big"): cls for cls in classes
         }
-        self._scans: dict[bytes, Scan] = {}  # of the classes that have come
+        self._scans: dict[bytes, Scan] = {}  # for the classes that have come, by fingerprint
 
     def decode(self, payload: bytes) -> Message:
-        """Return the message in a payload; DecodeError for another type, or a damaged one."""
+        """Return the message in a payload; DecodeError for another type or a damaged payload."""
         head = payload[:_FINGERPRINT_BYTES]
         try:
             return self._scans[head](payload, _FINGERPRINT_BYTES)[0]
-        except _NOT_PLAIN:  # the first of its class, or one for the careful decoder
+        except _NOT_PLAIN:  # first of its class, or one for the careful decoder
             cls = self._classes.get(head)
         if cls is None:
             expected = " or ".join(map(type_name, self._classes.values()))
@@ -128,7 +128,7 @@ class PayloadDecoder:
 
 
 def describe_payload(data: bytes) -> str:
-    """A description of an unexpected payload: its type, as far as it is known."""
+    """Describe an unexpected payload: its type, as far as it is known."""
     if len(data) < _FINGERPRINT_BYTES:
         return f"{len(data)} bytes, which are not an LCM message"
     number = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
@@ -137,7 +137,7 @@ def describe_payload(data: bytes) -> str:
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:
-    """A copy of a message in which all is plain: lists, bytes, Python's own scalars."""
+    """Copy a message with only plain values: lists, bytes, Python's own scalars."""
     if not is_generated(cls):
         raise Misfit(f"expected a message, got {given(message)}")
     if not has_wire_type(message, cls):

@@ -1,7 +1,7 @@
-"""The functions that write and read a type, made once.
+"""The functions that write and read a type, created once per type.
 
 Belongs here: the encoder, which sets length fields, the fast decoder, and the careful one, which is
-slower and names what is wrong. Must not know the errors that users see.
+slower and reports what is wrong. Must not know the errors that users see.
 """
 
 import struct
@@ -35,7 +35,7 @@ class Coder(NamedTuple):
     codecs: Codecs
 
     def read(self, cursor: Cursor) -> Message:
-        """Return the message at a cursor; Malformed says what is wrong."""
+        """Return the message at a cursor; Malformed reports what is wrong."""
         made: list[Message] = []
         for part in self.layout.parts:
             made.append(object.__new__(part.cls))
@@ -89,7 +89,7 @@ def _read_other(
 
 
 class _Messages(ArrayCodec):
-    """A row of messages."""
+    """An array of messages."""
 
     def __init__(self, cls: type[Message], where: str) -> None:
         self._cls = cls

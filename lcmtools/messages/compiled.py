@@ -1,10 +1,11 @@
-"""Functions that write and read a type, as source text made from its layout and compiled.
+"""Functions that write and read a type, generated as source text from its layout and compiled.
 
 Belongs here: which numbers are packed in one go, and what is checked in passing. Must not know how
-arrays are coded, except those of numbers.
+arrays are coded, except arrays of numbers.
 
-Plain assignments and numbers packed in one go make the fast functions faster than lcm-gen's own
-code, whence source text, compiled, as ``dataclasses`` does it. Those of a std_msgs/Header:
+Plain assignments, and numbers packed in one go, make the fast functions faster than lcm-gen's own
+code. That is why source text is generated and compiled, as in ``dataclasses``. For a
+std_msgs/Header:
 
     def write(m0):
         m1 = m0.stamp
@@ -22,8 +23,8 @@ code, whence source text, compiled, as ``dataclasses`` does it. Those of a std_m
         if data[end - 1]: raise malformed
         return m0, end
 
-``scan`` leaves checks to ``unpack_from`` and to a last look at the end: an exception of any kind
-means that the careful decoder has to read the payload.
+``scan`` leaves checks to ``unpack_from`` and to a last comparison with the end: an exception of any
+kind means that the careful decoder has to read the payload.
 """
 
 import struct
@@ -48,13 +49,13 @@ from lcmtools.messages.rows import (
 from lcmtools.messages.scalars import STRAY_BYTES
 
 Write: TypeAlias = Callable[[object], tuple[bytes, ...]]
-"""Sets the length fields of a message and gives its bytes, in parts."""
+"""Sets the length fields of a message and returns its bytes, in parts."""
 
 Scan: TypeAlias = Callable[[bytes, int], tuple[Message, int]]
-"""Gives the message in a payload, from an offset on, and its end."""
+"""Returns the message at an offset in a payload, and the offset of its end."""
 
 Codecs: TypeAlias = "Sequence[ArrayCodec | Array | None]"
-"""The codec of each leaf of a layout; None for those that are no arrays."""
+"""The codec of each leaf of a layout; None for those that are not arrays."""
 
 
 def compiled(layout: Layout, codecs: Codecs) -> tuple[Write, Scan]:
@@ -83,11 +84,11 @@ class _Source:
         write = ["def write(m0):", *_Writing(self).statements()]
         scan = ["def scan(data, at):", *_Reading(self).statements()]
         text = "\n ".join(write) + "\n" + "\n ".join(scan)
-        exec(text, self.space)  # noqa: S102 - made of the names that lcm-gen's own code has
+        exec(text, self.space)  # noqa: S102 - made from the names in lcm-gen's own code
         return cast("Write", self.space["write"]), cast("Scan", self.space["scan"])
 
     def name(self, letter: str, thing: object) -> str:
-        """Return a new name for a thing that the statements use."""
+        """Return a new name for an object that the statements use."""
         name = f"{letter}{len(self.space)}"
         self.space[name] = thing
         return name
@@ -107,13 +108,13 @@ class _Source:
 
 
 class _Writing:
-    """The statements that write a message: its parts are packed numbers, strings and arrays."""
+    """The statements that write a message in parts: packed numbers, strings and arrays."""
 
     def __init__(self, source: _Source) -> None:
         self._source = source
         self._lines: list[str] = []
         self._parts: list[str] = []
-        self._codes = ""  # of the numbers, and the NUL ("x"), that go into the next part
+        self._codes = ""  # codes of the numbers, and NUL ("x"), of the next part
         self._values: list[str] = []
 
     def statements(self) -> list[str]:
@@ -151,7 +152,7 @@ class _Writing:
         self._codes = "x"
 
     def _add_array(self, part: Field, write: str, target: str, size: str) -> None:
-        """Add an array; one of numbers as ``scan`` gives it without a call."""
+        """Add an array; an array of numbers as returned by ``scan`` needs no call."""
         if not _holds_numbers(part) or part.is_bytes or is_short(part.dimensions[0]):
             self._parts.append(f"{write}({target}, {size})")
             return
@@ -181,10 +182,10 @@ class _Reading:
     def __init__(self, source: _Source) -> None:
         self._source = source
         self._lines: list[str] = []
-        self._base, self._offset = "at", 0  # the place of the next field, known as a sum
-        self._codes = ""  # of the numbers that are read next
+        self._base, self._offset = "at", 0  # the sum of these is the offset of the next field
+        self._codes = ""  # codes of the numbers that are read next
         self._targets: list[str] = []
-        self._may_be_behind = False  # what was read last may be behind the end of the payload
+        self._may_be_behind = False  # True if the last read may go beyond the payload's end
 
     def statements(self) -> list[str]:
         for place, part in enumerate(self._source.layout.parts):
@@ -210,7 +211,7 @@ class _Reading:
         return f"{self._base} + {self._offset}" if self._offset else self._base
 
     def _unpack(self) -> None:
-        """Add a statement that reads the numbers that have gathered."""
+        """Add a statement that reads the collected numbers."""
         if self._codes:
             targets = ", ".join(self._targets)
             self._take(f"{targets},", struct.Struct(f">{self._codes}"))

@@ -1,4 +1,4 @@
-"""A type as text: its definition, as of ``rosmsg show``, and its prototype, as of ``rosmsg-proto``.
+"""A type as text: its definition, as in ``rosmsg show``, and its prototype, as in ``rosmsg-proto``.
 
 Belongs here: the text of a type's fields, constants and defaults. Must not know messages.
 """
@@ -13,7 +13,7 @@ from lcmtools.messages.setting import write_setting
 
 
 def definition(cls: type[Message]) -> str:
-    """The constants and fields of a type, nested types expanded below; "" if it has none.
+    """Return a type's constants and fields, nested types expanded below; "" if it has none.
 
         std_msgs/Header header
           int32 seq
@@ -21,13 +21,13 @@ def definition(cls: type[Message]) -> str:
         float64[36] covariance
 
     lcm-gen's classes keep a constant's value, not its type, so constants are shown with the
-    smallest type that holds all of them, unsigned where it can be, as in ROS's own definitions.
+    smallest type that holds all of them, unsigned if possible, as in ROS's own definitions.
     """
     return "\n".join(_lines(cls, "", ()))
 
 
 def prototype(cls: type[Message]) -> str:
-    """Return the fields of a type with their defaults as YAML that ``pub`` takes.
+    """Return the fields of a type with their defaults as YAML that ``pub`` accepts.
 
         linear:
           x: 0.0
@@ -40,17 +40,17 @@ def prototype(cls: type[Message]) -> str:
 
 
 def prototype_line(cls: type[Message]) -> str:
-    """Return the same in one line: "{linear: {x: 0.0}, frame_id: ''}"."""
+    """Return the same as one line: "{linear: {x: 0.0}, frame_id: ''}"."""
     return _inline(to_plain(cls()))
 
 
 def declaration(field: Field) -> str:
-    """A field as a line of a definition: "float64[36] covariance", "string[] name"."""
+    """Return a field as a line of a definition: "float64[36] covariance", "string[] name"."""
     return f"{array_type(field.type, field.dimensions)} {field.name}"
 
 
 def array_type(element: str, dimensions: Iterable[int | str]) -> str:
-    """A type with its array sizes: "float64[36]", "float32[]"."""
+    """Return a type with its array sizes: "float64[36]", "float32[]"."""
     return element + "".join(f"[{n}]" if isinstance(n, int) else "[]" for n in dimensions)
 
 
@@ -86,7 +86,7 @@ def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:
 
 
 def _inline(value: Plain) -> str:
-    """A value in one line; whole messages only occur within arrays of fixed size."""
+    """Return a value as one line; whole messages occur only within arrays of fixed size."""
     if isinstance(value, dict):
         return f"{{{', '.join(f'{name}: {_inline(part)}' for name, part in value.items())}}}"
     if isinstance(value, list):

@@ -1,9 +1,9 @@
-"""The documents of a text of YAML or JSON, each as soon as its last line is there.
+"""The documents in a text of YAML or JSON, each available as soon as its last line is.
 
-Belongs here: the ends of documents in texts that come line by line and never end. Must not know
-messages. A document ends at a line of ``---`` or ``...``; one that is in brackets, as JSON
-is, at the line that closes them. JSON's own reader is far faster than YAML's and knows JSON's
-escapes (two of four digits each for one character).
+Belongs here: the ends of documents in texts that come line by line and may never end. Must not know
+messages. A document ends at a line of ``---`` or ``...``; one in brackets, as in JSON, at the line
+that closes them. Python's JSON parser is far faster than the YAML parser, and knows JSON's escapes
+(surrogate pairs, two escapes of four digits for one character).
 """
 
 import re
@@ -17,7 +17,7 @@ from lcmtools.formats.yaml_problem import BadYaml, OpenBracket
 from lcmtools.messages.fill import Value
 
 LONGEST = 1 << 28
-"""Characters of a document; above LCM's largest message, as text."""
+"""The most characters of a document; more than LCM's largest message has as text."""
 
 _BREAK = re.compile(r"(?:---|\.\.\.)(?=\s|$)")
 _NOTHING = re.compile(r"\s*(?:#.*)?")
@@ -33,21 +33,21 @@ class Document(NamedTuple):
 
 
 class _OpenDocument(ValueMismatch):
-    """The document ends within brackets; with more lines, it may be right."""
+    """The document ends within brackets; with more lines, it may be correct."""
 
 
 class Documents:
-    """Takes a text line by line and returns each document that is complete and not empty.
+    """Takes a text line by line and returns each complete document that is not empty.
 
-    With ``keeps_empty`` those between lines of ``---`` too, as echo prints messages without fields;
-    such a one has a line, if only a blank one.
+    With ``keeps_empty`` also returns empty ones between lines of ``---``, which echo prints for
+    messages without fields; such a document has at least a blank line.
     """
 
     def __init__(self, *, keeps_empty: bool = False) -> None:
-        self.count = 0  # documents that have begun; the number of the one that an error is in
+        self.count = 0  # documents begun; for errors, the number of the current one
         self._keeps_empty = keeps_empty
-        self._has_line = False  # before the next line of ---
-        self._number = 0  # of the latest line, from 1
+        self._has_line = False  # True if a line has come since the last line of ---
+        self._number = 0  # number of the latest line, from 1
         self._lines: list[str] = []
         self._first = 1
         self._length = 0
@@ -56,7 +56,7 @@ class Documents:
     def take(self, line: str) -> Iterator[Document]:
         """Take the next line, without its end; return the documents that it completes.
 
-        ValueMismatch is raised for one that is bad, or too long.
+        ValueMismatch is raised for an invalid document or one that is too long.
         """
         self._number += 1
         if self._number == 1:
@@ -76,7 +76,7 @@ class Documents:
         yield from self._closed_brackets()
 
     def end(self) -> Iterator[Document]:
-        """Return the last document, which the text's end completes; ValueMismatch for a bad one."""
+        """Return the last document, completed by the text's end; ValueMismatch if it is invalid."""
         if self._lines:
             yield from self._parsed()
             self._lines, self._length = [], 0
@@ -97,7 +97,7 @@ class Documents:
             self.count += 1
 
     def _closed_brackets(self) -> Iterator[Document]:
-        """Return the document, if it is in brackets and this line closes them."""
+        """Return the document if it is in brackets that this line closes."""
         closing = _BRACKETS.get(self._lines[0][:1]) if self._lines else None
         last = self._lines[-1].rstrip() if closing else ""
         if closing and last.endswith(closing) and not last[0].isspace():
@@ -111,7 +111,7 @@ class Documents:
 def parse(text: str, first_line: int = 1) -> Iterator[Document]:
     """Return the documents of a complete text of JSON or YAML; empty ones are left out.
 
-    ValueMismatch is raised for one that is bad, after those before it.
+    ValueMismatch is raised for an invalid one, after those before it.
     """
     found, value = _read_json(text)
     if found:
@@ -125,7 +125,7 @@ def parse(text: str, first_line: int = 1) -> Iterator[Document]:
 
 
 def parse_values(texts: Sequence[str]) -> Value:
-    """A command's arguments, each parsed on its own, for ``fill``; ValueMismatch for bad YAML."""
+    """Parse a command's arguments separately, for ``fill``; ValueMismatch for invalid YAML."""
     values = [_only_value(text) for text in texts]
     return values[0] if len(values) == 1 else values or {}
 
@@ -147,7 +147,7 @@ def _mismatch(bad: BadYaml, first_line: int) -> ValueMismatch:
 def _read_json(text: str) -> tuple[bool, Value]:
     """Return True and the value, if a text is one object or array of JSON.
 
-    Text that is almost JSON is left to the YAML reader, which names the mistake and its place.
+    Text that is almost JSON is left to the YAML reader, which reports the mistake and its place.
     """
     import json
 
@@ -167,7 +167,7 @@ def _read_json(text: str) -> tuple[bool, Value]:
 
 
 def _unique_keys(pairs: list[tuple[str, Value]]) -> dict[str, Value]:
-    """Return the object; a key that is given twice is for the YAML reader to name."""
+    """Return the object; a duplicate key is left to the YAML reader to report."""
     found = dict(pairs)
     if len(found) != len(pairs):
         raise ValueError
@@ -175,7 +175,7 @@ def _unique_keys(pairs: list[tuple[str, Value]]) -> dict[str, Value]:
 
 
 def _as_text(value: Value) -> Value:
-    """Return the value with true and false as text, which the type of a field reads."""
+    """Return the value with true and false as text, to be read by a field's type."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):

@@ -21,13 +21,13 @@ PRIMITIVES = {
     "double": "float64",
     "string": "string",
 }
-"""LCM's primitive types and their names in ROS, which all texts of lcmtools use."""
+"""LCM's primitive types and their names in ROS, which lcmtools uses in all texts."""
 
 TIME_FIELDS = (("sec", "nsec"), ("sec", "nanosec"))
-"""The fields of times and durations, as ROS 1 and ROS 2 have them."""
+"""The fields of times and durations, as in ROS 1 and ROS 2."""
 
 _TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
-"""The names of a time's two fields in ROS 1 and ROS 2, and their places."""
+"""The names of a time's two fields in ROS 1 and ROS 2, and their positions."""
 
 MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 
@@ -35,15 +35,15 @@ MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 class Field(NamedTuple):
     """One field of a message.
 
-    Array sizes (``dimensions``) are from the outermost in: a number, or the name of the length
-    field that holds it.
+    Array sizes (``dimensions``) are listed from the outermost inwards: a number, or the name of the
+    length field that holds it.
     """
 
     name: str
-    type: str  # a primitive as ROS calls it ("float64"), or a message type
+    type: str  # a primitive by its ROS name ("float64"), or a message type
     message_class: MessageClass | None  # None for a primitive
     dimensions: tuple[int | str, ...]  # none for a single value
-    is_length: bool  # of an array, which users neither see nor set
+    is_length: bool  # True for the length of an array, which users neither see nor set
 
     @property
     def depth(self) -> int:
@@ -78,33 +78,33 @@ def holds_itself(cls: type[Message]) -> bool:
 
 @cache
 def constants(cls: type[Message]) -> dict[str, int | float | str]:
-    """The constants of a class by name; lcm-gen keeps their values, not their types."""
+    """The constants of a class by name; lcm-gen keeps the values, not the types."""
     named = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
     return {name: value for name, value in named.items() if isinstance(value, (int, float, str))}
 
 
 def fields_hint(cls: type[Message]) -> str:
-    """The fields of a class for an error: "fields: x, y", or that it has none."""
+    """Return the fields of a class, for an error: "fields: x, y", or that it has none."""
     names = ", ".join(field.name for field in visible_fields(cls))
     return f"fields: {names}" if names else "it has no fields"
 
 
 @cache
 def is_time(cls: type[Message]) -> bool:
-    """Return True for a time or a duration: seconds and nanoseconds, by either name."""
+    """Return True for a time or a duration: seconds and nanoseconds, as ROS 1 or ROS 2."""
     return tuple(cls.__slots__) in TIME_FIELDS
 
 
 @cache
 def field_name(cls: type[Message], name: str) -> str:
-    """A class's own name for a field: a time's are also known as secs, nsecs and nanosec."""
+    """Return a class's own name for a field; for a time, secs, nsecs and nanosec work too."""
     if name in _TIME_NAMES and is_time(cls):
         return cls.__slots__[_TIME_NAMES[name]]
     return name
 
 
 def stamp(message: Message) -> int | None:
-    """The stamp in a message's ``header`` [ns since 1970]; None where it has no std_msgs/Header."""
+    """The stamp in a message's ``header`` [ns since 1970]; None if it has no std_msgs/Header."""
     header = getattr(message, "header", None)
     kind: type = type(header)
     if header is None or not _is_header(kind):
@@ -113,7 +113,7 @@ def stamp(message: Message) -> int | None:
 
 
 def utime(message: Message) -> int | None:
-    """The time in a message's ``utime`` [ns since 1970], which is in microseconds; None without.
+    """A message's ``utime``, which is in microseconds, as [ns since 1970]; None without one.
 
     The field is LCM's convention, as in its event logs and examples.
     """
@@ -149,6 +149,6 @@ def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: b
     dimensions = tuple(sizes or ())
     if lcm_type in PRIMITIVES:
         return Field(name, PRIMITIVES[lcm_type], None, dimensions, is_length)
-    module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is outside of any package
+    module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is not in a package
     cls: type[Message] = getattr(importlib.import_module(module or short), short)
     return Field(name, type_name(cls), cls, dimensions, is_length)

@@ -1,9 +1,9 @@
-"""Messages filled from plain values: mappings by field name, lists in order, text and numbers.
+"""Filling messages from plain values: mappings by field name, lists in order, text and numbers.
 
-Belongs here: the names of a message's fields, and the errors for those that do not match; the words
+Belongs here: the names of a message's fields, and errors for names that do not match; the words
 ``now`` (for a time, and for LCM's ``utime``) and ``auto`` (for a header, whose stamp it sets), and
-whole numbers of nanoseconds for a time, as rostopic and ros2 take them. Must not know YAML's syntax
-(see ``message_template``), the wire format or a clock.
+a time as an integer number of nanoseconds, all accepted as by rostopic and ros2. Must not know
+YAML's syntax (see ``message_template``), the wire format or a clock.
 """
 
 import re
@@ -27,23 +27,23 @@ from lcmtools.messages.shape import Element, each, shaped
 from lcmtools.names import closest
 
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
-"""Values to fill a message from. Text is read by the field's type."""
+"""Values to fill a message from. Text is interpreted by the field's type."""
 
 _WORDS = ("now", "auto")
 _NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
 
 
 def fill(message: Message, value: Value) -> tuple[Message, ...]:
-    """Set the fields of a message from plain values; those that are not named stay as they are.
+    """Set the fields of a message from plain values; fields that are not named are kept.
 
-    Returns the times in it that are to be the moment of sending: see ``set_moment``.
+    Returns the times in it that must be set when it is sent: see ``set_moment``.
 
     A mapping sets fields by name, a list sets all fields in order, None sets none; a single value
-    sets the only field of a message that has one. Text is read by the field's type ("0x1F"
-    is a number in a number field), numbers and booleans may also be themselves.
+    sets the only field of a message that has one. Text is interpreted by the field's type ("0x1F"
+    is a number in a number field); numbers and booleans may also be given as such.
 
     Raises:
-        ValueMismatch: Something does not fit; it names the field. The message is half filled then.
+        ValueMismatch: A value does not fit its field. The message is then half filled.
     """
     times: list[Message] = []
     try:
@@ -65,12 +65,12 @@ def _fill(message: Message, value: Value, times: list[Message]) -> None:
 
 
 def _set_time(message: Message, value: Value, times: list[Message]) -> bool:
-    """Set a time or a header by a word or by nanoseconds; return False for other values."""
+    """Set a time or header from a word or nanoseconds; return False for other values."""
     name, is_moment = type_name(message), is_time(type(message))
     if value in _WORDS and is_moment and not name.endswith("/Duration"):
         times.append(message)
     elif value in _WORDS and name == "std_msgs/Header":
-        times.append(message.stamp)  # type: ignore[attr-defined] # a header has one
+        times.append(message.stamp)  # type: ignore[attr-defined] # a header has a stamp
     elif is_moment and _NANOSECONDS.fullmatch(str(value)):
         _fill_in_order(message, split_stamp(int(cast("str", value))), times)
     else:
@@ -105,7 +105,7 @@ def _fill_in_order(message: Message, values: Sequence[Value], times: list[Messag
 def _is_array_value(field: Field, values: Sequence[Value]) -> bool:
     """Return whether a list for a message with one field, an array, is the array itself.
 
-    It is, unless it holds nothing but one list where the array's elements cannot be lists.
+    It is, unless it has only one element, a list, and the array's elements cannot be lists.
     """
     only_a_list = len(values) == 1 and isinstance(values[0], (list, tuple))
     elements_are_lists = len(field.dimensions) > 1 or field.message_class is not None
@@ -159,7 +159,7 @@ def _scalar(value: object, type_name: str) -> object:
 
 
 def _bytes_of_text(value: Value, dimensions: int) -> object:
-    """UTF-8 where text is given for the innermost dimension of an array of bytes."""
+    """Convert text to UTF-8 if it is given for the innermost dimension of an array of bytes."""
     if isinstance(value, str):
         return from_text(value, "string").encode("utf-8", STRAY_BYTES)  # type: ignore[union-attr] # text
     if dimensions > 1 and isinstance(value, (list, tuple)):
@@ -186,7 +186,7 @@ def _unknown_field(cls: type[Message], key: str, value: Value) -> Misfit:
 
 
 def _field_hint(cls: type[Message], key: str) -> str:
-    """A hint at the field that is meant: one like it, or one within a message."""
+    """Return a hint at the intended field: a similar name, or one in a nested message."""
     known = {field.name: field.message_class for field in visible_fields(cls)}
     outer, point, inner = key.partition(".")
     if point and known.get(outer):
@@ -202,7 +202,7 @@ def _field_hint(cls: type[Message], key: str) -> str:
 
 
 def _colon_hint(cls: type[Message], text: Value, value: Value = None) -> str:
-    """A hint at "x:1", which YAML takes for one word; "" for other values."""
+    """Return a hint about "x:1", which is a single word in YAML; "" for other values."""
     names = "|".join(re.escape(field.name) for field in visible_fields(cls))
     match = re.match(rf"({names}):([^\s,}}\]]+)", text) if names and isinstance(text, str) else None
     if not match or not (value is None or isinstance(value, str)):

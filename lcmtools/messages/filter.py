@@ -1,7 +1,7 @@
 """Filter expressions: ``m.data == 'x'``, ``hypot(linear.x, linear.y) > 0.5 and not isnan(angle)``.
 
 Belongs here: the names in an expression, which are the fields and constants of a message. ``m`` is
-the message; its fields may also be named alone. Must not know where the messages come from.
+the message; its fields may also be used without it. Must not know where the messages come from.
 """
 
 import ast
@@ -27,7 +27,7 @@ _LANGUAGE = Language(
 
 
 class Filter:
-    """A condition on messages; UsageError names the part of it that is wrong or not allowed."""
+    """A condition on messages; UsageError names a part that is wrong or not allowed."""
 
     def __init__(self, text: str) -> None:
         self._expression = Expression(text, _LANGUAGE)
@@ -44,14 +44,14 @@ class Filter:
             self._checked.add(cls)
 
     def matches(self, message: Message) -> bool:
-        """Return whether a message meets the condition; not one in which it has no value.
+        """Return whether a message meets the condition; False if it has no value there.
 
-        Raise ValueMismatch if it has no such field, or a value does not fit its operation.
+        Raise ValueMismatch if there is no such field, or a value does not suit its operation.
         """
         self.check(type(message))
         try:
             return bool(self._expression.value(_Fields(message)))
-        except NoValue:  # an index behind the end of an array, a division by zero
+        except NoValue:  # an index beyond the end of an array, a division by zero
             return False
         except ExpressionFault as fault:
             raise ValueMismatch(f"filter: {fault}") from None
@@ -84,12 +84,12 @@ class Filter:
         if not isinstance(node.slice, ast.Slice):
             step = _constant(node.slice)
         found = element_target(owner, step, self._expression.place(node.value))
-        # a slice's elements have no name of their own here: nothing can be done with all of them
+        # a slice has no further names: there are no operations on all of its elements
         return Target(found.type, found.message_class, found.dimensions)
 
 
 class _Fields:
-    """The fields of a message, as the names of an expression."""
+    """The fields of a message, for the names in an expression."""
 
     def __init__(self, message: Message) -> None:
         self._message = message
@@ -107,7 +107,7 @@ class _Fields:
 
 
 def _named_target(owner: Target, name: str, where: str) -> Target | None:
-    """The target of a field; None for a constant of the owner's type."""
+    """Return the target of a field; None for a constant of the owner's type."""
     is_message = owner.message_class is not None and not owner.dimensions
     if is_message and name in constants(cast("type[Message]", owner.message_class)):
         return None
@@ -119,7 +119,7 @@ def _is_constant(name: str, cls: type[Message]) -> bool:
 
 
 def _constant(index: ast.expr) -> int:
-    """An index that is written as a number; 0 for one that a message decides on."""
+    """Return an index that is written as a number; 0 if it depends on the message."""
     with contextlib.suppress(ValueError, TypeError):
         return int(ast.literal_eval(index))
     return 0

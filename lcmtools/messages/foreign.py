@@ -1,7 +1,7 @@
-"""Payloads that are no LCM messages: the format that they are most likely in.
+"""Payloads that are not LCM messages: detecting their most likely format.
 
-Belongs here: telling formats apart by their bytes, of a whole payload or of its head. Must not know
-types: a payload with a known fingerprint is not asked about.
+Belongs here: telling formats apart by the bytes of a whole payload or of its head. Must not know
+types: payloads with a known fingerprint do not come here.
 """
 
 import re
@@ -13,19 +13,19 @@ _MAGIC = {
     b"\x00\x01\x00\x00": "CDR, as ROS 2 and DDS send it",
 }
 _PICKLE = re.compile(rb"\x80[\x02-\x05]")
-_UNPRINTABLE = re.compile("[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f\ufffd]")  # but escapes of terminals
+_UNPRINTABLE = re.compile("[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f\ufffd]")  # except terminal escapes
 _JSON_HEAD = re.compile(r"""\s*(?:\{\s*["}]|\[\s*["\[{\]tfn\d-])""")
 _SHORTEST = 8  # bytes of an LCM message: its fingerprint
 _MOST_FIELD = 2047  # the largest field number of protobuf in two bytes; real ones are smaller
-_MOST_FIELDS = 10_000  # that are looked at
+_MOST_FIELDS = 10_000  # that are checked
 _FIXED = {1: 8, 5: 4}  # protobuf's wire types of fixed size [byte]
 
 
 def foreign_format(payload: bytes, *, is_whole: bool = True) -> str:
-    """The likely format of a payload whose fingerprint no type has: "JSON", "protobuf", "text", ...
+    """The likely format of a payload whose fingerprint is unknown: "JSON", "protobuf", "text", ...
 
-    Returns "" for one that may well be an LCM message of an unknown type. ``is_whole`` is False
-    where the end of the payload is not known.
+    Returns "" for a payload that may be an LCM message of an unknown type. ``is_whole`` is False
+    if the end of the payload is not available.
     """
     if not payload:
         return "nothing (no bytes)"
@@ -47,7 +47,7 @@ def _text_format(payload: bytes, *, is_whole: bool) -> str:
     try:
         text = payload.rstrip(b"\0").decode()
     except UnicodeDecodeError as error:
-        if is_whole or error.start < len(payload) - 3:  # a character may be cut
+        if is_whole or error.start < len(payload) - 3:  # the last character may be cut off
             return ""
         text = payload[: error.start].decode()
     if not text or _UNPRINTABLE.search(text):
@@ -62,12 +62,12 @@ def _text_format(payload: bytes, *, is_whole: bool) -> str:
 
 
 def _is_protobuf(data: bytes, *, is_whole: bool) -> bool:
-    """Return True for bytes that are fields of protobuf up to their end, in ascending order.
+    """Return True if the bytes are protobuf fields up to their end, in ascending order.
 
     The format: https://protobuf.dev/programming-guides/encoding
     """
     if len(data) == _SHORTEST + 1 and data[0] & 7 == 1:
-        return False  # one number of 8 bytes; a fingerprint and one byte are as likely
+        return False  # a single 8-byte number: a fingerprint and one byte are as likely
     at, last = 0, 1
     for _ in range(_MOST_FIELDS):
         tag, start = _varint(data, at)
@@ -83,10 +83,10 @@ def _is_protobuf(data: bytes, *, is_whole: bool) -> bool:
 
 
 def _varint(data: bytes, at: int) -> tuple[int, int]:
-    """A number of variable length and the place of its end; (0, -1) where it has none."""
+    """Return a variable-length number and the offset of its end; (0, -1) if it does not end."""
     value = 0
     for place, byte in enumerate(data[at : at + 10] if at >= 0 else b""):
         value |= (byte & 127) << 7 * place
-        if byte < 128:  # noqa: PLR2004 - the top bit says that more bytes follow
+        if byte < 128:  # noqa: PLR2004 - the top bit means that more bytes follow
             return value, at + place + 1
     return 0, -1

@@ -1,7 +1,7 @@
-"""The fields of a type as they follow each other in a payload.
+"""The fields of a type in their order in a payload.
 
-Belongs here: a nested message is its fields and no more, so a type is a row of fields that are no
-messages, or arrays of them: its leaves. Must not know bytes or values.
+Belongs here: flattening nested messages. A nested message is nothing but its fields, so a type is a
+sequence of fields that are not messages, or are arrays: its leaves. Must not know bytes or values.
 """
 
 import struct
@@ -19,17 +19,17 @@ _FINGERPRINT_BYTES = 8
 
 
 class Part(NamedTuple):
-    """A message in a layout: the whole one, or one that is nested in it."""
+    """A message in a layout: the whole one, or one nested in it."""
 
     cls: type[Message]
-    owner: int = 0  # the place of the message that holds it, in ``Layout.parts``
-    name: str = ""  # of its field in that
+    owner: int = 0  # index in ``Layout.parts`` of the message that contains it
+    name: str = ""  # name of its field there
 
 
 class Leaf(NamedTuple):
-    """A field that is no message, or an array."""
+    """A field that is not a message, or that is an array."""
 
-    part: int  # the place of its message, in ``Layout.parts``
+    part: int  # index of its message in ``Layout.parts``
     field: Field
     where: str  # "geometry_msgs/Twist.linear.x", for errors
 
@@ -55,7 +55,7 @@ def layout(cls: type[Message]) -> Layout:
 
 
 def _leaves(parts: list[Part], place: int, path: str) -> Iterator[Leaf]:
-    """The leaves of the part at a place; its nested messages are added to the parts."""
+    """Yield the leaves of the part at an index; nested messages are added to the parts."""
     for part in fields(parts[place].cls):
         where = f"{path}.{part.name}"
         if part.message_class and not part.dimensions:
@@ -80,14 +80,14 @@ def has_wire_type(message: object, cls: type[Message]) -> bool:
 
 
 def check_type(value: object, cls: type[Message]) -> None:
-    """Raise TypeError for an object that has not the fields of a ``cls``."""
+    """Raise TypeError for an object that does not have the fields of a ``cls``."""
     if not has_wire_type(value, cls):
         raise TypeError(f"not a {cls.__name__}")
 
 
 @cache
 def stamp_reader(cls: type[Message]) -> Callable[[bytes], Sequence[int]] | None:
-    """A function that reads header.stamp from a payload; None where it has no fixed place."""
+    """Return a function that reads header.stamp from a payload; None without a fixed place."""
     before, stamp = _FINGERPRINT_BYTES, f"{type_name(cls)}.header.stamp"
     for leaf, after in pairwise(layout(cls).leaves):
         if not (leaf.is_number and after.is_number):
@@ -107,7 +107,7 @@ def smallest(cls: type[Message]) -> int:
 
 def _smallest(field: Field) -> int:
     count = prod(size if isinstance(size, int) else 0 for size in field.dimensions)
-    if not count:  # before the element: a type may hold an array of itself
+    if not count:  # checked first: a type may contain an array of itself
         return 0
     if field.message_class:
         return count * smallest(field.message_class)
@@ -117,7 +117,7 @@ def _smallest(field: Field) -> int:
 
 @cache
 def longest_array(cls: type[Message]) -> float:
-    """Return the most elements that an array of a type can have; inf where a length field tells."""
+    """Return the most elements that an array of a type can have; inf if it has a length field."""
     sizes: list[float] = [0]
     for leaf in layout(cls).leaves:
         sizes += [size if isinstance(size, int) else inf for size in leaf.field.dimensions]
@@ -127,9 +127,9 @@ def longest_array(cls: type[Message]) -> float:
 
 
 def is_bounded(cls: type[Message]) -> bool:
-    """Return True for a type whose every message takes bytes, with all that it may hold.
+    """Return True if the size of a payload bounds the content of a message of a type.
 
-    It holds no arrays of several dimensions and none of itself either.
+    It does if each message in it takes bytes, without arrays of several dimensions or of itself.
     """
     return _is_bounded(cls, frozenset())
 
@@ -141,7 +141,7 @@ def _is_bounded(cls: type[Message], above: frozenset[type[Message]]) -> bool:
         cls not in above
         and smallest(cls) > 0
         and all(
-            len(leaf.field.dimensions) < 2  # noqa: PLR2004 - as said
+            len(leaf.field.dimensions) < 2  # noqa: PLR2004 - one dimension
             and (not leaf.field.message_class or _is_bounded(leaf.field.message_class, inner))
             for leaf in layout(cls).leaves
         )

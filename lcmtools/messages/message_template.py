@@ -1,9 +1,9 @@
-"""Messages from the YAML that users type: arguments, as ``rostopic pub`` takes them, and texts.
+"""Messages from YAML that users write: arguments, as for ``rostopic pub``, and texts.
 
-Belongs here: the forms of YAML that are accepted, and the errors for others. Must not know the
-source of the text, nor read a clock: the moment of sending comes in as an argument. Every scalar
-stays text until a field's type decides (see ``fill``), so that ``1e-3`` is a number and ``on`` a
-word wherever one is wanted.
+Belongs here: the accepted forms of YAML, and the errors for others. Must not know the source of the
+text, nor read a clock: the time of sending comes in as an argument. Every scalar stays text until a
+field's type decides (see ``fill``): ``1e-3`` is a number for a number field, and ``on`` a word for
+a string.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -29,13 +29,13 @@ class MessageTemplate(Generic[M]):
     _payload: bytes | None = None
 
     def at(self, now: int) -> M:
-        """The message as it is sent at ``now`` (nanoseconds since 1970)."""
+        """Return the message as sent at ``now`` [ns since 1970]."""
         for time in self.times:
             set_moment(time, now)
         return self.message
 
     def payload(self, now: int) -> bytes:
-        """The same, encoded; ValueMismatch for what does not fit, as a time out of range."""
+        """Return the same, encoded; ValueMismatch if a value, such as a time, is out of range."""
         if self.times:
             return encode(self.at(now))
         if self._payload is None:
@@ -44,21 +44,22 @@ class MessageTemplate(Generic[M]):
 
 
 def draft(cls: type[M], value: Value) -> MessageTemplate[M]:
-    """The message that a value means; ValueMismatch for a field that does not fit: see ``fill``."""
+    """Return the message for a value; ValueMismatch if a field does not fit: see ``fill``."""
     message = cls()
     return MessageTemplate(message, fill(message, value))
 
 
 def draft_from_values(cls: type[M], texts: Sequence[str]) -> MessageTemplate[M]:
-    """The message that a user's arguments mean; fields that they do not name are default.
+    """Return the message for a user's arguments; fields that are not named have defaults.
 
     Args:
         cls: The message's class.
-        texts: Each one YAML: nothing; one mapping of fields; one list of all fields in order; all
-            fields in order, a text each; or one value for the only field of a message.
+        texts: Each is YAML. Together they are: nothing; one mapping of fields; one list of all
+            fields in order; all fields in order, one text each; or one value for the only field of
+            a message.
 
     Raises:
-        ValueMismatch: The YAML is bad, or a value does not fit the field that it names.
+        ValueMismatch: The YAML is invalid, or a value does not fit its field.
     """
     value = parse_values(texts)
     try:
@@ -71,16 +72,16 @@ def draft_from_values(cls: type[M], texts: Sequence[str]) -> MessageTemplate[M]:
 def drafts_from_lines(
     cls: type[M], lines: Iterable[str | None]
 ) -> Iterator[MessageTemplate[M] | None]:
-    """The messages in a text of YAML documents between lines of ``---``, or of JSON.
+    """Yield the messages in a text: YAML documents between lines of ``---``, or JSON.
 
     Args:
         cls: The messages' class.
-        lines: The text's lines as they come; None where none has come for a while, which is
-            yielded too.
+        lines: The text's lines as they come; None if none has come for a while, which yields None
+            too.
 
     Raises:
-        ValueMismatch: As ``draft_from_values``, with the number of the document and of the line.
-            The messages before it have come out by then.
+        ValueMismatch: As in ``draft_from_values``, with the numbers of the document and the line.
+            The messages before it have been yielded by then.
     """
     documents = Documents(keeps_empty=not visible_fields(cls))
     for line in lines:
@@ -106,8 +107,8 @@ def _drafts(
 
 
 def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> str:
-    """A hint at words and fields that the shell has split."""
-    if len(texts) < 2 or not isinstance(value, list):  # noqa: PLR2004 - what can be taken apart
+    """Return a hint about words and fields that the shell has split."""
+    if len(texts) < 2 or not isinstance(value, list):  # noqa: PLR2004 - one text is not split
         return ""
     names = {field.name for field in visible_fields(cls)}
     if all(_names_a_field(part, names) for part in value):

@@ -1,7 +1,7 @@
 """The arrays of numbers in decoded messages.
 
-Belongs here: what they have beyond ``array.array``, so that code written for lists and tuples goes
-on working. Must not know messages or payloads.
+Belongs here: what they have in addition to ``array.array``, so that code written for lists and
+tuples still works. Must not know messages or payloads.
 """
 
 import operator
@@ -16,7 +16,7 @@ else:
 
 
 def _compared(name: str) -> Callable[["NumberArray", object], bool]:
-    """A comparison that takes lists and tuples too."""
+    """Return a comparison that also accepts lists and tuples."""
     own: Callable[[object, object], bool] = getattr(array, name)
     of_lists: Callable[[object, object], bool] = getattr(operator, name)
 
@@ -31,19 +31,19 @@ def _compared(name: str) -> Callable[["NumberArray", object], bool]:
 class NumberArray(_Array):
     """An ``array.array`` that compares with lists and tuples and prints like a list.
 
-    It holds the machine's own numbers ("f" for float32, "b" for int8), so it decodes faster than a
-    list, takes less memory, and ``numpy.asarray`` takes it as it is, without a copy. A slice is a
-    plain ``array.array``: to look for slices here, in Python, would make each index slower.
+    It contains native numbers ("f" for float32, "b" for int8), so it decodes faster than a list and
+    takes less memory, and ``numpy.asarray`` uses it without a copy. A slice is a plain
+    ``array.array``: handling slices here, in Python, would make each index slower.
     """
 
     __slots__ = ()
-    __hash__ = None  # it can be changed
+    __hash__ = None  # it is mutable
     __eq__, __ne__ = _compared("__eq__"), _compared("__ne__")
     __lt__, __le__ = _compared("__lt__"), _compared("__le__")
     __gt__, __ge__ = _compared("__gt__"), _compared("__ge__")
 
     def __add__(self, other: Iterable[float]) -> list[float]:  # type: ignore[override] # likewise
-        """Return a list of these numbers and others; numpy's arrays are added by themselves."""
+        """Return a list of these numbers and others; numpy adds its own arrays itself."""
         if not isinstance(other, (list, tuple, array)):
             return NotImplemented
         return [*self, *other]

@@ -3,8 +3,8 @@
 Belongs here: the syntax of paths, their targets in a type, and the values they select. Must not
 know the bus, files or the terminal, nor the display of values.
 
-Names are separated by dots, as in ROS 2, or slashes, as rostopic has them. Indices and slices are
-Python's, on arrays only. A name after a slice is taken from each element of it.
+Names are separated by dots, as in ROS 2, or slashes, as in rostopic. Indices and slices are
+Python's, and for arrays only. A name after a slice applies to each of its elements.
 """
 
 import re
@@ -20,26 +20,26 @@ from lcmtools.messages.shape import as_sequence
 from lcmtools.names import did_you_mean
 
 Slice: TypeAlias = tuple[int | None, int | None, int | None]
-"""Start, stop and step, as Python's slices have them."""
+"""Start, stop and step, as in Python's slices."""
 
 Step: TypeAlias = str | int | Slice
 """A field's name, an index into an array, or a slice of it."""
 
 _STEP = re.compile(r"[./]([^./\[\]]+)|\[([^\]]*)\]")
 _WHOLE = re.compile(r"[+-]?\d{1,18}", re.ASCII)
-_MOST_PARTS = 3  # of a slice
+_MOST_PARTS = 3  # parts of a slice
 _WIDEST = 10_000  # elements of a slice whose columns are known before its messages
-_DEEPEST = 4  # levels of messages that a field is looked for in
+_DEEPEST = 4  # levels of nested messages in which a field is searched for
 _EXAMPLES = "write [0], [-1], [0:5] or [::2]"
 
 
 class Path(NamedTuple):
-    """The steps from a message inwards to a value; none for the message itself."""
+    """The steps from a message to a value within it; none for the message itself."""
 
     steps: tuple[Step, ...] = ()
 
     def __str__(self) -> str:
-        """The path as ROS 2 writes it: ``pose.covariance[0:3]``."""
+        """The path in ROS 2's notation: ``pose.covariance[0:3]``."""
         return "".join(map(_written, self.steps)).removeprefix(".")
 
     @property
@@ -52,7 +52,7 @@ class Path(NamedTuple):
         return len(range(start or 0, stop, step or 1))
 
     def then(self, other: "Path") -> "Path":
-        """This path and, from where it ends, another."""
+        """This path followed by another."""
         return Path(self.steps + other.steps)
 
 
@@ -61,9 +61,9 @@ class Target(NamedTuple):
 
     type: str
     message_class: MessageClass | None = None
-    dimensions: tuple[int | str, ...] = ()  # those that are left
-    mapped: int = 0  # lists around it that come from a name after a slice
-    sliced: bool = False  # the outermost dimension is a slice, whose elements a name may follow
+    dimensions: tuple[int | str, ...] = ()  # the remaining dimensions
+    mapped: int = 0  # lists around it caused by names after slices
+    sliced: bool = False  # True if the outermost dimension is a slice; a name may follow
 
     @property
     def depth(self) -> int:
@@ -79,7 +79,7 @@ class SelectedValue(NamedTuple):
 
 
 def parse_path(text: str) -> Path:
-    """The path that a text means; a separator before it, or a slash at its end, means nothing.
+    """Parse a path; a separator before it, or a slash at its end, is ignored.
 
     UsageError names the text and the mistake in it.
     """
@@ -100,26 +100,26 @@ def parse_path(text: str) -> Path:
 
 @cache
 def target(cls: type[Message], path: Path) -> Target:
-    """The target of a path in all messages of a type, known without a message.
+    """Return the target of a path in any message of a type.
 
-    ValueMismatch names the path, and the fields that there are instead.
+    ValueMismatch names the path, and the existing fields.
     """
     found = root_target(cls)
     for done, step in enumerate(path.steps):
         where = str(Path(path.steps[:done]))
         follow = field_target if isinstance(step, str) else element_target
-        found = follow(found, step, where)  # type: ignore[arg-type] # the one for this step
+        found = follow(found, step, where)  # type: ignore[arg-type] # the function for this step
     return found
 
 
 def select(message: Message, path: Path) -> SelectedValue:
-    """The value at a path; ValueMismatch as of ``target``, or for an index that the array lacks."""
-    found = target(type(message), path)  # first: it checks the names
+    """Return the value at a path; ValueMismatch as in ``target``, or for an index out of range."""
+    found = target(type(message), path)  # first, because it checks the names
     return SelectedValue(_walk(message, path.steps, path), found)
 
 
 def splits(argument: str) -> Iterator[tuple[str, str]]:
-    """All ways to read an argument as a topic with a field path behind it, longest topic first."""
+    """Yield all splits of an argument into a topic and a field path, longest topic first."""
     yield argument, ""
     for end in range(len(argument) - 1, 0, -1):
         if argument[end] in "./[":
@@ -127,12 +127,12 @@ def splits(argument: str) -> Iterator[tuple[str, str]]:
 
 
 def root_target(cls: type[Message]) -> Target:
-    """A whole message of a type."""
+    """Return the target for a whole message of a type."""
     return Target(type_name(cls), cls)
 
 
 def field_target(owner: Target, name: str, where: str) -> Target:
-    """The target of a field; ``where`` names the owner's place in the ValueMismatch for none."""
+    """Return a field's target, else raise ValueMismatch; ``where`` is the owner, for errors."""
     if owner.dimensions and not owner.sliced:
         says = f"{where} is an array of {owner.type}" if where else "it is an array"
         raise ValueMismatch(f"{says}, which has no field '{name}'", "put an index before it: [0]")
@@ -144,9 +144,9 @@ def field_target(owner: Target, name: str, where: str) -> Target:
 
 
 def element_target(owner: Target, step: int | Slice, where: str) -> Target:
-    """The target of an element or a slice of an array.
+    """Return the target of an element or a slice of an array.
 
-    ValueMismatch is raised for what is no array, or is one of fixed size without such an element.
+    ValueMismatch is raised if it is not an array, or has a fixed size without this element.
     """
     if not owner.dimensions:
         known = f" ({fields_hint(owner.message_class)})" if owner.message_class else ""
@@ -203,7 +203,7 @@ def _field(cls: type[Message], name: str, where: str) -> Field:
 
 
 def _deeper(cls: type[Message], name: str) -> str:
-    """The path to the outermost field of a name within a message's messages; "" without any."""
+    """Return the path to the outermost nested field of this name; "" if there is none."""
     level = [(field.name, field) for field in visible_fields(cls)]
     for _ in range(_DEEPEST):
         level = [

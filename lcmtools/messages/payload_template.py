@@ -1,4 +1,4 @@
-"""Messages of which only some numbers change, encoded beforehand: for high rates.
+"""Messages in which only some numbers change, encoded beforehand for high rates.
 
 Belongs here: the place of a field in a payload. Must not know channels or datagrams.
 """
@@ -17,30 +17,30 @@ from lcmtools.messages.rows import FORMATS
 from lcmtools.messages.scalars import STRAY_BYTES
 
 _FINGERPRINT_BYTES = 8
-_STRING_BYTES = 5  # of a string's length and its closing NUL
+_STRING_BYTES = 5  # bytes of a string's length and its closing NUL
 
 
 class PayloadTemplate:
-    """The payload of a message with holes, to be filled with numbers again and again.
+    """The payload of a message with holes, which can be filled with numbers repeatedly.
 
-    Faster than making a message and encoding it, as bench/codec.py shows:
+    Faster than creating a message and encoding it, as bench/codec.py shows:
 
         odometry = PayloadTemplate(message, "header.stamp", "pose.pose.position", "twist.twist")
         payload = odometry.fill((3, 500_000_000), (1.0, 2.0, 0.0), (0.5, 0.0, 0.0, 0.0, 0.0, 0.3))
 
     Args:
         message: The values of all other fields; it is not kept.
-        holes: Paths of fields that are numbers, or hold nothing but numbers ("header.stamp",
-            "ranges", "transforms[0].transform"). An array keeps the size that it has in the
-            message. They may come in any order, and must not overlap.
+        holes: Paths of fields that are numbers, or contain only numbers ("header.stamp", "ranges",
+            "transforms[0].transform"). An array keeps its size in the message. They may come in any
+            order, and must not overlap.
 
     Attributes:
-        payload: Of the message as it was given.
-        holes: Of each hole, in the given order, where it starts in it, and the numbers' ``struct``
-            codes ("2i", "1d1d1d").
+        payload: The payload of the message as given.
+        holes: For each hole, in the given order, its offset in the payload and its numbers'
+            ``struct`` codes ("2i", "1d1d1d").
 
     Raises:
-        ValueMismatch: The message cannot be encoded, or a hole is no such field of it.
+        ValueMismatch: The message cannot be encoded, or a hole is not such a field.
     """
 
     def __init__(self, message: Message, *holes: str) -> None:
@@ -63,10 +63,10 @@ class PayloadTemplate:
         self.holes = tuple(hole for hole, _ in sorted(found, key=lambda one: one[1]))
 
     def fill(self, *rows: Iterable[float]) -> bytes:
-        """The payload with these numbers in the holes, a row for each, in the holes' order.
+        """Return the payload with these numbers in the holes: a row for each hole, in order.
 
         Raises:
-            struct.error: A row has too many or too few numbers, or one of another type.
+            struct.error: A row has too many or too few numbers, or one has the wrong type.
             ValueError: There are not as many rows as holes.
         """
         parts = self._parts.copy()
@@ -75,7 +75,7 @@ class PayloadTemplate:
         return b"".join(parts)
 
     def fill_packed(self, rows: Iterable[bytes]) -> bytes:
-        """The payload with rows that are packed already: each number big-endian, in its own type.
+        """Return the payload with rows that are already packed, in big-endian order.
 
         Raises:
             ValueError: There are not as many rows as holes.
@@ -88,9 +88,9 @@ class PayloadTemplate:
 
 @dataclass(frozen=True, slots=True)
 class _Leaf:
-    """A field that is no message: its bytes in the payload, and their ``struct`` codes.
+    """A field that is not a message: its bytes in the payload, and their ``struct`` codes.
 
-    The codes are "" for a value that is no number.
+    The codes are "" for a value that is not a number.
     """
 
     path: str
@@ -100,7 +100,7 @@ class _Leaf:
 
 
 def _leaves(message: Message, path: str, start: int) -> Iterator[_Leaf]:
-    """The fields of a message that was decoded, as they follow each other."""
+    """Yield the fields of a decoded message, in their order in the payload."""
     for part in fields(type(message)):
         depth = 0 if part.type in FORMATS else len(part.dimensions)
         for where, value in _elements(getattr(message, part.name), depth, path + part.name):
@@ -129,7 +129,7 @@ def _leaf(message: Message, part: Field, value: object, path: str, start: int) -
 
 
 def _hole(leaves: Iterable[_Leaf], path: str, name: str) -> tuple[int, str]:
-    """The start of a hole in the payload, and the ``struct`` codes of its numbers."""
+    """Return a hole's offset in the payload, and the ``struct`` codes of its numbers."""
     inside = [leaf for leaf in leaves if _is_in(leaf.path, path)]
     if not inside:
         raise ValueMismatch(f"{name} has no field {path}")

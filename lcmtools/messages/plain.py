@@ -1,6 +1,6 @@
-"""Messages as plain values: dicts, lists, numbers, booleans and text; JSON and table cells of them.
+"""Messages as plain values: dicts, lists, numbers, booleans and text; also as JSON and table cells.
 
-Belongs here: a message as plain values, and a view that names, cuts or shifts some of them. Must
+Belongs here: a message as plain values, and views that only name, cut or shift some of them. Must
 not know files, nor the layout of plain values as text: see ``text``.
 """
 
@@ -26,15 +26,15 @@ Cell: TypeAlias = "int | float | str"
 """A value in a column of a table."""
 
 PLAIN_TYPES = frozenset((bool, int, float, str))
-_TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is relative already
+_TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is already relative
 
-# Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here. Half
-# characters are bytes that are not UTF-8; others turn the direction of what a terminal shows.
+# Legal in JSON, but in YAML forbidden or a line's end; JSON written here must be valid YAML too.
+# Surrogates stand for bytes that are not UTF-8; others change the text direction of terminals.
 _ESCAPED = re.compile("[\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff\ufffe\uffff]")
 
 
 class More(str):
-    """The mark of something left out; it is written as it is, also among numbers."""
+    """The mark for omitted values; it is written unchanged, also among numbers."""
 
     __slots__ = ()
 
@@ -43,22 +43,22 @@ MORE = More("...")
 
 
 class View(NamedTuple):
-    """Options for the values that are shown."""
+    """Options for showing values."""
 
     hides_arrays: bool = False  # arrays are only named: <array type: float64, length: 5>
-    hides_strings: bool = False  # strings too: <string length: 5>
+    hides_strings: bool = False  # and strings, too: <string length: 5>
     longest: int | None = None  # elements and characters after which arrays and strings are cut
-    most_elements: int | None = None  # of an array where ``longest`` is None; then ``ellipsis``
-    ellipsis: str = MORE  # "{}" in it is the number of elements left out
-    origin: int | None = None  # [ns since 1970] points in time are shown as the time since then
+    most_elements: int | None = None  # of an array, if ``longest`` is None; ``ellipsis`` follows
+    ellipsis: str = MORE  # "{}" in it stands for the number of omitted elements
+    origin: int | None = None  # [ns since 1970] points in time are shown relative to this one
     is_table: bool = False  # hidden values are left out, and cut ones have no dots
 
     def __bool__(self) -> bool:
-        """Return True if a value is shown otherwise."""
+        """Return True if it changes how any value is shown."""
         return self is not NOTHING and self != NOTHING
 
     def changes(self, cls: type[Message]) -> bool:
-        """Return True if a value of some message of a type is shown otherwise."""
+        """Return True if it can change how a message of a type is shown."""
         if not self:
             return False
         most = self.most_elements
@@ -74,11 +74,11 @@ class View(NamedTuple):
 
 
 NOTHING = View()
-"""All is shown as it is."""
+"""Everything is shown unchanged."""
 
 
 def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
-    """Return a message that ``encode`` takes as a dict; arrays of uint8 are lists of numbers.
+    """Return a message, as accepted by ``encode``, as a dict; uint8 arrays as lists of numbers.
 
     Length fields are left out. Infinities and NaN stay floats, which JSON cannot hold: see
     ``to_json``.
@@ -94,12 +94,12 @@ def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
 
 
 def plain_value(value: object, what: Field | Target, view: View = NOTHING) -> Plain:
-    """Return the value of a field or of the target of a path, as in ``to_plain``."""
+    """Return the value of a field or a path's target as plain values; see ``to_plain``."""
     return _plain(value, what, what.depth, view)
 
 
 def plain_scalar(value: object) -> Plain:
-    """Return a value as it is, or Python's own number for one of numpy's."""
+    """Return a value unchanged, or for a numpy number Python's own."""
     return value.item() if hasattr(value, "item") else cast("Plain", value)
 
 
@@ -109,7 +109,7 @@ def to_json(message: Message) -> str:
 
 
 def plain_json(plain: Plain) -> str:
-    """Return a plain value as one line of JSON, which is also YAML that ``fill`` takes back.
+    """Return a plain value as one line of JSON, which is also YAML that ``fill`` reads back.
 
     Infinities and NaN are the strings "inf", "-inf" and "nan".
     """
@@ -124,11 +124,11 @@ def plain_json(plain: Plain) -> str:
 
 
 def cells(plain: Plain, name: str = "field", joint: str = "") -> dict[str, Cell]:
-    """Return the single values in a plain one, by column: ``field.header.stamp``, ``field.x0``.
+    """Return the scalars in a plain value by column: ``field.header.stamp``, ``field.x0``.
 
-    The columns are those of ``rostopic echo -p``; ``joint`` is between a name and an index. That of
-    several dimensions, which ROS has not, is ``_``: [1][10] and [11][0] are 1_10 and 11_0. A time
-    or a duration is one cell, in nanoseconds; a boolean is 1 or 0.
+    The columns are those of ``rostopic echo -p``; ``joint`` is put between a name and an index.
+    Several dimensions, which ROS does not have, are joined by ``_``: [1][10] and [11][0] are 1_10
+    and 11_0. A time or a duration is one cell, in nanoseconds; a boolean is 1 or 0.
     """
     if isinstance(plain, dict) and tuple(plain) in TIME_FIELDS:
         return {name: join_stamp(*cast("dict[str, int]", plain).values())}
@@ -144,7 +144,7 @@ def cells(plain: Plain, name: str = "field", joint: str = "") -> dict[str, Cell]
 
 
 def _plain(value: object, what: Field | Target, depth: int, view: View) -> Plain:
-    """A value with ``depth`` lists around each element."""
+    """Convert a value with ``depth`` lists around each element."""
     if depth:
         return _plain_array(value, what, depth, view)
     if what.message_class:
@@ -165,7 +165,7 @@ def _plain_array(value: object, what: Field | Target, depth: int, view: View) ->
     is_simple = depth == 1 and not what.message_class and not (view and what.type == "string")
     if isinstance(shown, array):
         plain: list[Plain] = shown.tolist()
-    elif is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # seldom there are numpy's numbers
+    elif is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # numpy's numbers are rare
         plain = cast("list[Plain]", list(shown))
     else:
         plain = [_plain(element, what, depth - 1, view) for element in shown]
@@ -176,7 +176,7 @@ def _plain_array(value: object, what: Field | Target, depth: int, view: View) ->
 
 
 def _zeros(what: Field | Target) -> bytes:
-    """Zeros for the empty array of bytes that lcm-gen's class has for one of fixed size."""
+    """Return zeros for a byte array of fixed size, which lcm-gen's class initializes as empty."""
     size = what.dimensions[-1] if isinstance(what, Field) else 0
     return bytes(size) if isinstance(size, int) else b""
 
@@ -190,13 +190,13 @@ def _plain_string(text: str, view: View) -> str:
 
 
 def _since(time: dict[str, Plain], origin: int) -> dict[str, Plain]:
-    """A point in time as the length of time since another, whose nanoseconds are never negative."""
+    """Return the time since another point in time; its nanoseconds are never negative."""
     since = join_stamp(*cast("dict[str, int]", time).values()) - origin
     return dict(zip(time, divmod(since, NANOSECONDS), strict=True))
 
 
 def finite(plain: object) -> object:
-    """Return a plain value with infinities and NaN as text: JSON has none."""
+    """Return a plain value with infinities and NaN as text: JSON does not have these."""
     if isinstance(plain, dict):
         return {name: finite(value) for name, value in plain.items()}
     if isinstance(plain, (list, tuple)):

@@ -1,9 +1,9 @@
-"""Finding message types by name as people write it, by class and by fingerprint.
+"""Finding message types by name, in any usual spelling, by class and by fingerprint.
 
-A look-up reads tables and imports no type but the one that is found. Of two types with the same
-name a user's own counts: it is the one under development. The others are still found by their
-fingerprints. Where users' types are is decided at the edge (``supply.set_supply``); nothing
-here reads the environment, the working directory or the command line.
+A look-up reads tables and imports only the type that is found. If two types have the same name, the
+user's own takes precedence, because it is under development. The others are still found by their
+fingerprints. Where users' types are is decided at the edge of the program (``supply.set_supply``);
+nothing here reads the environment, the working directory or the command line.
 """
 
 import importlib
@@ -18,13 +18,13 @@ from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, p
 from lcmtools.messages.type_source import Problem, TypeSource
 
 _SHIPPED = "lcmtools.types."
-_USERS = "lcmtools_types_"  # packages.cache writes all types below a package named so
+_USERS = "lcmtools_types_"  # prefix of the package below which packages.cache writes types
 
 
 class Message(Protocol):
     """The interface of every class made by lcm-gen.
 
-    The tables have one entry a field, in wire order: its name, its LCM type (nested types as
+    The tables have one entry per field, in wire order: its name, its LCM type (nested types as
     ``module.Name``) and its array sizes (numbers, or names of length fields), None for no array.
     """
 
@@ -33,7 +33,7 @@ class Message(Protocol):
     __dimensions__: ClassVar[list[list[int | str] | None]]
 
     def encode(self) -> bytes:
-        """Return the payload, as lcm-gen's code makes it; ``codec.encode`` is the safe way."""
+        """Return the payload, as encoded by lcm-gen's code; ``codec.encode`` is safer."""
 
     def get_hash(self) -> int:
         """Return the fingerprint, unsigned 64-bit."""
@@ -47,9 +47,9 @@ class ServiceType(Protocol):
 
 
 class Registry:
-    """All types of some sources; an earlier source wins where two have the same name.
+    """All types of some sources; if two have the same name, the earlier source takes precedence.
 
-    ``supply`` gives the user's own types; ``warn`` is called with a warning about one that is used.
+    ``supply`` gives the user's own types; ``warn`` is called with warnings about types in use.
     """
 
     def __init__(
@@ -72,13 +72,13 @@ class Registry:
         return sorted({name for source in self._all() for name in source.services})
 
     def message_class(self, name: str, number: int | None = None) -> type[Message]:
-        """The class of a type, imported now; see ``lcmtools.message_class``."""
+        """Import and return the class of a type; see ``lcmtools.message_class``."""
         source, found = self._type(name, number)
         self._warn_once(source, found)
         return cast("type[Message]", _load(source.prefix, found))
 
     def service_class(self, name: str) -> type[ServiceType]:
-        """The pair of a service, named as a message is; UnknownType for none, or several."""
+        """The message pair of a service, named like a message; UnknownType for none or several."""
         found = self.service_name(name)
         source = next(one for some in self._tiers() for one in some if found in one.services)
         return cast("type[ServiceType]", _load(source.prefix, found))
@@ -105,12 +105,12 @@ class Registry:
         return []
 
     def file(self, name: str) -> str:
-        """The file of a type of the user's own; "" of one that is shipped."""
+        """The .lcm file of a user's own type; "" for a shipped one."""
         having = (one for some in self._tiers() for one in some if name in one.fingerprints)
         return next((one.files.get(name, "") for one in having), "")
 
     def files(self) -> dict[str, str]:
-        """The .lcm file of each type of the user's own."""
+        """The .lcm file of each of the user's own types."""
         return {
             name: file for source in reversed(self._all()) for name, file in source.files.items()
         }
@@ -127,7 +127,7 @@ class Registry:
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
             having = [one for one in sources if found in one.fingerprints]
-            if problem:  # an installed package may have what the type lacked
+            if problem:  # an installed package may have what was missing
                 having = [one for one in having if one not in self._fixed and one.files]
             if found and having:
                 same = (one for one in having if one.fingerprints[found] == number)
@@ -141,7 +141,7 @@ class Registry:
         raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
 
     def _tiers(self) -> Iterator[list[TypeSource]]:
-        """The sources that cost nothing to look into; then more, where those do not do."""
+        """Yield the sources that are cheap to search; then more, for names not found in these."""
         near = self._supply.near() if self._supply else None
         yield (usual := [*([near] if near else []), *self._fixed])
         far = self._supply.far() if self._supply else None
@@ -176,7 +176,7 @@ class Registry:
             return f"write a type as {bare if bare != name else 'geometry_msgs/Twist'}"
         near = near_miss(name, known)
         package = full_name(name).rpartition("/")[0]
-        for problem in self.problems():  # the one that is missed may be in there
+        for problem in self.problems():  # the missing type may be in that file
             if f" {package}/" not in near:
                 return str(problem.error())
         return near or "see: lcmtools msg list"
@@ -187,7 +187,7 @@ def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
 
 
 def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
-    """The reason why the type of this name is missing, or not the one that counts."""
+    """The reason why the type of this name is missing, or not the one in use."""
     for source in sources:
         if name in source.fingerprints:
             return None
@@ -207,8 +207,8 @@ _current: tuple[Supply | None, Registry] | None = None
 
 
 def default_registry() -> Registry:
-    """The registry of the shipped types and of those that the edge of the program supplies."""
-    global _current  # noqa: PLW0603 - one registry a process, renewed with its supply
+    """The registry of the shipped types and of the types supplied by the edge of the program."""
+    global _current  # noqa: PLW0603 - one registry per process, renewed with its supply
     supply = current_supply()
     if _current is None or _current[0] is not supply:
         _current = supply, Registry([shipped_types()], supply, _log)
@@ -224,7 +224,7 @@ def shipped_types() -> TypeSource:
 
 
 def _log(text: str) -> None:
-    """Warn as libraries do: to standard error, unless the program configures it elsewhere."""
+    """Warn as libraries do: by logging, to standard error unless the program configures it."""
     import logging
 
     logging.getLogger("lcmtools").warning("%s", text)
@@ -236,7 +236,7 @@ def message_class(name: str, number: int | None = None) -> type[Message]:
 
 
 def service_class(name: str) -> type[ServiceType]:
-    """The pair of a service; see ``Registry.service_class``."""
+    """The message pair of a service; see ``Registry.service_class``."""
     return default_registry().service_class(name)
 
 
@@ -283,7 +283,7 @@ def fingerprint(cls: type[Message]) -> int:
 
 @cache
 def _class_name(cls: type) -> str:
-    """A generated class's name: lcm-gen puts each class into a module of its own."""
+    """A generated class's name: lcm-gen puts each class into its own module."""
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]

@@ -1,9 +1,9 @@
 """Arrays and strings in a payload, and the cursor that never reads past a payload's end.
 
 Belongs here: LCM's encoding. Numbers are big-endian; a boolean is one byte; a string is its length
-with the closing NUL (4 bytes), UTF-8 and NUL; an array is its elements row by row, its sizes are
-elsewhere. Must not know messages. Writing raises whatever Python raises for a value that is not
-plain; reading raises Malformed.
+including the closing NUL (4 bytes), UTF-8 and NUL; an array is its elements row by row, and its
+sizes are elsewhere. Must not know messages. For a value that is not plain, writing raises whatever
+Python raises; reading raises Malformed.
 """
 
 import struct
@@ -22,21 +22,21 @@ _TYPES = ("bool", "uint8", "int8", "int16", "int32", "int64", "float32", "float6
 FORMATS = dict(zip(_TYPES, "?Bbhiqfd", strict=True))
 """The ``struct`` codes of the primitive types of fixed size."""
 BOOLEANS: dict[object, bool] = {False: False, True: True}
-"""The values accepted as booleans; ``struct`` alone takes any object for true."""
+"""The values accepted as booleans; ``struct`` itself accepts any object as true."""
 STRING_BYTES = 4
 """The size of an empty string: its length, which counts its NUL."""
 
-# Elements without bytes (empty messages, empty rows) that one payload may claim to hold: without a
-# limit, 4 bytes could claim two thousand million of them.
+# Elements without bytes (empty messages, empty rows) that one payload may contain: without a limit,
+# 4 bytes could claim two thousand million of them.
 _MOST_WEIGHTLESS = 65_536
-_DEEPEST = 100  # levels of arrays of messages; only a type that holds itself could have as many
+_DEEPEST = 100  # levels of arrays of messages; only a type that contains itself could have as many
 _LENGTH = struct.Struct(">I")
 IS_LITTLE = sys.byteorder == "little"
-"""True where numbers of a payload have to be swapped."""
-_SHORT = 64  # numbers: an array of a fixed size up to this is a tuple
-_MOST_KEPT = 4096  # bytes of strings
+"""True if a payload's numbers have to be byte-swapped."""
+_SHORT = 64  # numbers: an array of a fixed size up to this is decoded as a tuple
+_MOST_KEPT = 4096  # bytes of strings that are kept
 _LISTS = (list, tuple)
-_LONG = "q" if struct.calcsize("l") > struct.calcsize("i") else "i"  # what C's long is here
+_LONG = "q" if struct.calcsize("l") > struct.calcsize("i") else "i"  # by C's long here
 _SAME = {code: (code, "l") if code == _LONG else (code,) for code in FORMATS.values()}
 
 
@@ -57,7 +57,7 @@ class Cursor:
         self.depth, self.weightless = 0, _MOST_WEIGHTLESS
 
     def take(self, size: int, where: str) -> int:
-        """Go on by ``size`` bytes and return where they start."""
+        """Advance by ``size`` bytes and return their offset."""
         start = self.offset
         end = start + size
         if not start <= end <= len(self.data):
@@ -66,7 +66,7 @@ class Cursor:
         return start
 
     def expect(self, count: int, size: int, where: str) -> None:
-        """Check, before anything is made, that ``count`` elements of ``size`` bytes can follow."""
+        """Check, before allocating, that ``count`` elements of ``size`` bytes can follow."""
         if count < 0 or count * size > len(self.data) - self.offset:
             raise self._wrong_size(count * size or count, where)
         if not size:
@@ -75,7 +75,7 @@ class Cursor:
                 raise Malformed(f"{count} elements of no size claimed at {where}")
 
     def enter(self, where: str) -> None:
-        """Begin an array of messages; ``depth`` is to be lowered at its end."""
+        """Begin an array of messages; the caller must lower ``depth`` at its end."""
         self.depth += 1
         if self.depth > _DEEPEST:
             raise Malformed(f"nested more than {_DEEPEST} levels deep at {where}")
@@ -100,13 +100,13 @@ class ArrayCodec(ABC):
         """Return ``count`` elements."""
 
     def scan(self, data: bytes, start: int, count: int) -> tuple[object, int]:
-        """Return elements and their end; any exception, where ``read`` has to say what is wrong."""
+        """Return elements and their end; after any exception, ``read`` reports what is wrong."""
         cursor = Cursor(data, start)
         return self.read(count, cursor), cursor.offset
 
 
 def primitive_array(type_name: str, where: str, size: int | str) -> ArrayCodec:
-    """Return the codec of arrays of a primitive type, of a fixed size or one in a length field.
+    """Return the codec of arrays of a primitive type, with a fixed size or one in a length field.
 
     ``where`` is its place, for errors.
     """
@@ -118,7 +118,7 @@ def primitive_array(type_name: str, where: str, size: int | str) -> ArrayCodec:
 
 
 class _Numbers(ArrayCodec):
-    """Numbers: a tuple of few, whose size is fixed, else a NumberArray; booleans: a list."""
+    """Numbers: a tuple for a small fixed size, else a NumberArray; booleans: a list."""
 
     def __init__(self, code: str, where: str, size: int | str) -> None:
         self._code = code
@@ -144,7 +144,7 @@ class _Numbers(ArrayCodec):
 
 
 def is_short(size: int | str) -> bool:
-    """Return True for the size of an array of numbers that is read as a tuple."""
+    """Return True if an array of numbers of this size is decoded as a tuple."""
     return isinstance(size, int) and size <= _SHORT
 
 
@@ -155,14 +155,14 @@ def numbers_struct(count: int, code: str) -> struct.Struct:
 
 
 def _swap(numbers: "array[float]") -> "array[float]":
-    """Change the order of bytes between the machine's and the payload's; return the array."""
+    """Convert between the machine's and the payload's byte order, in place; return the array."""
     if IS_LITTLE:
         numbers.byteswap()
     return numbers
 
 
 def _own_numbers(values: object, code: str) -> "array[float] | None":
-    """A copy of what holds numbers of this very type already (array, numpy); None of others."""
+    """Copy an object that already has numbers of exactly this type (array, numpy); else None."""
     if type(values) is NumberArray and values.typecode == code:
         return values[:]
     try:
@@ -175,7 +175,7 @@ def _own_numbers(values: object, code: str) -> "array[float] | None":
 
 
 class _Bytes(ArrayCodec):
-    """Bytes, as one ``bytes``; written without a copy where they are one."""
+    """Bytes, as one ``bytes``; written without a copy if given as one."""
 
     smallest = 1
 
@@ -196,7 +196,7 @@ class _Strings(ArrayCodec):
     """Strings, as a list.
 
     A robot's joints have the same names in each message. So the last strings and their bytes are
-    kept: to compare them is ten times as fast as to read or write them anew.
+    kept: comparing them is ten times as fast as reading or writing them again.
     """
 
     smallest = STRING_BYTES
@@ -265,26 +265,26 @@ class Array:
         return [self.read(inner, cursor) for _ in range(count)]
 
     def scan(self, data: bytes, start: int, sizes: Sequence[int]) -> tuple[object, int]:
-        """Return the array and its end, as ``ArrayCodec.scan``."""
+        """Return the array and its end, like ``ArrayCodec.scan``."""
         cursor = Cursor(data, start, "strict")
         return self.read(sizes, cursor), cursor.offset
 
 
 def string_bytes(value: object) -> bytes:
-    """Return a string's bytes; TypeError for all but text."""
+    """Return a string's bytes; TypeError for anything but text."""
     text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type] # as said
     return _LENGTH.pack(len(text) + 1) + text + b"\0"
 
 
 def read_string(cursor: Cursor, where: str) -> str:
-    """Return a string; bytes that are not UTF-8 become U+FFFD, as in lcm-gen's, or are kept."""
+    """Return a string; bytes that are not UTF-8 become U+FFFD, as with lcm-gen, or are kept."""
     data = cursor.data
     start = cursor.take(STRING_BYTES, where) + STRING_BYTES
     end = start + _LENGTH.unpack_from(data, start - STRING_BYTES)[0]
     if end > len(data):
         cursor.take(end - start, where)
     cursor.offset = end
-    if start == end:  # no NUL either, which lcm-gen's decoders let pass
+    if start == end:  # no NUL at all, which lcm-gen's decoders accept
         return ""
     if data[end - 1]:
         raise Malformed(f"no NUL at the end of {where}")
@@ -294,17 +294,17 @@ def read_string(cursor: Cursor, where: str) -> str:
 def length(old: int, *arrays: tuple[object, int]) -> int:
     """Return the value of a length field: the length of the first array that depends on it.
 
-    The arrays that share it come with the dimension that it gives, 0 the outermost. The ``old``
-    value stays where no array has the size (an inner size without any row).
+    Each array that shares the field comes with its dimension of this length, 0 for the outermost.
+    The ``old`` value is kept if no array has this dimension (an inner one, without any row).
     """
     for values, depth in arrays:
         for _ in range(depth):
             rows = as_sequence(values)
             if not rows:
                 break
-            values = rows[0]  # noqa: PLW2901 - the way in
+            values = rows[0]  # noqa: PLW2901 - one level further in
         else:
-            return len(values)  # type: ignore[arg-type] # TypeError, when it is no array
+            return len(values)  # type: ignore[arg-type] # TypeError if it is not an array
     return old
 
 

@@ -1,8 +1,8 @@
 """Single values: the number, boolean or text that a field's primitive type holds.
 
-Belongs here: from text or any Python object to the one plain value, and the error for one that does
-not fit, which gathers its path on the way up so that values that do fit cost nothing. Must not know
-fields, messages or YAML's syntax.
+Belongs here: converting text or any Python object to one plain value, and the error for a value
+that does not fit. The error collects its path on the way up, so that values that fit cost nothing.
+Must not know fields, messages or YAML's syntax.
 """
 
 import contextlib
@@ -34,12 +34,12 @@ _NOT_FINITE = re.compile(r"[-+]?(?:\.?(?:inf|nan)|infinity)", re.IGNORECASE)
 _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
     ("false", "no", "off", "0"), False
 )
-_LONGEST_NUMBER = 400  # characters; Python refuses far longer ones, which nobody means
+_LONGEST_NUMBER = 400  # characters; Python refuses far longer ones, which are never intended
 _LONGEST_SHOWN = 40  # characters of a value that an error line repeats
 
 
 class Misfit(ValueError):  # noqa: N818 - named for what happened, as in errors.py
-    """A value that does not fit its field; it stays in this package; users see ValueMismatch."""
+    """A value that does not fit its field; only in this package; users see ValueMismatch."""
 
     def __init__(self, what: str, hint: str = "") -> None:
         super().__init__(what)
@@ -91,7 +91,7 @@ def from_text(text: str, type_name: str) -> Scalar:
 
 
 def from_python(value: object, type_name: str) -> Scalar:
-    """Return a value (or numpy's) as Python's own of a primitive type; raise Misfit for others."""
+    """Convert a Python or numpy value to a primitive type's Python value; else raise Misfit."""
     item = getattr(value, "item", None)  # numpy's scalars
     plain = item() if callable(item) and getattr(value, "shape", None) == () else value
     if type_name == "string":
@@ -116,7 +116,7 @@ def _read_integer(text: str, type_name: str) -> int:
 
 
 def _whole_number(text: str, type_name: str) -> int:
-    """An integer that is written with a point or an exponent (5.0, 1e3)."""
+    """Return an integer that is written with a point or an exponent (5.0, 1e3)."""
     from decimal import Decimal, InvalidOperation
 
     try:
@@ -140,7 +140,7 @@ def _read_float(text: str, type_name: str) -> float:
 
 
 def _finite(number: float, type_name: str, shown: object) -> float:
-    """A number that was written with digits, if the type can hold it."""
+    """Return a number that was written with digits, if it is in the type's range."""
     try:
         value = float(number)
         struct.pack(">f" if type_name == "float32" else ">d", value)
@@ -163,7 +163,7 @@ def _check_text(value: object) -> str:
 
 def _check_integer(value: object, type_name: str) -> int:
     try:
-        number = operator.index(value)  # type: ignore[arg-type] # TypeError says that it has none
+        number = operator.index(value)  # type: ignore[arg-type] # TypeError if it is not an integer
     except TypeError:
         raise Misfit(f"expected an integer, got {given(value)}") from None
     return _in_range(number, type_name, number)
@@ -171,7 +171,7 @@ def _check_integer(value: object, type_name: str) -> int:
 
 def _check_float(value: object, type_name: str) -> float:
     number = value if isinstance(value, (int, float)) else None
-    if number is None and isinstance(value, SupportsFloat):  # no text, although float() takes it
+    if number is None and isinstance(value, SupportsFloat):  # not text, although float() accepts it
         with contextlib.suppress(TypeError, ValueError):
             number = float(value)
     if number is None:

@@ -1,8 +1,8 @@
-"""Values that are in no message, as parameters are: their kinds, and their YAML in one line.
+"""Values outside of messages, such as parameters: their kinds, and their YAML as one line.
 
-Belongs here: from a text to a value of a kind, and back. Must not know nodes. Text is read as in
-a message's field: ``1e-3`` is a number, ``on`` is true where a boolean is wanted and text where
-text is.
+Belongs here: conversion between text and a value of a kind. Must not know nodes. Text is read as in
+a message's field: ``1e-3`` is a number; ``on`` is true if a boolean is expected, and text if text
+is.
 """
 
 import math
@@ -21,19 +21,19 @@ ParameterValue: TypeAlias = "Scalar | Sequence[Scalar] | None"
 """A single value, a list of them, or nothing."""
 
 ANY = "any"
-"""The kind that takes every setting."""
-LIST = "list"  # whose elements may be of several kinds
+"""The kind that accepts every value."""
+LIST = "list"  # a list with elements of several kinds
 
 _FIELD_TYPES = {"bool": "bool", "int": "int64", "float": "float64", "string": "string"}
 _KINDS: dict[type, str] = {bool: "bool", int: "int", float: "float", str: "string"}
 _QUOTES = "'\""
 _WHOLE = re.compile(r"[-+]?(?:[0-9]+|0x[0-9a-f]+|0o[0-7]+|0b[01]+)", re.IGNORECASE)
-# Text that no YAML parser takes for anything else, in a list of flow style neither.
+# Text that no YAML parser mistakes for anything else, not even in a flow-style list.
 _WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
 
 
 def kind_of(value: ParameterValue) -> str:
-    """bool, int, float or string, with [] for a list of one of them; list; any for None.
+    """Return bool, int, float or string, these with [] for a list of one kind, list, or any (None).
 
     ValueMismatch is raised for all other values.
     """
@@ -49,10 +49,10 @@ def kind_of(value: ParameterValue) -> str:
 
 
 def read_setting(text: str, kind: str, path: str) -> ParameterValue:
-    """The value of a text, of a kind (see ``kind_of``); else ValueMismatch.
+    """Return the value of a text as a kind (see ``kind_of``), else raise ValueMismatch.
 
-    The text is YAML; where the kind is a string it is the string itself, unless it is quoted.
-    ``path`` is its name in errors, for example "parameter kp".
+    The text is YAML; for a string it is the string itself, unless it is quoted.
+    ``path`` is the value's name in errors, for example "parameter kp".
     """
     own = _unquoted(text)
     if kind == "string" or (kind == ANY and own is not None):
@@ -65,12 +65,12 @@ def read_setting(text: str, kind: str, path: str) -> ParameterValue:
 
 
 def check_setting(value: object, kind: str, path: str) -> ParameterValue:
-    """The plain value of a kind that ``value`` is, else ValueMismatch; whole numbers are floats."""
+    """Return ``value`` as a plain value of a kind, else ValueMismatch; integers may be floats."""
     return _converted(value, kind, path, _scalar_of_python)
 
 
 def text_of(value: Value, kind: str) -> str:
-    """A value out of a YAML document as the text that ``read_setting`` takes for a kind."""
+    """Return a value of a YAML document as text that ``read_setting`` accepts for a kind."""
     if value is None and kind == "string":
         return write_setting("")
     if isinstance(value, (list, tuple)):
@@ -82,7 +82,7 @@ def text_of(value: Value, kind: str) -> str:
 
 
 def write_setting(value: ParameterValue) -> str:
-    """A value as YAML in one line, which ``read_setting`` takes back."""
+    """Return a value as one line of YAML, which ``read_setting`` reads back."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -143,7 +143,7 @@ _EXPECTED = {
 
 
 def _guessed(text: str) -> Scalar:
-    """The value of a text without a declared kind."""
+    """Return the value of a text without a declared kind."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     try:
@@ -153,7 +153,7 @@ def _guessed(text: str) -> Scalar:
 
 
 def _unquoted(text: str) -> str | None:
-    """The content of a text that is one quoted scalar of YAML; else None."""
+    """Return the content of a text that is a single quoted YAML scalar; else None."""
     if len(text) < 2 or text[0] not in _QUOTES or text[-1] != text[0]:  # noqa: PLR2004 - two quotes
         return None
     with suppress(ValueMismatch):
@@ -163,6 +163,6 @@ def _unquoted(text: str) -> str | None:
 
 
 def _parsed(text: str) -> Value:
-    from lcmtools.messages.documents import parse_values  # nodes start without it
+    from lcmtools.messages.documents import parse_values  # not needed to start a node
 
     return parse_values([text])

@@ -1,7 +1,7 @@
 """Arrays: their sizes, and the path to the element that does not fit.
 
-Belongs here: all that does not depend on the kind of elements. Must not know the wire format,
-nor where the values come from (a message's attributes or a user's text).
+Belongs here: everything that does not depend on the kind of elements. Must not know the wire
+format, or where the values come from (a message's attributes or a user's text).
 """
 
 import contextlib
@@ -16,9 +16,9 @@ Element = Callable[[object], object]
 
 
 def as_sequence(value: object) -> Sequence[object]:
-    """The elements of a list, a tuple or anything with ``tolist`` (numpy, array, memoryview).
+    """Return the elements of a list, a tuple or anything with ``tolist`` (numpy, memoryview ...).
 
-    TypeError is raised for all else: text, a mapping, a single number, ...
+    TypeError is raised for anything else: text, a mapping, a single number, ...
     """
     if type(value) in (list, tuple):
         return value  # type: ignore[return-value] # checked above, faster than isinstance
@@ -30,13 +30,13 @@ def as_sequence(value: object) -> Sequence[object]:
 
 
 def as_bytes(value: object) -> bytes:
-    """The bytes of a bytes-like object of 8-bit elements, or of a sequence of numbers 0..255.
+    """Return the bytes of a bytes-like object of 8-bit elements or a sequence of numbers 0..255.
 
     TypeError is raised for other objects, ValueError for other numbers.
     """
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
-    with contextlib.suppress(TypeError):  # when it has no buffer
+    with contextlib.suppress(TypeError):  # if it has no buffer
         view = memoryview(value)  # type: ignore[arg-type] # likewise
         if view.format in ("B", "c") and view.ndim == 1:
             return view.tobytes()
@@ -44,10 +44,10 @@ def as_bytes(value: object) -> bytes:
 
 
 def shaped(value: object, field: Field, element: Element, depth: int = 0) -> object:
-    """An array's value as lists, innermost bytes for uint8, with each element converted.
+    """Convert each element of an array; return lists, for uint8 with bytes as the innermost.
 
-    Sizes that are numbers are checked, else Misfit; those in length fields are for
-    ``check_lengths``. An empty array of bytes means zeros: lcm-gen's classes start with it.
+    Misfit is raised for wrong fixed sizes; sizes in length fields are left to ``check_lengths``. An
+    empty array of bytes means zeros: lcm-gen's classes start with it.
     """
     size, is_last = field.dimensions[depth], depth == len(field.dimensions) - 1
     if is_last and field.is_bytes:
@@ -60,9 +60,9 @@ def shaped(value: object, field: Field, element: Element, depth: int = 0) -> obj
 
 
 def check_lengths(message: Message) -> None:
-    """Check the sizes that length fields hold, in a message whose arrays are lists or bytes.
+    """Check array sizes given by length fields, in a message with arrays as lists or bytes.
 
-    Misfit: rows or arrays that share a length field differ in length, or it cannot hold it.
+    Misfit: rows or arrays that share a length field differ in length, or it is out of range.
     """
     cls = type(message)
     found: dict[str, tuple[int, str]] = {}
@@ -79,7 +79,7 @@ def check_lengths(message: Message) -> None:
 
 
 def each(elements: Sequence[object], convert: Element) -> list[object]:
-    """Every element converted; an error gets the element's index into its path."""
+    """Convert every element; an error gets the element's index in its path."""
     result: list[object] = []
     try:
         result.extend(convert(element) for element in elements)
@@ -119,7 +119,7 @@ def _plural(field: Field) -> str:
 
 
 def _counts(value: object, depth: int) -> list[int]:
-    """The lengths of all rows at a depth: of the array itself at 0."""
+    """Return the lengths of all rows at a depth; at 0, of the array itself."""
     if depth == 0:
         return [len(value)]  # type: ignore[arg-type] # lists or bytes
     return [count for row in as_sequence(value) for count in _counts(row, depth - 1)]

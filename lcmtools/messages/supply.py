@@ -3,21 +3,21 @@
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
-if TYPE_CHECKING:  # imported with the first look-up
+if TYPE_CHECKING:  # imported at the first look-up
     from lcmtools.messages.type_source import TypeSource
 
 
 class Supply(Protocol):
-    """Types of a user's own, found on request; None where there are none."""
+    """A user's own types, found on request; None if there are none."""
 
     def near(self) -> "TypeSource | None":
         """Types that take precedence over the shipped ones."""
 
     def far(self) -> "TypeSource | None":
-        """Types for names that are not known otherwise."""
+        """Types for names that are otherwise unknown."""
 
     def recorded(self) -> "Sequence[TypeSource]":
-        """The types that each log has, for what is in it and not known otherwise."""
+        """The types stored with each log, for its messages if they are otherwise unknown."""
 
 
 _make: Callable[[], Supply] | None = None
@@ -25,13 +25,13 @@ _supply: Supply | None = None
 
 
 def set_supply(make: Callable[[], Supply] | None) -> None:
-    """Set the supply of users' types for this process; it is made with the first look-up."""
+    """Set the supply of users' types for this process; it is created at the first look-up."""
     global _make, _supply
     _make, _supply = make, None
 
 
 def current_supply() -> Supply | None:
-    """The supply of users' types; None where the edge has set none."""
+    """The supply of users' types; None if the edge of the program has set none."""
     global _supply  # noqa: PLW0603
     if _supply is None and _make is not None:
         _supply = _make()

@@ -1,4 +1,4 @@
-"""Messages as the text that ``rostopic echo`` prints, which ``draft_from_values`` takes back.
+"""Messages as the text that ``rostopic echo`` prints, which ``draft_from_values`` reads back.
 
 Belongs here: the layout of messages and plain values as text. Must not know its destination.
 
@@ -14,7 +14,7 @@ Belongs here: the layout of messages and plain values as text. Must not know its
       sec: 12
       nsec:         5
 
-It is YAML 1.1. Unlike rostopic's, long strings stay on one line, for grep.
+It is YAML 1.1. Unlike in rostopic, long strings stay on one line, for grep.
 """
 
 import re
@@ -33,24 +33,24 @@ from lcmtools.messages.shape import as_sequence
 _ESCAPES = dict(zip('\0\a\b\t\n\v\f\r\x1b"\\\x85\xa0\u2028\u2029', '0abtnvfre"\\N_LP', strict=True))
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
-# Text that needs no quotes for any YAML parser: words that are not YAML's own, no numbers.
+# Text that needs no quotes for any YAML parser: neither reserved words nor numbers.
 _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
 _STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
 _NUMBERS = frozenset((bool, int, float))
 RESERVED_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
-"""Words that YAML parsers do not take for text."""
+"""Words that YAML parsers do not read as text."""
 
 
 def format_message(message: Message) -> str:
-    """A message as ``rostopic echo`` shows it, without an end of line; "" if it has no fields."""
+    """Format a message as in ``rostopic echo``, without a line end; "" if it has no fields."""
     return _form(type(message), "").fill(message)
 
 
 def quoted(text: str) -> str:
-    """A string as YAML in double quotes, '' if it is empty; all but ASCII is escaped.
+    """Return a string as YAML in double quotes, '' if it is empty; all but ASCII is escaped.
 
-    YAML has no escape for bytes that are not UTF-8: where there are any, it is ``!!binary``.
+    YAML has no escape for bytes that are not UTF-8: if there are any, it becomes ``!!binary``.
     """
     if not text.isascii() and _STRAY.search(text):
         return _binary(text)
@@ -58,39 +58,39 @@ def quoted(text: str) -> str:
 
 
 def _quoted_at_end(text: str) -> str:
-    """The same at the end of a line, where a comment shows the content of ``!!binary``."""
+    """Return the same for the end of a line: a comment then shows the content of ``!!binary``."""
     shown = quoted(text)
     is_binary = shown.startswith("!")
     return f"{shown} # {text.encode('utf-8', STRAY_BYTES)!r}" if is_binary else shown
 
 
 class Writer(NamedTuple):
-    """The format of plain values, with ``width`` characters of a number as of ``rostopic echo -w``.
+    """The format of plain values; numbers have ``width`` characters, as in ``rostopic echo -w``.
 
-    It is the plain twin of ``format_message``, which is faster and takes whole messages only.
+    ``format_message`` does the same faster, but only for whole messages.
     """
 
     width: int | None = None
 
     def block(self, plain: Plain) -> str:
-        """A plain value as ``rostopic echo`` shows the message or field it was."""
+        """Format a plain value as ``rostopic echo`` shows its message or field."""
         return "\n".join(self._lines(plain, "")) if _is_block(plain) else self.flow(plain)
 
     def flow(self, plain: Plain) -> str:
-        """A plain value in one line, in YAML's flow style."""
+        """Format a plain value as one line, in YAML's flow style."""
         if isinstance(plain, dict):
             parts = (f"{name}: {self.flow(value)}" for name, value in plain.items())
             return f"{{{', '.join(parts)}}}"
         if isinstance(plain, list):
             if self.width is None and _are_numbers(plain):
-                return repr(plain)  # the same at once, for images and clouds
+                return repr(plain)  # the same, but faster for images and clouds
             return f"[{', '.join(map(self.flow, plain))}]"
         if isinstance(plain, str):
             return str(plain) if isinstance(plain, More) else quoted(plain)
         return repr(plain) if self.width is None else _fixed(plain, self.width)
 
     def _lines(self, whole: Plain, indent: str) -> Iterator[str]:
-        """The fields of a message or the elements of an array, each below the other."""
+        """Yield the lines of a message's fields or an array's elements, one below the other."""
         is_list = isinstance(whole, list)
         fields: dict[int, Plain] | dict[str, Plain] = cast("dict[str, Plain]", whole)
         if isinstance(whole, list):
@@ -109,20 +109,20 @@ class Writer(NamedTuple):
 
 
 FREE = Writer()
-"""The format in which numbers have as many characters as they need."""
+"""The format in which numbers have as many characters as needed."""
 
 
 def _word_or_quoted(text: str) -> str:
-    """A string in a list: without quotes where no YAML parser needs them."""
+    """Return a string in a list, without quotes if no YAML parser needs them."""
     is_word = _WORD.fullmatch(text) and text.lower() not in RESERVED_WORDS
     return text if is_word else _quoted_at_end(text)
 
 
 class _Form(NamedTuple):
-    """The format of one class's messages: a text with %r for numbers and %s for texts.
+    """The format of one class's messages: a template with %r for numbers and %s for texts.
 
-    ``values`` takes their values out of a message; ``texts`` are the places of texts among them and
-    the functions that write them.
+    ``values`` gets the values from a message; ``texts`` has the indices of texts among them, and
+    the functions that write these.
     """
 
     template: str
@@ -133,12 +133,12 @@ class _Form(NamedTuple):
         values = list(self.values(message))
         for place, text in self.texts:
             values[place] = text(values[place])
-        if not PLAIN_TYPES.issuperset(map(type, values)):  # numpy's numbers have their own
+        if not PLAIN_TYPES.issuperset(map(type, values)):  # numpy's numbers have their own types
             values = list(map(plain_scalar, values))
         return self.template % tuple(values)
 
 
-# Writing is most of echo's work, and the part that all messages of a class share is done once: that
+# Formatting is most of echo's work. The part that all messages of a class share is done once, which
 # makes it about three times as fast (bench/codec.py).
 @cache
 def _form(cls: type[Message], indent: str) -> _Form:
@@ -151,9 +151,9 @@ def _form(cls: type[Message], indent: str) -> _Form:
 
 
 def _getter(paths: Sequence[str]) -> Callable[[Message], Iterable[object]]:
-    """A function that takes the values at some paths out of a message."""
+    """Return a function that gets the values at these paths from a message."""
     if len(paths) > 1:
-        return attrgetter(*paths)  # gives a tuple only where there are several
+        return attrgetter(*paths)  # returns a tuple only for several paths
     return lambda message: [attrgetter(path)(message) for path in paths]
 
 
@@ -164,7 +164,7 @@ def _add_fields(
     lines: list[str],
     leaves: list[tuple[str, Callable[[object], str] | None]],
 ) -> None:
-    """Add the lines of a class's fields, and the path and the text of each value in them."""
+    """Add the lines of a class's fields, and for each value its path and text function."""
     for field in visible_fields(cls):
         head, where = f"{indent}{field.name}: ", f"{path}{field.name}"
         if field.message_class and not field.dimensions:
@@ -178,7 +178,7 @@ def _add_fields(
 
 
 def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
-    """A function that writes a field's value; None for a number."""
+    """Return a function that formats a field's value; None for a number."""
     if field.dimensions and not field.message_class and field.type != "string":
         return lambda value: repr(
             value if isinstance(value, NumberArray) else plain_value(value, field)
@@ -189,7 +189,7 @@ def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
 
 
 def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) -> Iterator[str]:
-    """An array of strings or messages, an item each below the head."""
+    """Yield the lines of an array of strings or messages: an item each, below the head."""
     elements = as_sequence(value)
     yield head if elements else f"{head}[]"
     for element in elements:
@@ -204,7 +204,7 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
 
 
 def _is_block(value: Plain) -> bool:
-    """Return True for a message, and for an array with an element that is not in a line."""
+    """Return True for a message, and for an array with an element that needs several lines."""
     if not isinstance(value, list):
         return isinstance(value, dict)
     return not _are_numbers(value) and any(
@@ -217,7 +217,7 @@ def _are_numbers(values: list[Plain]) -> bool:
 
 
 def _fixed(number: "bool | int | float", width: int) -> str:
-    """A number as rostopic cuts or pads it; its whole part is never cut."""
+    """Cut or pad a number as rostopic does; its integer part is never cut."""
     if isinstance(number, bool):
         return repr(number)
     if isinstance(number, int):

@@ -1,4 +1,4 @@
-"""The spellings of a type's name, and the known name that one means.
+"""The spellings of a type's name, and finding the known name for one.
 
 Belongs here: names as text: spellings, near misses, the order of several. Must not know the sources
 of types.
@@ -15,17 +15,17 @@ PREFERRED = (
     *("geometry_msgs/TwistStamped", "geometry_msgs/TwistWithCovariance"),
     "geometry_msgs/TwistWithCovarianceStamped",
 )
-"""The type that a payload is taken for when several have its fingerprint: the one robots send
-most. Types that are not listed follow in alphabetical order."""
+"""The type that a payload is assumed to have if several have its fingerprint: the one that robots
+send most. Types that are not listed follow in alphabetical order."""
 
 STUDENTS = ("air_lab0/",)
-"""Packages that lcmtools has because students make them in the labs: theirs count, in silence."""
+"""Packages of lcmtools that students make in the labs: theirs replace these without a warning."""
 
 _NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
 
 
 def find(name: str, known: Iterable[str], kind: str) -> str | None:
-    """The one of the known names that is meant, None for none of them."""
+    """Return the known name that ``name`` refers to; None if there is none."""
     match = _NAME.fullmatch(name)
     if not match:
         return None
@@ -40,12 +40,12 @@ def find(name: str, known: Iterable[str], kind: str) -> str | None:
 
 
 def full_name(name: str) -> str:
-    """A type's name in lcmtools' own spelling, where it has a package."""
+    """Return a type's name in lcmtools' own spelling, if it has a package."""
     return re.sub(r"[/.](?:(?:msg|srv)[/.])?(?=\w+$)", "/", name, flags=re.ASCII)
 
 
 def near_miss(name: str, known: Iterable[str]) -> str:
-    """A hint that names the known names most like a mistyped one, "" if there are none."""
+    """Return a hint with the known names most similar to a mistyped one; "" if there are none."""
     import difflib
 
     package, _, short = re.sub(r"[/.](msg|srv)(?=[/.])", "", name).replace(".", "/").rpartition("/")
@@ -61,5 +61,5 @@ def near_miss(name: str, known: Iterable[str]) -> str:
 
 
 def preference(name: str) -> tuple[int, str]:
-    """A sorting key by which the likeliest name comes first."""
+    """Return a sort key by which the likeliest name comes first."""
     return (PREFERRED.index(name) if name in PREFERRED else len(PREFERRED), name)

@@ -12,7 +12,7 @@ class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""
 
     file: str  # its full path
-    line: int  # from 1; 0 where it is unknown
+    line: int  # from 1; 0 if unknown
     what: str
     hint: str = ""  # the remedy
     type: str = ""  # the type concerned; "" for the whole file
@@ -23,7 +23,7 @@ class Problem(NamedTuple):
         return InvalidFile(f"{shown(self.file)}{line}: {self.what}", self.hint)
 
     def concerns(self, name: str) -> bool:
-        """Return True if it may be the reason why the type ``package/Name`` is missing."""
+        """Return True if this may be the reason why the type ``package/Name`` is missing."""
         if self.type:
             return name in (self.type, self.type.rpartition("/")[2])
         package, _, short = name.rpartition("/")
@@ -34,18 +34,18 @@ class Problem(NamedTuple):
 
 
 class TypeSource(NamedTuple):
-    """A place that generated classes are imported from; its tables are by types' full names."""
+    """A place from which generated classes are imported; its tables are by types' full names."""
 
     prefix: str  # the module above the packages, as given to lcm-gen ("lcmtools.types")
     fingerprints: Mapping[str, int]
     services: Sequence[str] = ()  # service pairs ("std_srvs/Trigger")
-    files: Mapping[str, str] = MappingProxyType({})  # .lcm files, where they are known
+    files: Mapping[str, str] = MappingProxyType({})  # .lcm files, if known
     problems: Sequence[Problem] = ()  # types and files that cannot be used
-    notes: Mapping[str, str] = MappingProxyType({})  # a sentence: another file has it too
+    notes: Mapping[str, str] = MappingProxyType({})  # warnings: another file defines the type too
 
 
 def shown(path: str | Path) -> str:
-    """A path as a person reads it: from the current folder on, where it is below that."""
+    """Return a path for people: relative to the current folder if it is below that."""
     try:
         return str(Path(path).relative_to(Path.cwd()))
     except (ValueError, OSError):

@@ -26,7 +26,7 @@ _REST = 10  # rest for this many times the CPU time of announcing, which takes a
 
 
 class Announcer:
-    """Announces nodes from a thread of its own, so that a busy node stays visible.
+    """Announces nodes from its own thread, so that a busy node stays visible.
 
     ``describe`` returns the current description of every node of this process.
     """
@@ -85,7 +85,7 @@ class Announcer:
         self._changed, self._sending = threading.Condition(), threading.Lock()
 
     def close(self) -> None:
-        """Announce nothing any more."""
+        """Stop announcing."""
         with self._changed:
             self._closed = True
             self._changed.notify()

@@ -47,7 +47,7 @@ class Callbacks:
         return partial(self._ready.append, partial(run, source))
 
     def clear(self) -> None:
-        """Run nothing any more."""
+        """Stop running callbacks."""
         self._cleared = True
         self._ready.clear()
         self.subscriptions.clear()

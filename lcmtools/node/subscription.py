@@ -73,7 +73,7 @@ class Subscription:
             return self._queue.popleft() if self._queue else None
 
     def close(self) -> None:
-        """Drop waiting messages, and take no more."""
+        """Drop waiting messages, and accept no more."""
         with self._lock:
             self._closed = True
             self._queue.clear()

@@ -36,7 +36,7 @@ class ChannelRow:
     rate: float | None = None
     jitter: float | None = None
     bandwidth: float | None = None
-    # Messages that did not arrive from the channel's senders, on whatever channel; None if
+    # Messages that did not arrive from the channel's senders, on any channel; None if
     # unknown.
     lost: int | None = None
     # Their share of all that these senders have sent, 0 to 1; None if unknown.

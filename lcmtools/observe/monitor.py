@@ -38,7 +38,7 @@ from lcmtools.wire.packet import Packet
 if TYPE_CHECKING:  # not needed for a bus
     from lcmtools.observe.log_file import LogFile
 
-QUIET = 0.03  # the graph counts as complete when no node has appeared for so long [s]
+QUIET = 0.03  # the graph counts as complete when no node has appeared for this time [s]
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times as long as they need
 _AT_LEAST_AFAR = 0.1  # [s] the same between computers: a wireless link may take some tens of ms
 _AHEAD = 0.025  # [s] at most that count as waiting if the request was sent ahead

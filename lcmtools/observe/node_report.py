@@ -216,7 +216,7 @@ def program_rows(program: Program, now: int, *, quiet: bool) -> list[str]:
 
 
 def program_record(program: Program) -> dict[str, object]:
-    """Return a program for JSON, with the keys of a node where they are known."""
+    """Return a program for JSON, with the keys of a node that are known."""
     process = program.process
     return {
         "observed": True,

@@ -86,7 +86,7 @@ class SenderNames:
         self._next_look: dict[Sender, float] = {}
 
     def learn(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
-        """Take note of nodes, and look up the processes of unknown senders, all at once."""
+        """Note the nodes, and look up the processes of unknown senders, all at once."""
         self._nodes = {sender: node for node in nodes for sender in node.senders()}
         now = self._now()
         new = {sender for sender in senders if sender and self._is_unknown(sender, now)}

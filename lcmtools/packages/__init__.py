@@ -1,4 +1,4 @@
-"""Users' own packages: finding them, their nodes, and their message types made usable.
+"""Users' own packages: finding them and their nodes, and making their message types usable.
 
 Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of its output, and the
 text of a new package. Must not know the bus, the content of messages, or printing. The environment
@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING
 from lcmtools.errors import UsageError, explained
 from lcmtools.messages.supply import Supply, has_supply, set_supply
 
-if TYPE_CHECKING:  # imported with the first look-up
+if TYPE_CHECKING:  # imported at the first look-up
     from lcmtools.messages.registry import Message
     from lcmtools.wire.log_index import RecordedType
 
 
 def provide_user_types() -> None:
-    """Let look-ups of types find those of this process's user too.
+    """Let look-ups of types also find the types of this process's user.
 
-    Reads the environment, the working directory and the script's folder now; the .lcm files behind
-    them with the first look-up. For the edge of a program: a command, a node's start, a notebook.
+    Reads the environment, the working directory and the script's folder now, and the .lcm files
+    found through them at the first look-up. Call it at the edge of a program: a command, a node, a
+    notebook.
     """
     environment = dict(os.environ)
     script = Path(sys.argv[0] if sys.argv and sys.argv[0] else ".").absolute().parent
@@ -52,17 +53,17 @@ def provide_recorded_types(types: "Iterable[RecordedType]") -> None:
 
 @explained
 def message_class(name: str, number: int | None = None) -> "type[Message]":
-    """Return the class of a message type, shipped or of the user's own.
+    """Return the class of a message type, shipped or the user's own.
 
     Args:
-        name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, where only one
+        name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, if only one
             package has it, Twist.
-        number: Its fingerprint, where that is known: it chooses among types of one name.
+        number: Its fingerprint, if known: it chooses among types with the same name.
 
     Raises:
-        UsageError: The name is no text.
+        UsageError: The name is not a string.
         UnknownType: There is no such type, or several packages have it.
-        InvalidFile: The .lcm file that should have it is wrong.
+        InvalidFile: The .lcm file that should define it is wrong.
     """
     from lcmtools.messages import registry
 

@@ -1,4 +1,4 @@
-"""A further node of a package: its file, and the line of pyproject.toml that declares it.
+"""Adding a node to a package: its file, and the line in pyproject.toml that declares it.
 
 Belongs here: what is written, and that nothing else in the package changes.
 """
@@ -20,14 +20,14 @@ _HEADER = re.compile(r'\s*\[\s*project\s*\.\s*entry-points\s*\.\s*["\']lcmtools\
 def add_node(
     package: Package, name: str, text: str | None = None, *, replace: bool = False
 ) -> list[Path]:
-    """Add a node to a package; return the written files. A file that is there is only declared.
+    """Add a node to a package; return the written files. An existing file is only declared.
 
-    Without a text its file has that of a new package's node. With ``replace`` it takes the place of
-    one that is there.
+    Without ``text`` the file gets the text of a new package's node. With ``replace`` the new node
+    replaces an existing one.
 
     Raises:
         InvalidName: A name breaks a rule.
-        UsageError: There is such a node already, or a file that cannot be one.
+        UsageError: The node exists already, or there is a file that cannot be a node.
         LcmtoolsError: A file cannot be read or written.
     """
     check_node_name(name)

@@ -1,10 +1,10 @@
-"""From .lcm files to Python packages that can be imported, and the index of their types.
+"""Building importable Python packages and an index of their types from .lcm files.
 
-Belongs here: the types that can be used, the packages' ``__init__``, the pairs of services,
+Belongs here: deciding which types can be used, the packages' ``__init__``, the pairs of services,
 fingerprints. Must not know the source of the files or the place of the result.
 
-A type is lcm-gen's own module; the package of a type that only lcmtools ships (geometry_msgs) is
-made of names that lead to ``lcmtools.types``.
+A type is lcm-gen's own module. The package of a type that only lcmtools ships (geometry_msgs)
+consists of names that refer to ``lcmtools.types``.
 """
 
 import importlib
@@ -62,7 +62,7 @@ class _Build:
         return self.folder / self.prefix
 
     def add(self, file: LcmFile) -> None:
-        """Add the types of one file; of two with the same name, the first has precedence."""
+        """Add the types of one file; if two have the same name, the first takes precedence."""
         with TemporaryDirectory(dir=self.folder) as name:
             scratch = Path(name)
             found, problems = generate(file, self.prefix, scratch)
@@ -77,7 +77,7 @@ class _Build:
                     )
 
     def drop_too_large(self) -> None:
-        """Take out types with more elements than LCM carries bytes: Python would make them all."""
+        """Remove types with more elements than LCM carries bytes: Python would create them all."""
         counts: dict[str, int] = {}
         for one in list(self.types.values()):
             if self._elements(one.name, counts) > MESSAGE_MAX:
@@ -86,7 +86,7 @@ class _Build:
                 self._drop(one.name)
 
     def drop_incomplete(self) -> None:
-        """Take out types with fields of unknown types, until all are complete."""
+        """Remove types with fields of unknown types, until all are complete."""
         while incomplete := [found for one in self.types.values() if (found := self._missing(one))]:
             known = {name for name, one in self.types.items() if one.tables} | set(self.shipped)
             for one, missing in incomplete:
@@ -110,7 +110,7 @@ class _Build:
         return services
 
     def fingerprints(self) -> dict[str, int]:
-        """Import all types, and take out those that Python cannot make a message of."""
+        """Import all types, and remove those of which Python cannot create a message."""
         sys.path.insert(0, str(self.folder))
         try:
             importlib.invalidate_caches()
@@ -123,7 +123,7 @@ class _Build:
 
     def _fingerprint(self, one: Generated) -> int | None:
         if not one.tables:
-            return None  # an enum is no message
+            return None  # an enum is not a message
         package, _, short = one.name.rpartition("/")
         try:
             module = importlib.import_module(".".join(filter(None, (self.prefix, package, short))))
@@ -132,7 +132,7 @@ class _Build:
         except RecursionError:
             what = f"{one.name} contains itself"
             self._refuse(one, what, "only an array of variable size can hold its own type")
-        except Exception as error:  # noqa: BLE001 - whatever a class made of a strange file raises
+        except Exception as error:  # noqa: BLE001 - a class from a strange file may raise anything
             self._refuse(one, f"{one.name}: it cannot be used as a message: {error}", "")
         return None
 
@@ -143,10 +143,10 @@ class _Build:
         self.types.pop(name).module.unlink()
 
     def _elements(self, name: str, counts: dict[str, int]) -> int:
-        """Return the least number of elements of a type's messages; ``counts`` are those known."""
+        """Return the least number of elements of a type's messages; ``counts`` has known ones."""
         one = self.types.get(name)
         if name not in counts and one and one.tables:
-            counts[name] = 1  # while it is counted: for a type that contains itself
+            counts[name] = 1  # while it is being counted, for a type that contains itself
             _, kinds, dimensions = one.tables
             counts[name] = sum(
                 prod(map(int, sizes or ())) * self._elements(self._named(kind), counts)
@@ -168,7 +168,7 @@ class _Build:
         return None
 
     def _packages(self, names: Iterable[str]) -> set[str]:
-        """Return all packages and those around them; also those that only lcmtools ships."""
+        """Return all packages and their parents, including those that only lcmtools ships."""
         packages = {_package(name) for name in (*names, *self.shipped)}
         for package in list(packages):
             parts = package.split(".")
@@ -196,10 +196,10 @@ class _Build:
 def build(
     files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]
 ) -> dict[str, object]:
-    """Fill an empty folder with the types of some files; return the table of them, for JSON.
+    """Fill an empty folder with the types of some files; return their table, for JSON.
 
-    The types are below a package ``prefix``; ``shipped`` are the types that their fields may have
-    besides. Of two files with the same type, the first has precedence.
+    The types are below a package ``prefix``; ``shipped`` are further types that their fields may
+    use. If two files have the same type, the first takes precedence.
 
     Raises:
         MissingExtra: There is no lcm-gen.

@@ -1,7 +1,7 @@
 """The cache of compiled .lcm files in the user's cache folder, keyed by their content.
 
-Belongs here: the folder, its index, and that two processes can make the same thing at once. Must
-not know how it is made, see ``build``, which is imported only then: most commands find it made.
+Belongs here: the folder, its index, and safety if two processes build the same at once. Must not
+know how it is built: see ``build``, which is imported only then, as most commands find it built.
 """
 
 import hashlib
@@ -22,7 +22,7 @@ from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
 _INDEX = "index.json"  # the table of the types in a folder
-_FORM = "3"  # of the index; another number invalidates the cache
+_FORM = "3"  # version of the index; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
@@ -31,10 +31,9 @@ _ONE_AT_A_TIME = Lock()
 def cached_types(
     files: Sequence[LcmFile], environment: Mapping[str, str], shipped: Mapping[str, int]
 ) -> TypeSource:
-    """Return the types of some files, ready to import; they are compiled unless that is done.
+    """Return the types of some files, ready to import; compile them if necessary.
 
-    The files are in the order of their precedence; ``shipped`` has the fingerprints of the types of
-    lcmtools.
+    The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
 
     Raises:
         MissingExtra: There is no lcm-gen.
@@ -49,7 +48,7 @@ def cached_types(
 
 
 def digest(files: Sequence[LcmFile]) -> str:
-    """A digest of the files' content and of the lcm-gen and the lcmtools that read them."""
+    """A digest of the files' content and of the versions of lcm-gen and lcmtools that read them."""
     program = Path(find_lcm_gen()).stat()
     known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns}"
     total = hashlib.sha256(known.encode())
@@ -65,14 +64,14 @@ def _importable(prefix: str, folder: Path) -> TypeSource:
     if source is None:
         raise LcmtoolsError(f"cannot read {folder / _INDEX}")
     with suppress(OSError):
-        os.utime(folder)  # it is in use: see _forget_old
+        os.utime(folder)  # mark it as used: see _forget_old
     if str(folder) not in sys.path:
-        sys.path.append(str(folder))  # only ``prefix`` is in it, which nothing else is called
+        sys.path.append(str(folder))  # it has only ``prefix``, a name that nothing else has
     return source
 
 
 def _read_index(prefix: str, folder: Path) -> TypeSource | None:
-    """Return the types of a folder that ``build`` has filled; None where it is not whole."""
+    """Return the types of a folder that ``build`` has filled; None if it is incomplete."""
     try:
         table = json.loads((folder / _INDEX).read_text("utf-8"))
         return TypeSource(
@@ -99,7 +98,7 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
     try:
         table = build(files, prefix, scratch, shipped)
         (scratch / _INDEX).write_text(json.dumps(table), "utf-8")
-        if _read_index(prefix, target) is None:  # else another process was faster, with the same
+        if _read_index(prefix, target) is None:  # else another process made it first
             shutil.rmtree(target, ignore_errors=True)
             scratch.rename(target)
     except OSError as error:
@@ -111,7 +110,7 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
 
 
 def _cache_folder(environment: Mapping[str, str]) -> Path:
-    """Return the user's cache folder; one of this process only where that cannot be written."""
+    """Return the user's cache folder; one for this process only if that is not writable."""
     if base := cache_folder(environment):
         folder = base / "types"
         with suppress(OSError):

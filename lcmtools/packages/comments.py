@@ -1,6 +1,6 @@
-"""The comments of a type's file: of the type, and of each field.
+"""The comments of a type's file: of the type and of each field.
 
-They stand above what they are about, or, in files of ROS, behind it.
+A comment stands above its field or, in ROS files, after it.
 """
 
 import re
@@ -19,7 +19,7 @@ class Comment(NamedTuple):
 
 
 def comments(source: str) -> dict[str, Comment]:
-    """Return the comments in a .lcm or .msg file, by field; that of the type itself by ""."""
+    """Return the comments in a .lcm or .msg file by field; the type's own has the key ""."""
     found: dict[str, Comment] = {}
     above: list[str] = []
     for line in source.splitlines():

@@ -1,7 +1,7 @@
-"""A new package: the files of one that runs, is tested and can be installed.
+"""Creating a package: the files of one that runs, has tests and can be installed.
 
-Belongs here: checking its names, filling the templates in the folder ``template``, and writing all
-files or none. Must not know the command line.
+Belongs here: checking its names, filling in the templates in the folder ``template``, and writing
+either all files or none. Must not know the command line.
 """
 
 import keyword
@@ -42,12 +42,12 @@ _USUAL_TOPICS = {
     "sensor_msgs": ("LaserScan", "scan"),
     "std_msgs": ("String", "chatter"),
 }
-"""The topic that a new node subscribes to, by the package that it depends on."""
+"""The topic that a new node subscribes to, by the message package that it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
 class NewPackage:
-    """The description of a package to be made."""
+    """The description of a package to create."""
 
     name: str  # as Python imports it
     node: str  # its node's name
@@ -59,11 +59,11 @@ class NewPackage:
 def check(new: NewPackage, known: Collection[str]) -> None:
     """Refuse names that Python, LCM or lcmtools could not use.
 
-    ``known`` are the packages of message types that there are.
+    ``known`` are the existing packages of message types.
 
     Raises:
         InvalidName: A name breaks a rule.
-        UsageError: A dependency is not known, or the licence no short name.
+        UsageError: A dependency is not known, or the licence is not a short name.
     """
     _check_module(new.name, "package")
     check_node_name(new.node)
@@ -86,9 +86,9 @@ def check(new: NewPackage, known: Collection[str]) -> None:
 
 
 def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path]:
-    """Write a package that is checked into its folder; return the written files, relative to it.
+    """Write a checked package into its folder; return the written files, relative to it.
 
-    With ``replace`` they take the place of files of the same names.
+    With ``replace``, existing files of the same names are overwritten.
 
     Raises:
         LcmtoolsError: A file already exists, or cannot be written.
@@ -107,7 +107,7 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
 def check_node_name(name: str) -> None:
     """Raise InvalidName for a name that a node's file cannot have."""
     _check_module(name, "node")
-    if name == "msg":  # the folder of the package's messages
+    if name == "msg":  # reserved for the folder of the package's messages
         raise InvalidName(f"a node cannot be called '{name}'", "use another name")
 
 
@@ -128,7 +128,7 @@ def _check_module(name: str, kind: str) -> None:
 
 
 def _write(texts: Mapping[Path, str], folder: Path) -> None:
-    """Write into a folder beside, then move: a full disk leaves nothing half made."""
+    """Write into a temporary folder beside, then move: a full disk leaves no partial package."""
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
@@ -161,7 +161,7 @@ def _template(name: str) -> str:
 
 
 def _words(new: NewPackage) -> dict[str, str]:
-    """The values of the names in the templates."""
+    """The values of the templates' placeholders."""
     heard = next((one for one in new.dependencies if one in _USUAL_TOPICS), "std_msgs")
     kind, topic = _USUAL_TOPICS[heard]
     own_import = f'{new.message} = lcmtools.message_class("{new.name}/{new.message}")\n'

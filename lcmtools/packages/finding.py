@@ -1,7 +1,7 @@
-"""The node that a person means by one word or two.
+"""Finding the node that a user means by one or two words.
 
-Belongs here: precedence, and the reasons why there is no such node. A node of the workspace has
-precedence over lcmtools' own, and a file of its name that is not declared is never passed over.
+Belongs here: precedence, and the reasons why there is no such node. A node of the workspace takes
+precedence over lcmtools' own; an undeclared file with its name is never ignored silently.
 """
 
 import re
@@ -21,7 +21,7 @@ _MAIN = re.compile(r"^(async )?def main\b|^main\b.*=", re.MULTILINE)
 def find_node(
     words: Sequence[str], known: Sequence[Runnable], *starts: Path
 ) -> tuple[Runnable, list[str]]:
-    """The node that ``PACKAGE NODE ...`` or ``NODE ...`` means, and the words after it.
+    """Return the node for ``PACKAGE NODE ...`` or ``NODE ...``, and the words after it.
 
     Raises:
         UsageError: There is no such node, or several packages have it, or a file of that name in
@@ -32,7 +32,7 @@ def find_node(
     except UsageError as error:
         if file := undeclared(words, known, starts):
             raise file from None
-        for problem in workspace(*starts).problems:  # the missing node may be in there
+        for problem in workspace(*starts).problems:  # the missing node may be in that package
             raise UsageError(error.what, str(problem)) from error
         raise
     is_alone = words[0] == node.name and node.folder is None
@@ -42,7 +42,7 @@ def find_node(
 
 
 def has_main(file: Path) -> bool:
-    """Return True if a file of Python has a function main."""
+    """Return True if a Python file has a function main."""
     try:
         return bool(_MAIN.search(file.read_text("utf-8", "replace")))
     except OSError:
@@ -50,7 +50,7 @@ def has_main(file: Path) -> bool:
 
 
 def own_answer(node: Runnable) -> str:
-    """The sentence that lcmtools' answer is run where a user may mean their own; else ""."""
+    """Return a sentence if lcmtools' solution runs where a user may mean their own; else ""."""
     is_answer = node.package == OWN and node.name in ANSWERS
     return f"this is lcmtools' own {node.name}, the lab's model answer" if is_answer else ""
 
@@ -82,7 +82,7 @@ def undeclared(
     *,
     with_main: bool = False,
 ) -> UsageError | None:
-    """The error of a file that is there, but not declared as a node; None if there is none."""
+    """Return the error for a file that exists but is not declared as a node; None for none."""
     space = workspace(*starts)
     packages = {package.folder: package for package in space.packages}
     for folder in package_folders(*starts):
@@ -137,10 +137,10 @@ def package_places(here: Path) -> dict[str, tuple[Path, bool]]:
 
 
 def find_packages(name: str | None, here: Path) -> list[Package]:
-    """Return the packages of the workspace around ``here``, or the one of a name.
+    """Return the packages of the workspace around ``here``, or the one with this name.
 
     Raises:
-        UsageError: There is none of this name.
+        UsageError: There is none with this name.
         LcmtoolsError: There is none at all.
     """
     known = workspace(here).packages
@@ -153,10 +153,10 @@ def find_packages(name: str | None, here: Path) -> list[Package]:
 
 
 def find_package(name: str | None, here: Path) -> Package:
-    """Return the package of a name; for None the one that ``here`` is in, or the only one.
+    """Return the package with a name; for None the one around ``here``, or the only one.
 
     Raises:
-        UsageError: There is none of this name, or there are several.
+        UsageError: There is none with this name, or there are several.
         LcmtoolsError: There is none at all.
     """
     found = find_packages(name, here)
@@ -168,7 +168,7 @@ def find_package(name: str | None, here: Path) -> Package:
 
 
 def unknown_package(name: str, known: Collection[str], here: Path) -> UsageError:
-    """Return the error of a package that does not exist."""
+    """Return the error for a package that does not exist."""
     problems = workspace(here).problems
     hint = did_you_mean(name, known) or (str(problems[0]) if problems else "")
     return UsageError(f"there is no package '{name}'", hint or "lcmtools pkg list shows them")

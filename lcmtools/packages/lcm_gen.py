@@ -1,7 +1,7 @@
 """lcm-gen, which comes with the lcm package: run on one file at a time, for any of its languages.
 
-Belongs here: finding it, running it, the meaning of its errors. One file at a time, because it lets
-the package of a file count for the next one that names none. Must not know which types there are.
+Belongs here: finding it, running it, the meaning of its errors. It gets one file at a time, because
+it applies a file's package to the next file if that names none. Must not know which types exist.
 """
 
 import os
@@ -24,8 +24,8 @@ _OPTIONS = {
 }
 LANGUAGES = tuple(_OPTIONS)
 
-_ROOM = 1 << 16  # [B]; where so much is left, no file was cut off
-_LONGEST = 30.0  # [s] for one file; it is milliseconds usually
+_ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
+_LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
 _HINTS = {
     "expected token {": "lcm-gen wants a space or a new line before '{'",
     "expected token ;": "a ';' is missing before this",
@@ -37,7 +37,7 @@ _HINTS = {
 
 
 def find_lcm_gen() -> str:
-    """Return the path of lcm-gen; MissingExtra where there is none."""
+    """Return the path of lcm-gen; MissingExtra if there is none."""
     spec = find_spec("lcm")
     if spec and spec.origin:  # the program itself: the one on the PATH starts a Python first
         program = Path(spec.origin).parent.parent / "bin" / "lcm-gen"
@@ -52,7 +52,7 @@ def find_lcm_gen() -> str:
 
 
 def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
-    """Run lcm-gen on one file; return the problem of the file, None for a good one."""
+    """Run lcm-gen on one file; return the file's problem, None if it is correct."""
     import subprocess
 
     command = [find_lcm_gen(), *options, str(file)]
@@ -73,9 +73,9 @@ def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
 
 
 def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
-    """Write the code of files of types into a folder; return the written files, sorted.
+    """Write code for type files into a folder; return the written files, sorted.
 
-    Other files in the folder stay; files of the same names are overwritten.
+    Other files in the folder are kept; files with the same names are overwritten.
 
     Raises:
         InvalidFile: lcm-gen refuses a file; then nothing is written.
@@ -102,7 +102,7 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
                 problem = run_lcm_gen(translated if is_ros else file, options)
                 if problem:
                     raise problem.error()
-            translated.write_bytes(bytes(_ROOM))  # of a full disk lcm-gen says nothing
+            translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
                 copy(path, scratch / path, folder / path)
@@ -113,7 +113,7 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
 
 
 def _problem(file: Path, output: str) -> Problem:
-    """Read lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
+    """Parse lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
     said = [line.strip() for line in output.splitlines() if line.strip()]
     for before, line in pairwise(said):
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):

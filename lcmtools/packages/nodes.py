@@ -1,7 +1,7 @@
-"""Nodes that can be run by name: of installed packages, and of the workspace without installing.
+"""Nodes that can be run by name, from installed packages or from the workspace, uninstalled.
 
-Belongs here: listing nodes and importing one. A node is an entry point "lcmtools.nodes": of a
-distribution, or as a workspace package's pyproject.toml writes it. Must not know the command line.
+Belongs here: listing nodes and importing one. A node is an entry point "lcmtools.nodes", either of
+a distribution or in the pyproject.toml of a workspace package. Must not know the command line.
 """
 
 import importlib
@@ -30,18 +30,18 @@ ANSWERS = (
     *("evaluate_controller", "kinect_viewer", "moving_robot", "path_follower"),
     *("pioneer_manual_controller", "reading_laser", "simple_controller"),
 )
-"""Those of lcmtools' own nodes that do what a lab has a student write."""
+"""Those of lcmtools' own nodes that students write themselves in a lab."""
 
 TABLE = f'[project.entry-points."{GROUP}"]'
 """The table of a pyproject.toml that declares a package's nodes."""
 
 _DISTRIBUTIONS = {"cv2": "opencv-python", "PIL": "pillow", "serial": "pyserial", "yaml": "PyYAML"}
-"""The projects that pip knows, of packages that nodes often need, where they differ in name."""
+"""The PyPI projects of packages that nodes often need, if their names differ."""
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
 
 NodeProgram: TypeAlias = Callable[..., int | None]
-"""A node's main function; it takes its words, if anything, and returns an exit code, None for 0."""
+"""A node's main function; it takes its arguments or nothing; returns an exit code, None for 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,15 +51,15 @@ class Runnable:
     package: str
     name: str
     target: str  # its main function, as "module:function"
-    folder: Path | None = None  # that its code is imported from; None for an installed package
+    folder: Path | None = None  # the folder its code is imported from; None if installed
 
     @property
     def import_name(self) -> str:
-        """The Python package or module that its code is in."""
+        """The Python package or module of its code."""
         return re.split(r"[.:]", self.target)[0]
 
     def summary(self) -> str:
-        """Return the first line of its module's docstring, found without an import, or ""."""
+        """Return the first line of its module's docstring, read without importing it, or ""."""
         import ast
 
         top, *rest = self.target.partition(":")[0].split(".")
@@ -73,11 +73,11 @@ class Runnable:
             )
             text = next((file.read_bytes() for file in files if file.is_file()), b"")
             return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0].strip()
-        except (ImportError, OSError, SyntaxError, ValueError):  # running it will tell
+        except (ImportError, OSError, SyntaxError, ValueError):  # running it will report the error
             return ""
 
     def load(self) -> NodeProgram:
-        """Import its main function; other workspace packages can be imported from then on too.
+        """Import its main function; from then on, other workspace packages can be imported too.
 
         Raises:
             LcmtoolsError: Its module or function does not exist.
@@ -104,7 +104,7 @@ class Runnable:
         return cast("NodeProgram", value)
 
     def traceback(self, error: BaseException) -> str:
-        """Return the traceback of an error in the node's code, without the part of lcmtools."""
+        """Return the traceback of an error in the node's code, without lcmtools' part."""
         from traceback import format_exception
 
         frames, is_own = error.__traceback__, re.compile(rf"{self.import_name}\b").match
@@ -113,7 +113,7 @@ class Runnable:
         return "".join(format_exception(type(error), error, frames, chain=False))
 
     def _check_installed(self, error: ModuleNotFoundError) -> None:
-        """Raise the error of a package that the node needs; not for a module of its own."""
+        """Raise the error for a missing package, unless it is one of the node's own modules."""
         package, point, _ = (error.name or "").partition(".")
         if own := in_place_of_ros(error.name or ""):
             raise LcmtoolsError(f"{self.name} imports '{error.name}', as in ROS", own) from error
@@ -129,7 +129,7 @@ class Runnable:
 
 
 def in_place_of_ros(module: str) -> str:
-    """Return the words for what takes the place of a module of ROS; "" for other modules."""
+    """Return a hint about the replacement for a ROS module; "" for other modules."""
     name = module.removeprefix("lcmtools.types.").partition(".")[0]
     if name in ("rospy", "rclpy"):
         return "here it is lcmtools: import lcmtools"
@@ -139,7 +139,7 @@ def in_place_of_ros(module: str) -> str:
 
 
 def _provide_messages(package: Package) -> None:
-    """Let ``from air_lab0.msg import Stat`` work where a package has no such module itself."""
+    """Let ``from air_lab0.msg import Stat`` work if a package has no such module itself."""
     from lcmtools.packages.user_types import package_messages
 
     for part in ("msg", "srv"):
@@ -152,7 +152,7 @@ def _provide_messages(package: Package) -> None:
 
 
 def runnables(*starts: Path) -> list[Runnable]:
-    """All nodes that can be run, sorted by package; the workspace's before the installed one."""
+    """Return all nodes that can be run, sorted by package; the workspace's come first."""
     from importlib.metadata import entry_points
 
     found: dict[tuple[str, str], Runnable] = {}
@@ -169,7 +169,7 @@ def runnables(*starts: Path) -> list[Runnable]:
 
 
 def installed_packages() -> list[str]:
-    """The installed packages that have nodes or messages, sorted."""
+    """Return the installed packages that have nodes or messages, sorted."""
     from importlib.metadata import entry_points
 
     found = (entry for group in GROUPS for entry in entry_points(group=group))
@@ -177,14 +177,14 @@ def installed_packages() -> list[str]:
 
 
 def workspace_nodes(package: Package) -> list[Runnable]:
-    """The nodes that a package's pyproject.toml names; a wrong one says so when it is loaded."""
+    """Return the nodes in a package's pyproject.toml; a wrong one raises when it is loaded."""
     named = table(read_project(package.folder), "project", "entry-points", GROUP)
     folder = package.import_folder()
     return [Runnable(package.name, name, str(target), folder) for name, target in named.items()]
 
 
 def entry(node: Runnable) -> str:
-    """The line of a pyproject.toml that declares a node of a package."""
+    """Return the line of a package's pyproject.toml that declares a node."""
     return f'{node.name} = "{node.package}.{node.name}:main"'
 
 

@@ -1,9 +1,9 @@
-"""ROS's .msg, .srv and .action files as LCM source, line for line, as lcm-gen's errors name lines.
+"""Translating ROS .msg, .srv and .action files to LCM, line by line, for lcm-gen's errors.
 
-Belongs here: the syntax of ROS 1 and ROS 2, and what LCM cannot say of it. Must not know lcm-gen,
-nor which types there are. As in the types that lcmtools ships, an array of variable size has a
-length field NAME_length, all of them come first, and unsigned numbers travel as signed ones of the
-same width. A bound (``<=5``) is not checked.
+Belongs here: the syntax of ROS 1 and ROS 2, and what LCM cannot express. Must not know lcm-gen or
+which types exist. As in the types that lcmtools ships, an array of variable size has a length field
+NAME_length, these fields come first, and unsigned numbers are sent as signed ones of the same
+width. A bound (``<=5``) is not checked.
 """
 
 import re
@@ -23,7 +23,7 @@ _PARTS = {
     ".srv": ("_Request", "_Response"),
     ".action": ("_Goal", "_Result", "_Feedback"),
 }
-"""The endings of the names of the structs that a file has."""
+"""The name suffixes of the structs in a file."""
 SUFFIXES = tuple(_PARTS)
 
 _PRIMITIVES = {
@@ -48,7 +48,7 @@ _MEANT = {
     **dict.fromkeys(("str", "String"), "string"),
     **{f"{sign}int{bits}_t": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)},
 }
-"""Other languages' names, and those of ROS."""
+"""Type names of other languages and of ROS."""
 _RANGES = {
     **INTEGERS,
     **{f"uint{bits}": (0, (1 << bits) - 1) for bits in (16, 32, 64)},
@@ -69,16 +69,16 @@ _EXAMPLE = "write  float64[] values  or  int32 LIMIT=5"
 
 @dataclass(slots=True)
 class LcmSource:
-    """A file of ROS as the text of a .lcm file with the same lines."""
+    """A ROS file as the text of a .lcm file with the same lines."""
 
     text: str
     problems: list[Problem]
-    texts: dict[str, dict[str, str]]  # by type: constants that are text, which LCM has not
+    texts: dict[str, dict[str, str]]  # by type: string constants, which LCM does not have
 
 
 @dataclass(slots=True)
 class _Struct:
-    """One message while its lines are read."""
+    """A message whose lines are being read."""
 
     name: str
     lines: list[str] = field(default_factory=list)
@@ -86,7 +86,7 @@ class _Struct:
     texts: dict[str, str] = field(default_factory=dict)
 
     def add(self, line: str) -> None:
-        """Add a line; raise InvalidFile for one that is no ROS, or that LCM cannot say."""
+        """Add a line; raise InvalidFile if it is not ROS syntax or LCM cannot express it."""
         if constant := _TEXT.fullmatch(line):
             text = constant[2].strip()
             is_quoted = len(text) > 1 and text[0] == text[-1] and text[0] in "'\""
@@ -121,7 +121,7 @@ class _Struct:
 
 
 def package_of(path: Path) -> str:
-    """Return the package of a file of ROS, in whose folder it is, or in ``msg`` in that, say."""
+    """Return a ROS file's package, whose folder, or e.g. the ``msg`` folder in it, has the file."""
     folder = path.parent.parent if path.parent.name in ROS_FOLDERS else path.parent
     with suppress(OSError):
         found = re.search(r"<name>\s*(\w+)\s*</name>", (folder / "package.xml").read_text("utf-8"))
@@ -133,7 +133,7 @@ def package_of(path: Path) -> str:
 
 
 def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
-    """Translate a file of ROS; where there are problems, the text is of no use."""
+    """Translate a ROS file; if there are problems, the text must not be used."""
     names = [f"{path.stem}{part}" for part in _PARTS[path.suffix]]
     structs = [_Struct(names[0])]
     problems = list(_names(path, package))
@@ -147,7 +147,7 @@ def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
             continue
         try:
             structs[-1].add(line)
-        except InvalidFile as error:  # each line for itself
+        except InvalidFile as error:  # each line fails on its own
             problems.append(Problem(str(path), number, error.what, error.hint))
     if len(structs) < len(names):
         what = f"a line of --- before the fields of {names[len(structs)]} is missing"
@@ -173,7 +173,7 @@ def _lcm_type(kind: str) -> str:
 
 
 def _constant(kind: str, name: str, text: str) -> str:
-    """A constant of LCM: of the smallest type that holds it."""
+    """Return an LCM constant of the smallest type that holds it."""
     try:
         if kind in ("float32", "float64"):
             return f"const double {name} = {_finite(text)!r};"

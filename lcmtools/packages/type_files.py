@@ -1,4 +1,4 @@
-"""Users' files of types: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
+"""Users' type files: on LCMTOOLS_TYPE_PATH, in the workspace and in installed packages.
 
 Belongs here: finding and reading them. Must not know their content.
 """
@@ -14,31 +14,31 @@ from lcmtools.messages.type_source import Problem
 from lcmtools.packages.workspace import LONGEST_FILE, ROS_FOLDERS
 
 VARIABLE = "LCMTOOLS_TYPE_PATH"
-"""Folders with .lcm files, also nested, with ':' between them."""
+"""Folders with .lcm files, also in subfolders, separated by ':'."""
 GROUPS = ("lcmtools.nodes", "lcmtools.messages")
-"""The entry points that say that an installed package may have .lcm files."""
+"""The entry points by which an installed package shows that it may have .lcm files."""
 
 _SUFFIXES = (".lcm", *(f".{kind}" for kind in ROS_FOLDERS))
-_MOST_FOLDERS = 2000  # somebody may name the home folder
+_MOST_FOLDERS = 2000  # a user may name the home folder
 _OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
 
 
 class LcmFile(NamedTuple):
-    """A file as it was when it was read, with its full path."""
+    """A file as it was read, with its full path."""
 
     path: Path
     content: bytes
-    package: str = ""  # of a file of ROS, which does not name it
+    package: str = ""  # of a ROS file, which does not name it
 
 
 def variable_folders(environment: Mapping[str, str]) -> list[Path]:
-    """The folders that the variable names."""
+    """Return the folders in the variable."""
     words = environment.get(VARIABLE, "").split(":")
     return [Path(word).expanduser().absolute() for word in words if word]
 
 
 def installed_folders() -> list[Path]:
-    """The folders of installed packages that may have .lcm files; they are not imported."""
+    """Return the folders of installed packages that may have .lcm files; imports none of them."""
     from importlib.metadata import entry_points
 
     modules: dict[str, None] = {}
@@ -53,7 +53,7 @@ def installed_folders() -> list[Path]:
 
 
 def module_folders(module: str) -> list[Path]:
-    """The folders of an installed Python package, which is not imported."""
+    """Return the folders of an installed Python package, without importing it."""
     try:
         spec = find_spec(module)
     except (ImportError, ValueError):
@@ -62,14 +62,14 @@ def module_folders(module: str) -> list[Path]:
 
 
 def shipped_folder() -> Path:
-    """The folder of the .lcm files of the shipped types."""
+    """Return the folder of the .lcm files of the shipped types."""
     package = Path(__file__).parents[1]
     installed = package / "lcm_files"
     return installed if installed.is_dir() else package.parent / "lcm_types"
 
 
 def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]:
-    """The files of types below folders, each once, sorted within a folder; and the problems."""
+    """Return the type files below folders, each once, sorted by folder, and the problems."""
     files: dict[Path, LcmFile] = {}
     problems: list[Problem] = []
     for folder in dict.fromkeys(folders):
@@ -86,7 +86,7 @@ def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]
 
 
 def _paths(folder: Path) -> Iterator[Path]:
-    """The files of types below a folder; of a very large one, those that are found in time."""
+    """Yield the type files below a folder; if it is very large, only those found in time."""
     for place, folders, names in islice(os.walk(folder), _MOST_FOLDERS):
         folders[:] = sorted(one for one in folders if one[0] != "." and one not in _OTHER_FOLDERS)
         yield from (Path(place, name) for name in sorted(names) if name.endswith(_SUFFIXES))

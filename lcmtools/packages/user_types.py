@@ -1,8 +1,8 @@
-"""Users' own types: the places that they come from, their precedence, and compiling them.
+"""Users' own types: where they come from, their precedence, and compiling them.
 
-Near are LCMTOOLS_TYPE_PATH and the workspace: they take precedence over the shipped types, because
-they are under development. Far are installed packages: they come last, and only for a type that is
-not known otherwise, because finding them takes a moment.
+"Near" types are from LCMTOOLS_TYPE_PATH and the workspace: they take precedence over the shipped
+types, because they are under development. "Far" types are from installed packages: they come last,
+and only for types that are otherwise unknown, because finding them takes a moment.
 """
 
 import time
@@ -37,17 +37,17 @@ from lcmtools.packages.type_files import (
 )
 from lcmtools.packages.workspace import type_folders
 
-if TYPE_CHECKING:  # most commands do without logs
+if TYPE_CHECKING:  # most commands do not need logs
     from lcmtools.wire.log_index import RecordedType
 
 _NEAR_AGAIN = 1.0
 _FAR_AGAIN = 10.0
-"""Seconds after which files are read again: they may be edited while a command runs."""
+"""Seconds after which files are read again, because they may be edited while a command runs."""
 
 
 @dataclass(slots=True)
 class _Found:
-    """The types found last, with the time and the starts of that search."""
+    """The types found by the last search, with its time and start folders."""
 
     time: float = float("-inf")
     folders: object = None
@@ -55,10 +55,10 @@ class _Found:
 
 
 class UserTypes:
-    """The types of one user.
+    """One user's own types.
 
-    The workspaces of the folders ``starts`` are searched; ``shipped`` has the fingerprints of the
-    types of lcmtools.
+    The workspaces of the folders ``starts`` are searched; ``shipped`` has the fingerprints of
+    lcmtools' own types.
     """
 
     def __init__(
@@ -77,15 +77,15 @@ class UserTypes:
         self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
 
     def near(self) -> TypeSource | None:
-        """The types of LCMTOOLS_TYPE_PATH and of the workspace; None where there is none."""
+        """The types of LCMTOOLS_TYPE_PATH and of the workspace; None if there are none."""
         return self._current(self._near, _NEAR_AGAIN, self.near_folders)
 
     def far(self) -> TypeSource | None:
-        """These and the types of installed packages."""
+        """The near types and those of installed packages."""
         return self._current(self._far, _FAR_AGAIN, self.far_folders)
 
     def recorded(self) -> list[TypeSource]:
-        """The types of each log; their files are not there, so that none is named."""
+        """The types stored with each log; their files do not exist here, so none are named."""
         for files, source in self._recorded.items():
             if source is None:
                 found = self._compiled(files)
@@ -93,15 +93,15 @@ class UserTypes:
         return [source for source in self._recorded.values() if source]
 
     def add_recorded(self, types: "Iterable[RecordedType]") -> None:
-        """Add the types that a log has."""
+        """Add the types stored with a log."""
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
-        """Some types by their text, compiled now."""
+        """Compile types from their text."""
         return self._compiled(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
-        """The types of some folders, and of others that theirs may be made of, compiled now."""
+        """Compile the types in these folders, and the types that they may use from others."""
         return self._read([*folders, *self.far_folders()]) or TypeSource("", {})
 
     def near_folders(self) -> list[Path]:
@@ -113,7 +113,7 @@ class UserTypes:
         return [*self.near_folders(), *installed_folders()]
 
     def add_start(self, folder: Path) -> None:
-        """Search the workspace of one more folder too."""
+        """Also search the workspace of another folder."""
         if folder not in self._starts:
             self._starts.append(folder)
 
@@ -145,19 +145,19 @@ def _recorded_file(one: "RecordedType") -> LcmFile:
 
 
 def user_types() -> UserTypes:
-    """The types of the user of this process; the environment is read if no edge has done so."""
+    """Return the types of this process's user; reads the environment if not done before."""
     if not has_supply():
         provide_user_types()
     return cast("UserTypes", current_supply())
 
 
 def sources_of(words: Sequence[str]) -> list[Path]:
-    """The .lcm files of types and of all types of their fields, sorted.
+    """Return the .lcm files of types and of all types of their fields, sorted.
 
-    The words are types or packages; none for all of the user's own types.
+    ``words`` are types or packages; none for all of the user's own types.
 
     Raises:
-        UnknownType: There is no such type or package, or no type of the user's own.
+        UnknownType: There is no such type or package, or the user has no own types.
         InvalidFile: A .lcm file is wrong.
     """
     own = default_registry().files()
@@ -171,12 +171,12 @@ def sources_of(words: Sequence[str]) -> list[Path]:
 
 
 def source_file(name: str) -> str:
-    """Return the path of the file of a message type, .lcm or of ROS."""
+    """Return the path of a message type's file, a .lcm or ROS file."""
     return default_registry().file(name) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:
-    """Return the file of a message type, as its author wrote it."""
+    """Return the content of a message type's file, as its author wrote it."""
     file = source_file(type_name(kind))
     with os_errors_as(f"cannot read {file}, which defines {type_name(kind)}"):
         return Path(file).read_text("utf-8").strip()
@@ -185,11 +185,11 @@ def source_text(kind: type[Message]) -> str:
 def package_messages(module: str, file: str) -> Callable[[str], type[Message | ServiceType]]:
     """Return the ``__getattr__`` of air_lab0/msg, for ``from air_lab0.msg import Stat``.
 
-    In air_lab0/srv it is for services: ``from air_lab0.srv import Drive``, ``Drive.Request``.
+    In air_lab0/srv it returns services: ``from air_lab0.srv import Drive``, ``Drive.Request``.
 
     Args:
         module: The module's ``__name__``: "air_lab0.msg".
-        file: Its ``__file__``: its workspace is searched, wherever the program was started.
+        file: Its ``__file__``, whose workspace is searched wherever the program was started.
     """
     package = module.rpartition(".")[0] or module
 
@@ -207,7 +207,7 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message | S
 
 
 def _named(word: str) -> list[str]:
-    """The types that a package has, or the one of the name."""
+    """Return the types of a package, or the one with this name."""
     of_package = [name for name in type_names() if name.startswith(f"{word}/")]
     try:
         return of_package or [type_name(message_class(word))]
@@ -219,7 +219,7 @@ def _named(word: str) -> list[str]:
 
 
 def _add_parts(names: Iterable[str], known: set[str]) -> None:
-    """Add types and those that their fields have."""
+    """Add types and the types of their fields."""
     for name in names:
         if name not in known:
             known.add(name)

@@ -1,9 +1,9 @@
 """Packages: folders of the workspace whose pyproject.toml has a table [tool.lcmtools].
 
-Of ROS packages beside them, which have a package.xml, only the types are used.
+Of ROS packages next to them, which have a package.xml, only the types are used.
 
-The workspace is the nearest folder, from the current one upwards, that holds packages, itself or in
-``src``. Folders of other users are never taken. Must not know nodes or messages.
+The workspace is the nearest folder, from the current one upwards, that contains packages, directly
+or in ``src``. Other users' folders are never used. Must not know nodes or messages.
 """
 
 import os
@@ -17,14 +17,14 @@ from typing import NamedTuple
 from lcmtools.errors import InvalidFile
 
 MARK = "[tool.lcmtools]"
-"""The table that makes a pyproject.toml that of a package."""
+"""The table that marks a pyproject.toml as a package's."""
 LONGEST_FILE = 1_000_000
-"""Bytes of a pyproject.toml or .lcm file; whatever is longer is something else."""
+"""Bytes of a pyproject.toml or .lcm file; a longer one is something else."""
 
 ROS_FOLDERS = ("msg", "srv", "action")
-"""The folders of a ROS package that have its types."""
+"""The folders with types in a ROS package."""
 
-_MOST_FOLDERS = 300  # in a folder; one that has more, like /tmp, is no workspace
+_MOST_FOLDERS = 300  # subfolders; a folder with more, like /tmp, is not a workspace
 _MOST_LEVELS = 16
 
 
@@ -35,7 +35,7 @@ class Package(NamedTuple):
     folder: Path
 
     def import_folder(self) -> Path:
-        """The folder that its code is imported from."""
+        """The folder from which its code is imported."""
         source = self.folder / "src"
         return source if (source / self.name).is_dir() else self.folder
 
@@ -43,18 +43,18 @@ class Package(NamedTuple):
 class Workspace(NamedTuple):
     """The workspace around a folder."""
 
-    packages: list[Package]  # sorted by name; of two with the same name, the nearer one
-    problems: list[InvalidFile]  # the errors of others: one broken package stops no other
+    packages: list[Package]  # sorted by name; if two have the same name, the nearer one
+    problems: list[InvalidFile]  # errors of broken packages, which do not affect others
 
 
 def workspace(*starts: Path) -> Workspace:
-    """The packages of the workspaces that some folders are in."""
+    """Return the packages of the workspaces around these folders."""
     found: dict[str, Package] = {}
     problems: list[InvalidFile] = []
     for folder in package_folders(*starts):
         try:
             name = package_name(folder)
-        except InvalidFile as error:  # noqa: PERF203 - each package for itself
+        except InvalidFile as error:  # noqa: PERF203 - each package fails on its own
             problems.append(error)
         else:
             found.setdefault(name, Package(name, folder))
@@ -62,12 +62,12 @@ def workspace(*starts: Path) -> Workspace:
 
 
 def package_folders(*starts: Path) -> list[Path]:
-    """The folders of these packages, unread; those of the first start come first."""
+    """Return the folders of these packages, unread; those of the first start come first."""
     return [folder for folder in type_folders(*starts) if _is_own(folder)]
 
 
 def type_folders(*starts: Path) -> list[Path]:
-    """The folders of these packages, and of ROS packages beside them that have types."""
+    """Return the folders of these packages, and of ROS packages with types next to them."""
     found: dict[Path, None] = {}
     for start in starts:
         found.update(dict.fromkeys(_workspace(start)))
@@ -75,7 +75,7 @@ def type_folders(*starts: Path) -> list[Path]:
 
 
 def load_toml(text: str) -> dict[str, object]:
-    """The value of a text in TOML; ValueError if it is none."""
+    """Parse a TOML text; ValueError if it is invalid."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -85,7 +85,7 @@ def load_toml(text: str) -> dict[str, object]:
 
 
 def read_project(folder: Path) -> dict[str, object]:
-    """A package's pyproject.toml; InvalidFile, with the line, for one that is no TOML."""
+    """Read a package's pyproject.toml; InvalidFile, with the line, if it is not TOML."""
     path = folder / "pyproject.toml"
     try:
         return load_toml(path.read_text("utf-8"))
@@ -99,14 +99,14 @@ def read_project(folder: Path) -> dict[str, object]:
 
 
 def table(value: object, *keys: str) -> dict[str, object]:
-    """A table inside of others; empty where there is none."""
+    """Return a nested table; empty if there is none."""
     for key in keys:
         value = value.get(key) if isinstance(value, dict) else None
     return value if isinstance(value, dict) else {}
 
 
 def package_name(folder: Path) -> str:
-    """The import name of the package in a folder; InvalidFile where there is none."""
+    """Return the import name of the package in a folder; InvalidFile if it has none."""
     name = table(read_project(folder), "project").get("name")
     path = folder / "pyproject.toml"
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
@@ -117,27 +117,27 @@ def package_name(folder: Path) -> str:
 
 
 def _workspace(start: Path) -> list[Path]:
-    """The packages of the workspace that a folder is in."""
+    """Return the packages of the workspace around a folder."""
     for level in (start, *start.parents)[:_MOST_LEVELS]:
         found = [*_children(level), *_children(level / "src")]
         if found and _is_meant(level, start, found):
             return found
-        if _is_package(level) and level not in _children(level.parent):  # too many are beside it
+        if _is_package(level) and level not in _children(level.parent):  # too many are next to it
             return [level]
     return []
 
 
 def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
-    """Return True if the packages in a folder concern ``start``, which is it or below it.
+    """Return True if the packages in a folder are for ``start``, which is it or below it.
 
-    In a folder that everybody can write, such as /tmp, only if that is the folder or in a package.
+    In a folder writable by all, such as /tmp, only if ``start`` is it or is in a package.
     """
     is_shared = level.stat().st_mode & stat.S_IWOTH
     return not is_shared or level == start or any(start.is_relative_to(one) for one in found)
 
 
 def _children(folder: Path) -> list[Path]:
-    """The packages in a folder."""
+    """Return the packages in a folder."""
     return sorted(path for path in _folders(folder) if _is_package(path))
 
 
@@ -152,18 +152,18 @@ def _folders(folder: Path) -> Iterator[Path]:
 
 
 def _is_package(folder: Path) -> bool:
-    if _text(folder / "package.xml"):  # which a folder that is not to be looked into has not
+    if _text(folder / "package.xml"):  # a folder that must not be searched has none
         return _is_own(folder) or any((folder / name).is_dir() for name in ROS_FOLDERS)
     return _is_own(folder)
 
 
 def _is_own(folder: Path) -> bool:
-    """Return True for a package of lcmtools."""
+    """Return True for one of lcmtools' own packages."""
     return any(line.strip() == MARK for line in _text(folder / "pyproject.toml").splitlines())
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file of this user's, of a usual length; else ""."""
+    """Return the text of a file if it is this user's and of usual length; else ""."""
     try:
         state = path.stat()
         if state.st_uid in (os.getuid(), 0) and state.st_size <= LONGEST_FILE:

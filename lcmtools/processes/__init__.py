@@ -1,4 +1,4 @@
-"""Child processes: started, read, signalled, and certain to end.
+"""Child processes: starting, reading and signalling them, and making sure that they end.
 
 Must not know launch files, labs or buses.
 """

@@ -1,7 +1,7 @@
 """A child process: its start, its output, its keyboard, and the signals that end it.
 
-Belongs here: one process and its group. Deciding when to do what is the caller's business. No code
-of this process runs between fork and exec, where it could deadlock once there are threads.
+Belongs here: one process and its group. The caller decides what to do when. No code of this process
+runs between fork and exec, where it could deadlock if there are threads.
 """
 
 import contextlib
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 LONGEST = 65_536
-"""Bytes; a longer line comes in pieces, so that one that never ends takes no memory."""
+"""Bytes; a longer line comes in pieces, so that an endless one takes no memory."""
 _WITH_TERMINAL = ("sh", "-c", 'exec "$@" <>"$0"')
-"""Opening a terminal makes it the session's controlling terminal; then comes the command."""
+"""Opening a terminal makes it the session's controlling terminal; then the command runs."""
 _PIECE = 65_536
 _MOST_PIECES = 100
-"""A pipe holds less."""
+"""More pieces than a pipe can contain."""
 _NEVER = float("inf")
 _KILL_WAIT = 10.0
-_COPY_WAIT = 1.0  # [s] until all is copied that an ended process has printed on its terminal
+_COPY_WAIT = 1.0  # [s] to copy everything that an ended process has printed on its terminal
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,20 +48,20 @@ class StopTimeouts:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The way in which a process is started."""
+    """The settings for starting a process."""
 
     command: Sequence[str]  # its words
-    environment: Mapping[str, str]  # all its variables
+    environment: Mapping[str, str]  # all its environment variables
     directory: str = ""  # its working directory; "" for this process's
-    takes_input: bool = False  # standard input is this process's, else empty
-    has_keyboard: bool = False  # it has a terminal of its own, see ``press``; needs an output
+    takes_input: bool = False  # standard input is this process's; else it is empty
+    has_keyboard: bool = False  # it has its own terminal, see ``press``; needs ``output``
     takes_terminal: bool = False  # standard output and error are this process's
-    output: Path | None = None  # a file for all that it prints; without one its lines are read
-    most_bytes: int = 0  # limit of the size of each file that it writes; 0 for none
+    output: Path | None = None  # a file for everything it prints; None to read its lines
+    most_bytes: int = 0  # size limit of each file that it writes; 0 for none
 
 
 class ChildProcess:
-    """A process in a session and group of its own; OSError where the system does not start it."""
+    """A process in its own session and group; OSError if the system does not start it."""
 
     def __init__(self, start: Start, guard: ProcessGuard, timeouts: StopTimeouts) -> None:
         self._guard = guard
@@ -69,7 +69,7 @@ class ChildProcess:
         self._copier: Thread | None = None
         self._output = start.output
         self._popen = self._started(start)
-        self.pid = self._popen.pid  # its number, and its group's
+        self.pid = self._popen.pid  # also its group's number
         self._lines: dict[int, tuple[IO[bytes], Lines, bool]] = {}
         for stream, is_error in ((self._popen.stdout, False), (self._popen.stderr, True)):
             if stream is not None:
@@ -80,10 +80,10 @@ class ChildProcess:
             (signal.SIGTERM, timeouts.terminate),
             (signal.SIGKILL, _NEVER),
         ]
-        self.next_step = _NEVER  # the time at which the next signal is due, see ``tick``
+        self.next_step = _NEVER  # when the next signal is due, see ``tick``
 
     def __enter__(self) -> "Self":
-        """Return it; it runs."""
+        """Return the running process."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -97,11 +97,11 @@ class ChildProcess:
 
     @property
     def streams(self) -> list[int]:
-        """The descriptors that its lines come from."""
+        """The descriptors from which its lines are read."""
         return list(self._lines)
 
     def read(self, stream: int) -> Iterator[tuple[bool, str]]:
-        """Return the lines that have come, each with True if it is of the error stream."""
+        """Return the lines that have come, each with True if it is from the error stream."""
         _, lines, is_error = self._lines[stream]
         try:
             piece = os.read(stream, _PIECE)
@@ -113,7 +113,7 @@ class ChildProcess:
             self._close(stream)
 
     def rest(self) -> Iterator[tuple[bool, str]]:
-        """Return what is left to read; processes left behind may still hold the streams."""
+        """Return the remaining lines; surviving children may keep the streams open."""
         for stream in self.streams:
             _, lines, is_error = self._lines[stream]
             with contextlib.suppress(BlockingIOError):
@@ -123,7 +123,7 @@ class ChildProcess:
             self._close(stream)
 
     def output(self, most: int) -> str:
-        """Return the last bytes that it has printed into its file."""
+        """Return the last ``most`` bytes that it has printed into its file."""
         assert self._output is not None
         if self._copier and self.code is not None:
             self._copier.join(_COPY_WAIT)
@@ -134,27 +134,27 @@ class ChildProcess:
     def press(self, key: str) -> None:
         """Press a key on its keyboard."""
         assert self._keyboard is not None
-        with contextlib.suppress(OSError):  # it has ended, which the caller sees
+        with contextlib.suppress(OSError):  # it has ended, which the caller will notice
             os.write(self._keyboard, key.encode())
 
     def takes_interrupts_as_keys(self) -> bool:
-        """Return True if it has set its terminal raw: then Ctrl-C is no signal."""
+        """Return True if it has set its terminal raw: then Ctrl-C sends no signal."""
         return (
             self._keyboard is not None and not termios.tcgetattr(self._keyboard)[3] & termios.ISIG
         )
 
     def wait(self, timeout: float) -> bool:
-        """Wait for its end; return True if it came within so many seconds."""
+        """Wait for its end; return True if it ended within ``timeout`` seconds."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._popen.wait(timeout)
         return self.code is not None
 
     def group_is_gone(self) -> bool:
-        """Return True if nothing of its group is left."""
+        """Return True if no process of its group is left."""
         return is_gone(self.pid)
 
     def ask_to_end(self, now: float) -> signal.Signals | None:
-        """Send the first signal that ends it, or the next one without waiting for its time."""
+        """Send the first signal to end it, or the next one ahead of its time."""
         if not self._ladder:
             return None
         number, patience = self._ladder.pop(0)
@@ -167,7 +167,7 @@ class ChildProcess:
         return self.ask_to_end(now) if now >= self.next_step else None
 
     def interrupt(self, timeout: float) -> bool:
-        """Press Ctrl-C; return True if it ended within so many seconds."""
+        """Press Ctrl-C; return True if it ended within ``timeout`` seconds."""
         send(self.pid, signal.SIGINT)
         return self.wait(timeout)
 
@@ -180,7 +180,7 @@ class ChildProcess:
         self.release()
 
     def release(self) -> None:
-        """Free what belongs to it, once its group is gone."""
+        """Free its resources, once its group is gone."""
         self.next_step = _NEVER
         for stream in self.streams:
             self._close(stream)
@@ -216,13 +216,13 @@ class ChildProcess:
                 target=self._copy, args=[popen.pid, start.most_bytes], daemon=True
             )
             self._copier.start()
-        if start.most_bytes and sys.platform == "linux":  # elsewhere there is no limit
+        if start.most_bytes and sys.platform == "linux":  # other systems cannot set a limit
             limits = (start.most_bytes, start.most_bytes)
             resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, limits)
         return popen
 
     def _copy(self, pid: int, most: int) -> None:
-        """Copy what it prints on its terminal into its file, as far as that may grow."""
+        """Copy what it prints on its terminal into its file, up to the limit."""
         assert self._output is not None
         terminal = self._keyboard
         assert terminal is not None
@@ -230,13 +230,13 @@ class ChildProcess:
             while piece := os.read(terminal, _PIECE):
                 left = max(0, most - file.tell()) if most else len(piece)
                 file.write(piece[:left])
-                if len(piece) > left:  # as the system does with what it writes into files
+                if len(piece) > left:  # as the system does when a process exceeds the limit
                     send(pid, signal.SIGXFSZ)
 
     def _close_keyboard(self) -> None:
         if self._copier:
             self._copier.join(_COPY_WAIT)
-            if self._copier.is_alive():  # what has left the group holds the terminal
+            if self._copier.is_alive():  # a process outside of the group still uses the terminal
                 return
         if self._keyboard is not None:
             os.close(self._keyboard)
@@ -244,7 +244,7 @@ class ChildProcess:
 
 
 def _screen(terminal: int) -> int:
-    """Let a terminal show what a program prints as it prints it, and no keys."""
+    """Make a terminal pass on a program's output unchanged, and echo no keys."""
     manner = termios.tcgetattr(terminal)
     manner[1] &= ~termios.OPOST
     manner[3] &= ~termios.ECHO
@@ -260,13 +260,13 @@ def _check_executable(word: str, environment: Mapping[str, str]) -> None:
 
 
 class Lines:
-    """Takes the output of a process piece by piece; returns the lines."""
+    """Splits the output of a process, which comes in pieces, into lines."""
 
     def __init__(self) -> None:
         self._rest = b""
 
     def take(self, piece: bytes) -> list[str]:
-        """Return the lines that are complete now, without their ends."""
+        """Return the lines that this piece completes, without their line ends."""
         *whole, self._rest = (self._rest + piece).split(b"\n")
         if len(self._rest) > LONGEST:
             whole.append(self._rest)
@@ -274,7 +274,7 @@ class Lines:
         return [_text(line) for line in whole]
 
     def end(self) -> list[str]:
-        """Return the rest: a line without an end."""
+        """Return the rest: a line without a line end."""
         rest, self._rest = self._rest, b""
         return [_text(rest)] if rest else []
 

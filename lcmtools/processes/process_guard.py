@@ -1,4 +1,4 @@
-"""The guard that lets no child process outlive this one, even if this one is killed."""
+"""The guard that ends all child processes with this one, even if this one is killed."""
 
 import contextlib
 import os
@@ -19,8 +19,8 @@ class ProcessGuard:
 
     def __init__(self) -> None:
         self._lock = Lock()
-        # -I -S: it needs nothing that is installed, and no other module may take its imports' place
-        self._reaper = subprocess.Popen(  # noqa: S603 - our own program
+        # -I -S: it needs no installed packages, and its imports must not be shadowed
+        self._reaper = subprocess.Popen(  # noqa: S603 - lcmtools' own program
             [sys.executable, "-I", "-S", str(Path(reaper.__file__)), str(os.getpid())],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
@@ -32,11 +32,11 @@ class ProcessGuard:
         self._pipe = self._reaper.stdin
 
     def __enter__(self) -> "ProcessGuard":
-        """Return it; the reaper runs."""
+        """Return the guard; the reaper runs."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Let the reaper end; it ends the groups that have not been forgotten."""
+        """Let the reaper end; it first ends the groups that have not been forgotten."""
         with contextlib.suppress(OSError):
             self._pipe.close()
         self._reaper.wait()
@@ -48,7 +48,7 @@ class ProcessGuard:
         directory: str,
         streams: tuple[Stream, Stream, Stream],
     ) -> "subprocess.Popen[bytes]":
-        """Start a process in a session and group of its own, with its three standard streams.
+        """Start a process in its own session and group, with these three standard streams.
 
         Raises:
             OSError: The system does not start it.
@@ -58,7 +58,7 @@ class ProcessGuard:
         with self._lock:
             self._tell("+")  # this process may be killed between the start and its report
             try:
-                popen = subprocess.Popen(  # noqa: S603 - the user's own
+                popen = subprocess.Popen(  # noqa: S603 - the user's own program
                     command,
                     env={**environment, reaper.MARK: str(os.getpid())},
                     cwd=directory or None,
@@ -78,5 +78,5 @@ class ProcessGuard:
             self._tell(f"-{group}\n")
 
     def _tell(self, text: str) -> None:
-        with contextlib.suppress(OSError, ValueError):  # the reaper has been killed, or has ended
+        with contextlib.suppress(OSError, ValueError):  # the reaper was killed, or has ended
             os.write(self._pipe.fileno(), text.encode())

@@ -1,8 +1,8 @@
-"""The reaper: a program of its own that ends child processes when their parent was killed.
+"""The reaper: a separate program that ends child processes if their parent was killed.
 
-It reads the groups of processes from a pipe ("+123", "-123", a line each). The pipe ends with the
-parent, however that ends; the groups that are left then get SIGINT, SIGTERM after a moment, and
-SIGKILL. It imports nothing of lcmtools, so that it starts quickly.
+It reads the groups of processes from a pipe ("+123", "-123", one per line). The pipe ends with the
+parent, however that ends; the remaining groups then get SIGINT and, each after a moment, SIGTERM
+and SIGKILL. It imports nothing from lcmtools, so that it starts quickly.
 """
 
 import contextlib
@@ -13,24 +13,24 @@ import time
 from collections.abc import Iterator
 
 MARK = "LCMTOOLS_GUARD"
-"""The variable of child processes that has their parent's number."""
+"""The environment variable of child processes with their parent's pid."""
 _GRACE = 0.5
 """Seconds from one signal to the next: enough for a controller to stop its robot."""
 
 
 def send(group: int, number: int) -> bool:
-    """Send a signal to a group of processes; return True if there is one."""
-    if group <= 0:  # 0 would be this process's own
+    """Send a signal to a group of processes; return True if the group exists."""
+    if group <= 0:  # 0 would be this process's own group
         return False
     try:
         os.killpg(group, number)
-    except (ProcessLookupError, PermissionError):  # another user's, or on macOS one that has ended
+    except (ProcessLookupError, PermissionError):  # another user's group, or on macOS an ended one
         return False
     return True
 
 
 def serve(stream: int) -> tuple[set[int], bool]:
-    """Read until the parent is gone; return the groups that are left, and if one was starting."""
+    """Read until the parent is gone; return the remaining groups, and True if one was starting."""
     groups: set[int] = set()
     rest = b""
     while piece := os.read(stream, 4096):
@@ -42,29 +42,29 @@ def serve(stream: int) -> tuple[set[int], bool]:
 
 
 def is_gone(group: int) -> bool:
-    """Return True if nothing of a group of processes runs any more.
+    """Return True if no process of a group is running.
 
-    A process that has ended may stay in the group for ever, if the system's first process, which
-    inherits it, never waits for it, as in many containers. Without /proc that is not known.
+    An ended process may stay in the group forever if the system's first process, which inherits it,
+    never waits for it, as in many containers. Without /proc this cannot be detected.
     """
     if not send(group, 0):
         return True
-    # after the name, which may have blanks: state, parent, group (proc_pid_stat(5))
+    # after the name, which may contain spaces: state, parent, group (proc_pid_stat(5))
     rows = [text.rpartition(b")")[2].split() for _, text in _processes("stat")]
     return bool(rows) and not any(int(row[2]) == group and row[0] not in b"ZX" for row in rows)
 
 
 def children(parent: str) -> Iterator[int]:
-    """Return the processes with the mark of a parent, which may not have reported its last one.
+    """Return the processes with the mark of a parent, even one that it has not reported yet.
 
-    None without /proc.
+    Returns none without /proc.
     """
     mark = f"{MARK}={parent}".encode()
     return (pid for pid, text in _processes("environ") if mark in text.split(b"\0"))
 
 
 def _processes(name: str) -> Iterator[tuple[int, bytes]]:
-    """Yield each process with the text of its file of this name (proc(5)), where it can be read."""
+    """Yield the pid and text of each readable file of this name in /proc/PID (proc(5))."""
     with contextlib.suppress(OSError):
         for pid in filter(str.isdigit, os.listdir("/proc")):  # noqa: PTH208 - quick
             with contextlib.suppress(OSError), open(f"/proc/{pid}/{name}", "rb") as file:  # noqa: PTH123 - quick
@@ -87,7 +87,7 @@ def main(parent: str) -> None:
         signal.signal(number, signal.SIG_IGN)
     groups, is_starting = serve(sys.stdin.fileno())
     if is_starting:
-        time.sleep(_GRACE)  # until it has its own variables
+        time.sleep(_GRACE)  # until the new process has its environment variables
         groups.update(children(parent))
     end(groups)
 

@@ -1,6 +1,6 @@
-"""Signals as events to wait for, beside descriptors and the time.
+"""Signals as events to wait for, together with descriptors and a timeout.
 
-Belongs here: the handlers while child processes run. Must not know what a signal means.
+Belongs here: the signal handlers used while child processes run. Must not know what a signal means.
 """
 
 import contextlib
@@ -17,28 +17,28 @@ class SignalWaiter:
     """A context in which SIGINT, SIGTERM, SIGHUP and the ends of children are events.
 
     Signals belong to the whole process: inside the context its handlers for these four, and its
-    wake-up descriptor, are replaced; on leaving it they are as before. Only the main thread may
-    enter it.
+    wake-up descriptor, are replaced; afterwards they are restored. Only the main thread may enter
+    it.
     """
 
     def __init__(self) -> None:
         self._receiver, self._sender = socket.socketpair()
         self._asked: list[int] = []
         self._doubles = Doubles()
-        self._is_late = False  # something has happened that wait has not reported yet
+        self._is_late = False  # True if an event happened that ``wait`` has not reported yet
 
     def __enter__(self) -> "SignalWaiter":
         """Install the handlers."""
         for end in (self._receiver, self._sender):
-            end.setblocking(False)  # noqa: FBT003 - socket's own
+            end.setblocking(False)  # noqa: FBT003 - socket's signature
         self._before = {number: signal.signal(number, self._note) for number in ENDING}
-        # only a signal with a handler of Python wakes up
+        # only a signal with a Python handler wakes up the waiting thread
         self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, lambda *_: None)
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Restore the handlers that were there before."""
+        """Restore the previous handlers."""
         signal.set_wakeup_fd(self._previous)
         for number, handler in self._before.items():
             signal.signal(number, handler)
@@ -46,12 +46,12 @@ class SignalWaiter:
         self._sender.close()
 
     def take(self) -> list[int]:
-        """Return the signals that have asked to end since the last call."""
+        """Return the signals since the last call that request an end."""
         asked, self._asked = self._asked, []
         return asked
 
     def wait(self, streams: Sequence[int], timeout: float | None) -> list[int]:
-        """Wait for a signal, a child's end, a descriptor or the time; return ready descriptors."""
+        """Wait for a signal, a child's end, a descriptor or a timeout; return ready descriptors."""
         poll = select.poll()
         for stream in (self._receiver.fileno(), *streams):
             poll.register(stream, select.POLLIN)
@@ -62,7 +62,7 @@ class SignalWaiter:
         return [stream for stream, _ in ready if stream != self._receiver.fileno()]
 
     def wait_writable(self, stream: int, *, is_patient: bool) -> bool:
-        """Wait until a descriptor can be written to; return False if a signal asks to end before.
+        """Wait until a descriptor is writable; return False if a signal requests an end first.
 
         Ctrl-S may have stopped a terminal. Without ``is_patient``, return at once.
         """

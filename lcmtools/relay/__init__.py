@@ -1,4 +1,4 @@
 """Joining buses: a server for LCM's provider tcpq, and relays that carry messages between buses.
 
-Stands on ``observe`` and ``bus``. Nothing here prints or knows a command line.
+Built on ``observe`` and ``bus``. Nothing here prints or knows a command line.
 """

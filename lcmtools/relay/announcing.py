@@ -1,7 +1,7 @@
-"""Announcements of nodes on one bus, as they are passed on to the other. Pure.
+"""Converting announcements of nodes on one bus for the other bus. Pure.
 
-They get the names that their topics have there, without the topics that do not pass, and the path
-that they have come, so that nobody takes their process for one of the other bus.
+They get the names that their topics have there, lose the topics that do not pass, and carry their
+path, so that no program takes their processes for ones on the other bus.
 """
 
 from collections.abc import Callable
@@ -17,10 +17,10 @@ _OF_SERVICES = (Role.SERVICE, Role.CLIENT)
 
 
 class Announced:
-    """The nodes of one bus as they are announced on the other.
+    """The nodes of one bus, as announced on the other.
 
-    ``step`` is the relay, and the bus that the nodes are on; ``onward`` and ``back`` are the rules
-    for messages from their bus and to it. With ``one_way`` they go in one direction only.
+    ``step`` is the relay and the bus that the nodes are on; ``onward`` and ``back`` are the rules
+    for messages from their bus and to it. With ``one_way`` messages pass in one direction only.
     """
 
     def __init__(
@@ -31,9 +31,9 @@ class Announced:
         self._kept: dict[str, tuple[Announcement, int]] = {}
 
     def take(self, said: Announcement, now: int) -> Announcement | None:
-        """Return an announcement as it is to be passed on; None if it is not.
+        """Return an announcement as it must be passed on; None if it must not.
 
-        ``now`` is in nanoseconds of any clock that only goes forward.
+        ``now`` is the time of any monotonic clock [ns].
         """
         node = said.node
         if len(node.path) >= _MOST_STEPS or any(step.id == self._step.id for step in node.path):
@@ -56,15 +56,15 @@ class Announced:
         return passed
 
     def recent(self, now: int) -> list[Announcement]:
-        """Return those of nodes that are not silent, as they were passed on last."""
+        """Return the latest converted announcements of nodes that are not silent."""
         return [kept for kept, time in self._kept.values() if now - time <= STALE_AFTER]
 
     def forget(self) -> None:
-        """Forget all: another relay passes them on now."""
+        """Forget all, because another relay passes them on now."""
         self._kept.clear()
 
     def target(self, name: str) -> str | None:
-        """Return the name on its own bus of a node that is announced; None for others."""
+        """Return an announced node's name on its own bus; None for others."""
         known = (one.node for one, _ in self._kept.values())
         if not any(node.name == name for node in known):
             return None
@@ -84,6 +84,6 @@ class Announced:
         return None if isinstance(name, Reason) or not name else end._replace(topic=name)
 
     def _name_of_subscription(self, end: Endpoint, route: Callable[..., Route]) -> str:
-        """The topic on the other bus whose messages come to a subscription."""
+        """Return the topic on the other bus whose messages reach a subscription."""
         name = self._onward.name(end.topic)
         return "" if isinstance(name, Reason) or route(name, end.types).reason else name

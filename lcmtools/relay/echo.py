@@ -1,28 +1,28 @@
-"""The echo of a server that sends everything back, and names no senders. Pure.
+"""Detecting echoes from a server that sends everything back without the sender. Pure.
 
-What was sent comes back, in the order of sending, unless the server drops it. A message that is
-equal to one that was sent is its echo: if it should be another program's, then the echo itself
-passes in its place, and nobody can tell them apart.
+Sent messages come back in the order of sending, unless the server drops them. A message equal to a
+sent one is taken for its echo: if it is in fact another program's, then the echo itself passes in
+its place, and nobody can tell the difference.
 """
 
 import threading
 from collections import deque
 
-_MOST_BEHIND = 1000  # echoes that come later than one behind them are lost
+_MOST_BEHIND = 1000  # an echo this far behind the latest one counts as lost
 _Key = tuple[str, int, int]
 
 
 class EchoFilter:
-    """The messages whose echoes are to come."""
+    """The messages whose echoes are expected."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # one thread sends, another one receives
+        self._lock = threading.Lock()  # one thread sends, another receives
         self._order: deque[tuple[int, _Key]] = deque()
         self._numbers: dict[_Key, deque[int]] = {}
         self._sent = 0
 
     def sends(self, channel: str, payload: bytes) -> None:
-        """Take note of a message that is about to be sent."""
+        """Note a message that is about to be sent."""
         key = _key(channel, payload)
         with self._lock:
             self._sent += 1
@@ -30,7 +30,7 @@ class EchoFilter:
             self._order.append((self._sent, key))
 
     def is_echo(self, channel: str, payload: bytes) -> bool:
-        """Return whether a message that came is an echo; if so, it is awaited no more."""
+        """Return whether a received message is an echo; if so, it is no longer expected."""
         key = _key(channel, payload)
         with self._lock:
             numbers = self._numbers.get(key)
@@ -44,7 +44,7 @@ class EchoFilter:
             return True
 
     def clear(self) -> None:
-        """Await nothing: the connection is another one."""
+        """Expect no echoes, because the connection is new."""
         with self._lock:
             self._numbers.clear()
             self._order.clear()

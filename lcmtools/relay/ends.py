@@ -1,4 +1,4 @@
-"""The ends of a relay: connections to a bus that receive all messages but their own."""
+"""The ends of a relay: connections to a bus that receive all messages except their own."""
 
 import math
 import socket
@@ -21,23 +21,23 @@ from lcmtools.wire.packet import Packet, Sender
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
 _PATIENCE = 10  # [s]
 _LOOPBACK = "127."
-_MOST_HOPS = 16  # relays that a message may pass
+_MOST_HOPS = 16  # most relays that a message may pass
 
 
 class BusEnd(Protocol):
-    """A connection to a bus: one thread receives, another one sends."""
+    """A connection to a bus: one thread receives, another sends."""
 
-    # UDP ports that it sends from, 0 on Zenoh; empty where the bus names no senders.
+    # UDP ports that it sends from, 0 on Zenoh; empty if the bus does not identify senders.
     ports: tuple[int, ...]
-    takes_origin: bool  # the bus carries the origin of a message beside it
-    is_quick: bool  # sending a short message never takes time
+    takes_origin: bool  # True if the bus carries a message's origin with it
+    is_quick: bool  # True if sending a short message never blocks
     trouble: str  # the reason why the bus cannot be reached; "" for none
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
 
     def send(self, message: LineMessage, /) -> None:
-        """Send a message, also if that takes time; with its origin, where the bus takes one.
+        """Send a message, even if that takes time; with its origin, if the bus carries it.
 
         Raises:
             BusError: It cannot be sent.
@@ -51,7 +51,7 @@ class BusEnd(Protocol):
 
 
 class UdpmEnd:
-    """An end at a multicast group: short messages leave at once, large ones paced."""
+    """An end at a multicast group: short messages are sent at once, large ones paced."""
 
     takes_origin, is_quick = False, True
 
@@ -109,7 +109,7 @@ class UdpmEnd:
 
 
 class ZenohEnd:
-    """An end at a bus of Zenoh, which carries the origin of each message beside it."""
+    """An end at a Zenoh bus, which carries each message's origin with it."""
 
     ports: tuple[int, ...] = (0,)
     takes_origin, is_quick = True, False
@@ -118,7 +118,7 @@ class ZenohEnd:
         from lcmtools.bus.zenoh_listener import ZenohListener
 
         self.trouble = ""
-        # a long line that loses packets stalls for seconds, where a neighbour would read again
+        # longer than for local programs: a lossy long-distance line can stall for seconds
         patient = url.with_option("patience", str(_PATIENCE))
         self._listener = ZenohListener(patient, self._note)
 
@@ -126,7 +126,7 @@ class ZenohEnd:
         """See ``BusEnd``."""
         try:
             packets = self._listener.receive(timeout)
-        except EOFError:  # it closes
+        except EOFError:  # it is closing
             return []
         own = self._listener.sender
         return [
@@ -169,7 +169,7 @@ class TcpqEnd:
         """See ``BusEnd``."""
         try:
             packets = self._listener.receive(timeout)
-        except EOFError:  # it closes
+        except EOFError:  # it is closing
             time.sleep(timeout)
             return []
         is_echo = self._echo.is_echo
@@ -202,19 +202,19 @@ _KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {
 
 
 def check_end(url: BusUrl) -> None:
-    """Refuse what no relay can join: UsageError for a log, or a bus of another kind."""
+    """Raise UsageError for a URL that a relay cannot join: a log, or an unsupported bus."""
     if url.provider not in _KINDS:
         kinds = ", ".join(f"{kind}://" for kind in _KINDS)
         raise UsageError(f"{url} cannot be joined by a relay", f"it joins buses of {kinds}")
 
 
 def open_end(url: BusUrl) -> BusEnd:
-    """Return an end at a bus; BusError if it cannot be reached, with what to type."""
+    """Return an end at a bus; BusError if it cannot be reached, which says what to type."""
     return _KINDS[url.provider](url)
 
 
 def bus_name(url: BusUrl) -> str:
-    """Return a bus as people on other computers are to call it."""
+    """Return a name for a bus that is meaningful to people on other computers."""
     name = f"{url.provider}://{url.host}:{url.port}" if url.host else str(url).partition("?")[0]
     is_here = url.host.startswith(_LOOPBACK) or (url.is_multicast and not url.ttl)
     return f"{name} on {socket.gethostname()}" if is_here else name

@@ -1,9 +1,9 @@
-"""When a relay may begin to carry messages, so that none comes twice, or after a later one. Pure.
+"""When a relay may begin to carry messages, so that none is duplicated or overtaken. Pure.
 
-It waits for a moment, to hear of other relays first. Over a line their reports may come late: who
-hears relays on one bus and none over the line may well stand beside one of them, and waits until a
-line that is dead would have been found so. Who takes over waits until all that the other relay has
-sent must have come; what comes later still is dropped.
+A relay waits for a moment, to hear of other relays first. Over a line, their reports may come late:
+a relay that hears others on one bus but none over the line may be parallel to one of them, and
+waits as long as it takes to detect a dead line. A relay that takes over waits until everything that
+the other relay sent must have arrived; what arrives even later is dropped.
 """
 
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from lcmtools.relay.outbox import LATE
 from lcmtools.relay.topology import Link, State
 
 _HOLD = 0.7  # [s]
-_DEAF = 5.0  # [s]; Zenoh finds a line dead in 4 (``zenoh_config``), and a server's in about 1
+_DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``zenoh_config``), a server in about 1
 _HANDOVER = LATE + 0.2  # [s]
 
 
@@ -21,7 +21,7 @@ class Hold:
 
     Args:
         lines: The ids of the relay's ends over which messages may come late.
-        now: The present time.
+        now: The current time.
     """
 
     def __init__(self, lines: Iterable[str], now: float) -> None:
@@ -31,11 +31,11 @@ class Hold:
         self.begin(now)
 
     def begin(self, now: float) -> None:
-        """Wait from now on: a bus was lost, or is back."""
+        """Start waiting, because a bus was lost or restored."""
         self._until, self._deaf_until = now + _HOLD, now + _DEAF
 
     def learn(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
-        """Take all relays, the own one first, and those that are to carry from now on."""
+        """Update from all relays, this one first, and the ids of those that should now carry."""
         own, *others = links
         deaf = {end.id for end in own.ends if not end.heard}
         self._deaf = deaf.pop() if len(deaf) == 1 and deaf <= self._lines else ""
@@ -51,5 +51,5 @@ class Hold:
         return now < (max(self._until, self._deaf_until) if self._deaf else self._until)
 
     def awaited(self, now: float) -> str:
-        """Return the id of the line on which alone the relay still waits for others, else ""."""
+        """Return the id of the line if the relay waits only for others on it, else ""."""
         return self._deaf if self._until <= now < self._deaf_until else ""

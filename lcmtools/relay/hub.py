@@ -1,10 +1,11 @@
-"""A server for LCM's provider tcpq, as lcm.jar's TCPService is one.
+"""A server for LCM's provider tcpq, like lcm.jar's TCPService.
 
-Each message goes to all clients with a pattern that matches its channel, its sender too. One thread
-serves all clients and waits for none: what a slow client does not take waits for it, up to a bound,
-and then its oldest messages are dropped, so that it gets the newest ones and the others get all.
-Messages that have waited for a second are dropped too, and a client that has received nothing for
-so long is closed, with what the system would send it later: no command arrives late.
+Each message goes to all clients with a pattern that matches its channel, including its sender. One
+thread serves all clients and waits for none: data that a slow client does not accept wait for it,
+up to a limit; then its oldest messages are dropped, so that it gets the newest ones and the others
+get all. Messages that have waited for a second are dropped too. A client that has received nothing
+for that long is disconnected, discarding what the system would still send it: no command arrives
+late.
 """
 
 import contextlib
@@ -39,16 +40,16 @@ from lcmtools.wire.tcpq import (
     publish_frame,
 )
 
-_READ_BYTES = 1 << 18  # taken from one client before it is the next one's turn
-_MOST_WAITING = 32 << 20  # bytes that wait for a client
-_AT_ONCE = 64  # frames that are given to the system together
+_READ_BYTES = 1 << 18  # read from one client before it is the next one's turn
+_MOST_WAITING = 32 << 20  # most bytes that wait for a client
+_AT_ONCE = 64  # frames that are passed to the system together
 _MOST_CLIENTS = 500
 _MOST_PATTERNS = 10_000  # of one client
-_MOST_CHANNELS = 10_000  # whose receivers are remembered
-_GREETING_TIME = 10.0  # [s] that a client has to greet
-_SAME = 20  # characters of a reason that are the same for one fault
-_CHECK_PERIOD = 0.25  # [s] between looks for clients that do not, or that receive nothing
-_AT_ONCE_GONE = struct.pack("ii", 1, 0)  # of SO_LINGER: nothing more is sent
+_MOST_CHANNELS = 10_000  # channels whose receivers are remembered
+_GREETING_TIME = 10.0  # [s] that a client has to send its greeting
+_SAME = 20  # first characters of a reason that identify a fault
+_CHECK_PERIOD = 0.25  # [s] between checks for clients that do not greet, or receive nothing
+_AT_ONCE_GONE = struct.pack("ii", 1, 0)  # for SO_LINGER: discard unsent data
 _TURN = 0.25  # [s]
 _NO_MORE = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
@@ -57,10 +58,10 @@ _NO_MORE = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 class HubCounts:
     """The counts of a hub since its start."""
 
-    clients: int = 0  # now
-    messages: int = 0  # that came
+    clients: int = 0  # connected now
+    messages: int = 0  # received
     bytes: int = 0  # of their frames
-    dropped: int = 0  # that slow clients did not get
+    dropped: int = 0  # not delivered to slow clients
 
 
 class _Client:
@@ -72,17 +73,17 @@ class _Client:
         self.since = now
         self.reader = FrameReader()
         self.patterns: dict[str, ChannelPattern] = {}
-        self.times: Counter[str] = Counter()  # that each pattern is subscribed to
+        self.times: Counter[str] = Counter()  # how often each pattern is subscribed to
         self.dropped = 0
-        self.heard = now  # the last time that it was not known to receive nothing
+        self.heard = now  # the last time that it may have received something
         self._waiting: deque[bytes | memoryview] = deque([SERVER_GREETING])
         self._due: deque[float] = deque([math.inf])  # times until which they may be sent
         self._waiting_bytes = len(SERVER_GREETING)
-        self._is_begun = False  # a part of the first one is sent
+        self._is_begun = False  # True if a part of the first frame has been sent
 
     @property
     def is_waiting(self) -> bool:
-        """True if something is to be sent."""
+        """True if something waits to be sent."""
         return bool(self._waiting)
 
     def matches(self, channel: str) -> bool:
@@ -90,7 +91,7 @@ class _Client:
         return any(pattern.matches(channel) for pattern in self.patterns.values())
 
     def subscribe(self, pattern: str) -> None:
-        """Add a pattern; PatternError is raised for one that cannot be read."""
+        """Add a pattern; PatternError is raised if it cannot be parsed."""
         if pattern not in self.patterns:
             self.patterns[pattern] = ChannelPattern(pattern)
         self.times[pattern] += 1
@@ -103,14 +104,14 @@ class _Client:
             self.patterns.pop(pattern, None)
 
     def add(self, frame: bytes, now: float) -> int:
-        """Let a frame wait; return the number of older ones that are dropped for it."""
+        """Queue a frame; return the number of older ones that are dropped for it."""
         self._waiting.append(frame)
         self._due.append(now + LATE)
         self._waiting_bytes += len(frame)
         return self._drop(now)
 
     def _drop(self, now: float) -> int:
-        """Drop frames that are late, and the oldest of too many; return their number."""
+        """Drop late frames and, if too many wait, the oldest; return the number of dropped ones."""
         dropped, first = 0, int(self._is_begun)
         while len(self._waiting) > first and (
             self._due[first] < now
@@ -123,9 +124,9 @@ class _Client:
         return dropped
 
     def send(self, now: float) -> int:
-        """Send as much as the connection takes now; return the number of frames that were too late.
+        """Send as much as the connection accepts; return the number of frames that were too late.
 
-        OSError is raised for a connection that is broken.
+        OSError is raised if the connection is broken.
         """
         dropped = self._drop(now)
         with contextlib.suppress(BlockingIOError):
@@ -146,7 +147,7 @@ class _Client:
 class Hub(AbstractContextManager["Hub"]):
     """A server; ``turn`` does its work.
 
-    ``notify`` is called with a sentence when a client is closed, or loses messages.
+    ``notify`` is called with a sentence when a client is disconnected or loses messages.
 
     Raises:
         BusError: The address cannot be used.
@@ -155,7 +156,7 @@ class Hub(AbstractContextManager["Hub"]):
     def __init__(self, url: BusUrl, notify: Callable[[str], None]) -> None:
         self._notify = notify
         self._listener = _listen(url)
-        # The port of its address, also where 0 was asked for.
+        # The port of its address, even if 0 was requested.
         self.port = int(self._listener.getsockname()[1])
         self.counts = HubCounts()
         self._clients: dict[socket.socket, _Client] = {}
@@ -181,9 +182,9 @@ class Hub(AbstractContextManager["Hub"]):
         self._listener.close()
 
     def turn(self, timeout: float) -> list[Frame]:
-        """Do what is to be done, waiting up to ``timeout`` [s] for the first; return the messages.
+        """Do pending work, waiting up to ``timeout`` [s] for it; return the messages received.
 
-        They are on their way to the clients already.
+        They are already on their way to the clients.
         """
         messages: list[Frame] = []
         for key, events in self._selector.select(timeout):
@@ -201,7 +202,7 @@ class Hub(AbstractContextManager["Hub"]):
         return messages
 
     def publish(self, channel: str, payload: bytes) -> None:
-        """Send a message of the hub's own to the clients."""
+        """Send one of the hub's own messages to the clients."""
         self._pass(Frame(PUBLISH, channel, publish_frame(channel, payload)))
         self._send()
 
@@ -211,7 +212,7 @@ class Hub(AbstractContextManager["Hub"]):
         except OSError as error:
             if error.errno in _NO_MORE:
                 self._say("", "full", f"no more clients are possible: {error.strerror}")
-                time.sleep(0.01)  # it waits to be accepted still
+                time.sleep(0.01)  # the client still waits to be accepted
             return
         if len(self._clients) >= _MOST_CLIENTS:
             connection.close()
@@ -227,7 +228,7 @@ class Hub(AbstractContextManager["Hub"]):
         self._changed.add(client)
 
     def _serve(self, client: _Client) -> Iterator[Frame]:
-        """Read from a client and do what its frames say; yield its messages."""
+        """Read from a client and execute its frames; yield its messages."""
         try:
             data = client.connection.recv(_READ_BYTES)
         except BlockingIOError:
@@ -258,7 +259,7 @@ class Hub(AbstractContextManager["Hub"]):
             raise StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
         try:
             client.subscribe(frame.name)
-        except PatternError as error:  # its other subscriptions may be good
+        except PatternError as error:  # its other subscriptions may be valid
             text = f"a subscription of {client.name} receives nothing: {error.what}"
             self._say(client.name, frame.name, text)
 
@@ -318,7 +319,7 @@ class Hub(AbstractContextManager["Hub"]):
             self._notify(f"{client.name} lost {client.dropped} messages by reading too slowly")
 
     def _say(self, who: str, what: str, text: str) -> None:
-        """Say something of somebody once: a client that is broken tries again and again."""
+        """Notify once about each client's fault: a broken client tries again and again."""
         if (who, what) not in self._said and len(self._said) < _MOST_CHANNELS:
             self._said.add((who, what))
             self._notify(text)
@@ -340,7 +341,7 @@ def _listen(url: BusUrl) -> socket.socket:
 def serve(
     hub: Hub, on_turn: Callable[[HubCounts], None], on_shutdown: Callable[[], None]
 ) -> NoReturn:
-    """Serve until an exception ends it; the hub announces itself to its clients meanwhile.
+    """Serve until an exception ends it; meanwhile, the hub announces itself to its clients.
 
     ``on_turn`` is called several times a second; ``on_shutdown`` when another program requests this
     one to end.

@@ -1,9 +1,9 @@
-"""Messages that wait for a line, bounded. Pure but for a lock.
+"""A bounded queue of messages for a line. Pure except for a lock.
 
-A line that is as fast as the messages has none waiting. On one that is not, only the newest message
-of some topics waits, and where all take too much room, the topic that takes the most loses its
-oldest ones: images make way before commands do. The protocol's own messages go first. What has
-waited for a second is dropped: a late command moves a robot when nobody expects it any more.
+If the line is as fast as the messages, none wait. Otherwise, only the newest message of some topics
+waits, and if all take too much room, the topic that takes the most loses its oldest ones: images
+make room before commands do. The protocol's own messages go first. Messages that have waited for a
+second are dropped: a late command would move a robot when nobody expects it.
 """
 
 import math
@@ -15,9 +15,9 @@ from typing import NamedTuple
 from lcmtools.wire.stamp import Origin
 
 MOST_WAITING_BYTES = 64 << 20
-_AT_ONCE = 1 << 16  # bytes that are taken together
-LATE = 1.0  # [s] after which a message is not sent any more
-_COST = 200  # bytes that a message takes besides its own
+_AT_ONCE = 1 << 16  # bytes that are taken at a time
+LATE = 1.0  # [s] after which a message is no longer sent
+_COST = 200  # overhead of a message [byte]
 
 
 class LineMessage(NamedTuple):
@@ -25,9 +25,9 @@ class LineMessage(NamedTuple):
 
     channel: str
     payload: bytes
-    newest: bool = False  # it takes the place of an earlier one of its channel that waits
-    origin: Origin | None = None  # where the bus carries it beside the message
-    due: float = math.inf  # time.monotonic() until which it may be sent; ``inf`` for what is state
+    newest: bool = False  # it replaces a waiting one of its channel
+    origin: Origin | None = None  # if the bus carries it with the message
+    due: float = math.inf  # time.monotonic() until which it may be sent; ``inf`` for state
 
 
 class LineQueue:
@@ -39,11 +39,11 @@ class LineQueue:
         self._waiting: deque[LineMessage] = deque()
         self._first: deque[LineMessage] = deque()
         self._bytes = 0
-        self._of_channel: dict[str, int] = {}  # bytes, of channels that wait
+        self._of_channel: dict[str, int] = {}  # bytes of waiting messages by channel
         self._changed = threading.Condition()
         self._closed = False
-        self._is_taken = False  # messages are being sent
-        self._cleared = -math.inf  # the time by which messages were due that must not be sent
+        self._is_taken = False  # True if messages are being sent
+        self._cleared = -math.inf  # messages that were due by this time must not be sent
 
     @property
     def is_waiting(self) -> bool:
@@ -52,11 +52,11 @@ class LineQueue:
 
     @property
     def is_idle(self) -> bool:
-        """True while no message waits or is being sent but the protocol's own."""
+        """True while no messages wait or are being sent, except the protocol's own."""
         return not (self._waiting or self._is_taken)
 
     def add(self, messages: list[LineMessage]) -> None:
-        """Let messages wait."""
+        """Queue messages."""
         with self._changed:
             for message in messages:
                 if message.newest:
@@ -68,7 +68,7 @@ class LineQueue:
             self._changed.notify()
 
     def add_first(self, message: LineMessage) -> None:
-        """Let a message of the protocol wait, before all others."""
+        """Queue a message of the protocol, ahead of all others."""
         with self._changed:
             self._first.append(message)
             self._changed.notify()
@@ -76,7 +76,7 @@ class LineQueue:
     def take(self, timeout: float) -> list[LineMessage]:
         """Return messages to send, in order, waiting up to ``timeout`` [s] for the first.
 
-        One large message is taken at a time, so that newer ones can take the place of others.
+        One large message is taken at a time, so that newer ones can replace others.
         """
         with self._changed:
             self._is_taken = False
@@ -91,7 +91,7 @@ class LineQueue:
             return taken
 
     def is_late(self, message: LineMessage) -> bool:
-        """Return whether a message that was taken must not be sent; if so, it counts as dropped."""
+        """Return whether a taken message must not be sent any more; if so, count it as dropped."""
         if message.due > max(time.monotonic(), self._cleared):
             return False
         with self._changed:
@@ -99,13 +99,13 @@ class LineQueue:
         return True
 
     def close(self) -> None:
-        """Let ``take`` wait no more."""
+        """Make ``take`` stop waiting."""
         with self._changed:
             self._closed = True
             self._changed.notify()
 
     def clear(self) -> None:
-        """Drop all messages but the protocol's, also those that were taken and are not state."""
+        """Drop all messages except the protocol's, including taken ones that are not state."""
         with self._changed:
             self._cleared = time.monotonic() + LATE
             self.dropped += len(self._waiting)
@@ -114,7 +114,7 @@ class LineQueue:
             self._bytes = 0
 
     def _replace(self, channel: str) -> None:
-        """Drop the oldest message of a channel, if any waits."""
+        """Drop the oldest waiting message of a channel, if there is one."""
         if channel not in self._of_channel:
             return
         for place, message in enumerate(self._waiting):

@@ -1,15 +1,15 @@
-"""A relay: it carries messages between two buses, and shows the nodes of each on the other.
+"""A relay, which carries messages between two buses and shows the nodes of each on the other.
 
-No message comes back, goes in a circle or comes twice. A relay never takes its own messages: they
-come from its own ports, or are the echo of a server. Of several relays those carry messages that
-``topology`` chooses; the others stand by, and pass nothing on. Nobody takes anything from the ports
-of a relay that is to stand by, so that two of them which do not know of each other yet make no
-circle. A relay waits before it carries, to hear of others first (see ``hold``). UDP multicast
-carries nothing beside a message: the sender's port tells the relay, whose report tells what it
-brings.
+No message comes back, runs in a loop or arrives twice. A relay never receives its own messages:
+they come from its own ports, or are a server's echo. If there are several relays, those that
+``topology`` chooses carry messages; the others stand by and pass nothing on. Messages from the
+ports of a relay that should stand by are ignored, so that two relays that do not know of each other
+yet make no loop. A relay waits before it carries, to hear of others first (see ``hold``). UDP
+multicast carries nothing with a message: the sender's port identifies the relay, whose report tells
+what it brings.
 
-When the one that carries says goodbye, another one takes over at once; when it is killed, after
-the time in which silent nodes become stale.
+When a carrying relay says goodbye, another one takes over at once; when it is killed, after the
+time in which silent nodes become stale.
 """
 
 import contextlib
@@ -59,19 +59,19 @@ from lcmtools.wire.packet import Packet
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
 _TURN = 0.05  # [s]
 _WAIT = 0.1  # [s]
-_SWITCH = 0.0002  # [s] that one thread may go on while another one is ready
-_FLUSH = 0.5  # [s] at most in the end, for messages that wait
+_SWITCH = 0.0002  # [s] that one thread may run while another one is ready
+_FLUSH = 0.5  # [s] at most at the end, for waiting messages
 
 
 class Relay(AbstractContextManager["Relay"]):
-    """A relay between two buses, here and there, on threads of its own within its context.
+    """A relay between two buses, here and there, on its own threads within its context.
 
-    ``notify`` is called with a sentence when something begins or ends to go wrong; ``on_shutdown``
-    when another program requests this one to end. Without a name, that as a node has its computer
-    and its process.
+    ``notify`` is called with a sentence when a problem begins or ends; ``on_shutdown`` when another
+    program requests this one to end. Without a name, the relay's node is named after its computer
+    and process.
 
     Raises:
-        BusError: A bus cannot be reached, with what to type.
+        BusError: A bus cannot be reached; the error says what to type.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class Relay(AbstractContextManager["Relay"]):
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Send what waits, for a moment, say goodbye and leave the buses."""
+        """Send waiting messages for a moment, say goodbye and leave the buses."""
         self._ends.set()
         deadline = time.monotonic() + _FLUSH
         while any(side.outbox.is_waiting for side in self._sides) and time.monotonic() < deadline:
@@ -157,7 +157,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.end.close()
 
     def turn(self) -> Link:
-        """Do what is due, waiting for a moment; return the relay's state."""
+        """Do pending work, waiting for a moment; return the relay's state."""
         self._ends.wait(_TURN)
         if self._error is not None:
             raise self._error
@@ -189,7 +189,7 @@ class Relay(AbstractContextManager["Relay"]):
         return here.state(there), there.state(here)
 
     def _receive(self, index: int) -> None:
-        """Receive from one bus, until the end."""
+        """Receive from one bus until the relay ends."""
         with self._kept_errors():
             self._pump(index)
 
@@ -208,14 +208,14 @@ class Relay(AbstractContextManager["Relay"]):
                         self._hear(index, packet)
 
     def _send(self, index: int) -> None:
-        """Send to one bus, until the end."""
+        """Send to one bus until the relay ends."""
         with self._kept_errors():
             while not self._stopped.is_set():
                 self._sides[index].send()
 
     @contextlib.contextmanager
     def _kept_errors(self) -> Iterator[None]:
-        """Keep an error of a thread, which ``turn`` raises."""
+        """Keep an error of a thread, for ``turn`` to raise."""
         try:
             yield
         except Exception as error:  # noqa: BLE001 - raised on the owner's thread
@@ -223,7 +223,7 @@ class Relay(AbstractContextManager["Relay"]):
             self._ends.set()
 
     def _hear(self, index: int, packet: Packet) -> None:
-        """Take a message of the protocol."""
+        """Handle a message of the protocol."""
         if packet.channel == NODE_CHANNEL:
             self._pass_announcement(index, packet)
         elif packet.channel == RELAY_CHANNEL:
@@ -232,7 +232,7 @@ class Relay(AbstractContextManager["Relay"]):
             now = time.monotonic_ns()
             address = packet.sender.address if packet.sender else ""
             if report and self._known.learn(report, side.identifier, now, address):
-                self._repeat_latched(index)  # for a relay that has come, or was cut off
+                self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
         else:
@@ -240,7 +240,7 @@ class Relay(AbstractContextManager["Relay"]):
                 self._answer(index, packet.payload)
                 side = self._sides[index]
                 side.talk(RELAY_CHANNEL, self._payload(side))
-            # last: who waits for the relay's answer has those of the nodes behind it then
+            # last: a program that has the relay's answer then has those of the nodes behind it
             self._presences[index].answer(packet.channel, packet.payload)
 
     def _pass_announcement(self, index: int, packet: Packet) -> None:
@@ -260,7 +260,7 @@ class Relay(AbstractContextManager["Relay"]):
     def _answer(self, index: int, payload: bytes) -> None:
         """Answer a probe on one bus for the nodes of the other one, or pass it on to one of them.
 
-        What was announced there within the last second is known here, so that a line that is slow
+        Nodes that were announced there within the last second are known here, so that a slow line
         delays no answer.
         """
         probe = decode_probe(payload)
@@ -280,7 +280,7 @@ class Relay(AbstractContextManager["Relay"]):
         return encode_report(Knowledge(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
-        """Report on both buses what is known of all relays."""
+        """Report all known relays on both buses."""
         self._next_report = now + PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())
@@ -288,7 +288,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.talk(RELAY_CHANNEL, self._payload(side))
 
     def _decide(self, now: float) -> None:
-        """Begin or cease to carry messages."""
+        """Begin or stop carrying messages."""
         active = self._known.carrying()
         own = self._known.own.id
         for side in self._sides:
@@ -310,7 +310,7 @@ class Relay(AbstractContextManager["Relay"]):
                 side.talk(PROBE_CHANNEL, encode_probe(Probe()))
         else:
             for side, announced in zip(self._sides, self._announced, strict=True):
-                side.outbox.clear()  # it would come between what the next one sends
+                side.outbox.clear()  # it would mix with the next relay's messages
                 announced.forget()
         self._report(now)
 
@@ -318,12 +318,12 @@ class Relay(AbstractContextManager["Relay"]):
         return not self._carries and self._hold.lasts(now)
 
     def _repeat_latched(self, index: int) -> None:
-        """Send latched messages again to a bus on which they may have been lost."""
+        """Send latched messages again to a bus where they may have been lost."""
         if self._carries:
             self._sides[index].outbox.add(self._sides[1 - index].latched())
 
     def _say_awaited(self, identifier: str) -> None:
-        """Say once for which line the relay waits, though another one is beside it."""
+        """Notify once if another relay is heard on the other bus, but not yet over this line."""
         if identifier and identifier != self._awaited:
             here, there = self._sides
             line, other = (here, there) if identifier == here.identifier else (there, here)
@@ -341,7 +341,7 @@ class Relay(AbstractContextManager["Relay"]):
             self._notify(f"stands by: {', '.join(names)} joins {here} and {there}")
 
     def _tell_troubles(self, now: float) -> bool:
-        """Say when a bus cannot be reached, or can again; return whether either is so."""
+        """Notify when a bus cannot be reached, or can again; return whether that has changed."""
         changed = False
         for index, side in enumerate(self._sides):
             trouble = side.end.trouble
@@ -354,16 +354,16 @@ class Relay(AbstractContextManager["Relay"]):
 
 
 def usual_name() -> str:
-    """Return the name of a relay that was given none: its computer's and its process's."""
+    """Return the default name of a relay, from its computer's name and its pid."""
     host = "".join(one if one.isalnum() and one.isascii() else "_" for one in socket.gethostname())
     return f"/relay_{host}_{os.getpid()}"
 
 
 def attend(relay: Relay, on_turn: Callable[[Link], None]) -> NoReturn:
-    """Let a relay work until an exception ends it; ``on_turn`` gets its state again and again.
+    """Run a relay until an exception ends it; ``on_turn`` gets its state repeatedly.
 
-    Its threads take turns more often than those of other programs: a message waits for at most one
-    turn of the thread of the other direction.
+    Its threads switch more often than in other programs: a message waits for at most one turn of
+    the other direction's thread.
     """
     before = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH)

@@ -1,8 +1,8 @@
-"""The rules by which a relay passes topics on, under which name, and how often. Pure.
+"""The rules for which topics a relay passes on, under which names and how often. Pure.
 
-Patterns and names are those of the first bus ("here"), also for messages that come from the second
-one ("there"). Commands to actuators, /clock and LCM's own channels pass only where ``allow`` has
-their very name: a pattern that happens to match drives no robot.
+Patterns and names are those of the first bus ("here"), also for messages from the second one
+("there"). Commands to actuators, /clock and LCM's own channels pass only if ``allow`` has their
+exact name: a pattern that happens to match must not drive a robot.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -39,7 +39,7 @@ class Words:
         self._patterns = [Pattern(word, hidden=True) for word in words if has_wildcard(word)]
 
     def name(self, topic: str) -> bool:
-        """Return whether one is the topic's very name."""
+        """Return whether one is the topic's exact name."""
         return topic in self._names
 
     def match(self, topic: str) -> bool:
@@ -51,24 +51,24 @@ class Words:
 class Rules:
     """The rules of a relay."""
 
-    allow: Sequence[str] = ()  # what passes; all, where it is empty
-    deny: Sequence[str] = ()  # what does not, nevertheless
-    # The most messages of a topic in a second, by pattern.
+    allow: Sequence[str] = ()  # what passes; empty for everything
+    deny: Sequence[str] = ()  # exceptions, which do not pass
+    # The most messages of a topic per second, by pattern.
     rates: Mapping[str, float] = field(default_factory=dict)
     newest: Sequence[str] = ()  # topics of which only the newest message waits for the line
-    prefix: str = ""  # the namespace that topics of here have there; "" for none
+    prefix: str = ""  # the namespace there of topics from here; "" for none
     one_way: bool = False  # messages go from here to there only
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """The way of a topic: its name on the other bus, or the reason why it does not pass."""
+    """A topic's route: its name on the other bus, or the reason why it does not pass."""
 
     name: str = ""
     reason: Reason | None = None
     period: float = 0.0  # the least time between two messages [s]
     newest: bool = False  # only the newest message waits
-    latched: bool = False  # its messages are state: they may be late
+    latched: bool = False  # its messages are state, which may be late
 
 
 class Direction:
@@ -81,9 +81,9 @@ class Direction:
         self._rates = [(Words([word]), 1.0 / rate) for word, rate in rules.rates.items()]
 
     def route(self, channel: str, types: Collection[str], *, obeyed: bool = False) -> Route:
-        """Return the way of messages of a channel, on the bus that they come from.
+        """Return the route for messages on a channel of the bus that they come from.
 
-        They may be of several types. With ``obeyed`` a simulator on the other bus obeys them.
+        They may have several types. With ``obeyed``, a simulator on the other bus obeys them.
         """
         name = self.name(channel)
         if isinstance(name, Reason):
@@ -128,7 +128,7 @@ class Direction:
 
 
 def check_rules(rules: Rules) -> None:
-    """Refuse a prefix that is no namespace, by a UsageError."""
+    """Raise UsageError for a prefix that is not a namespace."""
     prefix = rules.prefix
     parts = prefix.split("/")
     if prefix and (not all(part.isidentifier() and part.isascii() for part in parts)):
@@ -139,7 +139,7 @@ def check_rules(rules: Rules) -> None:
 
 
 def _topic(channel: str) -> str:
-    """The name that rules are for: of a service's two channels, the service's."""
+    """Return the name to which rules apply: for a service's two channels, the service's."""
     for ending in _OF_SERVICE:
         channel = channel.removesuffix(ending)
     return channel

@@ -1,4 +1,4 @@
-"""One bus of a relay: what is known of it, what waits for it, and what comes from it."""
+"""One bus of a relay: its graph, the messages that wait for it, and those that come from it."""
 
 import math
 import socket
@@ -23,7 +23,7 @@ from lcmtools.wire.stamp import Origin
 
 _MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
 _WAIT = 0.1  # [s]
-_SMALL = 16 << 10  # bytes of a message that is kept though its topic is not known to be latched
+_SMALL = 16 << 10  # largest message [byte] kept for a topic that is not known to be latched
 
 
 class Side:
@@ -32,16 +32,16 @@ class Side:
     def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
-        self.outbox = LineQueue()  # what waits to be sent to the bus
-        # Senders on this bus that are relays which are not to carry messages.
+        self.outbox = LineQueue()  # messages that wait to be sent to the bus
+        # Senders on this bus that belong to relays which should not carry messages.
         self.idle: frozenset[Sender] = frozenset()
-        # Topics that do not pass for want of being named, with their names there.
+        # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}
         self._builder = GraphBuilder()
         self._graph: Graph | None = None
-        self._own_nodes: dict[str, int] = {}  # with their last announcements
+        self._own_nodes: dict[str, int] = {}  # with the times of their last announcements
         self._revisions: dict[bytes, bytes] = {}
-        self._lock = threading.Lock()  # of the graph
+        self._lock = threading.Lock()  # guards the graph
         self._routes: dict[tuple[str, bytes], Route] = {}
         self._next: dict[str, float] = {}
         self._last: dict[tuple[str, Sender | None], LineMessage] = {}
@@ -50,7 +50,7 @@ class Side:
     def sort(
         self, packets: list[Packet], other: "Side", *, passes: bool
     ) -> tuple[list[Packet], list[LineMessage]]:
-        """Return the messages of the protocol among these, and those for the other bus."""
+        """Return the messages of the protocol among these, and the messages for the other bus."""
         talk, passed = [], []
         takes_origin = other.end.takes_origin
         idle, routes, left_out = self.idle, self._routes, 0
@@ -69,12 +69,12 @@ class Side:
                     message = LineMessage(route.name, payload, route.newest, origin, until)
                     passed.append(message)
                     if route.latched or len(payload) <= _SMALL:
-                        self._keep(packet, message)  # also for when it takes over
+                        self._keep(packet, message)  # also while standing by, for a takeover
         self._left_out += left_out
         return talk, passed if passes else []
 
     def _keep(self, packet: Packet, message: LineMessage) -> None:
-        if len(self._last) >= _MOST_ROUTES:  # of a stranger who makes senders up
+        if len(self._last) >= _MOST_ROUTES:  # in case a program keeps inventing senders
             self._last.clear()
         self._last[packet.channel, packet.sender] = message
 
@@ -87,7 +87,7 @@ class Side:
         return said
 
     def is_news(self, packet: Packet) -> bool:
-        """Return whether an announcement says more than new counts."""
+        """Return whether an announcement has more news than new counts."""
         head = head_of(packet.payload)
         is_same = self._revisions.get(head.identity) == head.revision
         if len(self._revisions) >= _MOST_ROUTES:
@@ -96,7 +96,7 @@ class Side:
         return not is_same
 
     def has(self, identifier: str) -> bool:
-        """Return whether a node is on this bus itself, and lives."""
+        """Return whether a node is on this bus itself and is alive."""
         return time.time_ns() - self._own_nodes.get(identifier, 0) <= STALE_AFTER
 
     def graph(self) -> Graph:
@@ -107,20 +107,20 @@ class Side:
             return self._graph
 
     def forget_routes(self) -> None:
-        """Decide anew what passes, for nodes have come or gone."""
+        """Recompute which topics pass, because nodes have come or gone."""
         self._routes = {}
         with self._lock:
             self._graph = None
 
     def obeyed(self, topic: str) -> bool:
-        """Return whether a simulator on this bus obeys what is published on a topic."""
+        """Return whether a simulator on this bus obeys messages on a topic."""
         subscribers = self.graph().topic(topic).subscribers
         return any(is_simulator(node) for node, _ in subscribers if not node.stale)
 
     def take(self, messages: list[LineMessage]) -> None:
-        """Send messages, at once where that takes no time; else they wait.
+        """Send messages, at once if that does not block; otherwise queue them.
 
-        A thread more between receiving and sending costs both of them a wait for each other.
+        An additional thread between receiving and sending would make each wait for the other.
         """
         at_once = 0
         if self.end.is_quick and self.outbox.is_idle:
@@ -133,19 +133,19 @@ class Side:
             self.outbox.add(messages[at_once:])
 
     def latched(self) -> list[LineMessage]:
-        """Return the last messages that came of each topic that is latched still."""
+        """Return the last received messages of each topic that is still latched."""
         topic = self.graph().topic
         kept = [(channel, message) for (channel, _), message in list(self._last.items())]
         return [one._replace(due=math.inf) for channel, one in kept if topic(channel).is_latched]
 
     def send(self) -> None:
-        """Send what waits, and is not late."""
+        """Send the waiting messages that are not late."""
         for message in self.outbox.take(_WAIT):
             if not self.outbox.is_late(message):
                 self._send(message)
 
     def _send(self, message: LineMessage) -> None:
-        """Send a message, and count it; also if it fails."""
+        """Send a message and count it, even if that fails."""
         counts = message.channel not in TALK_CHANNELS
         try:
             self.end.send(message)
@@ -156,18 +156,18 @@ class Side:
             self._bytes += len(message.payload) if counts else 0
 
     def talk(self, channel: str, payload: bytes) -> None:
-        """Let a message of the protocol be sent."""
+        """Queue a message of the protocol."""
         self.outbox.add_first(LineMessage(channel, payload))
 
     def talk_now(self, channel: str, payload: bytes) -> None:
-        """Send a message of the protocol, when no other thread sends any more."""
+        """Send a message of the protocol, once no other thread is sending."""
         try:
             self.end.send(LineMessage(channel, payload))
         except LcmtoolsError:
             self._failed += 1
 
     def awaited(self, commands: Mapping[str, str]) -> tuple[str, ...]:
-        """Return those of the other bus's commands that a node of this one subscribes to."""
+        """Return the commands of the other bus to which a node of this one subscribes."""
         return tuple(
             topic
             for topic, name in list(commands.items())
@@ -175,7 +175,7 @@ class Side:
         )
 
     def state(self, other: "Side | None" = None) -> End:
-        """Return the state of the end, with its counts; ``other`` is where its messages go."""
+        """Return the state of the end, with its counts; its messages go to ``other``."""
         trouble = self.end.trouble
         return End(
             self.identifier,
@@ -205,14 +205,14 @@ class Side:
         return route
 
     def _types(self, packet: Packet) -> Collection[str]:
-        """The types that a message may be of: announced, or by its fingerprint."""
+        """Return the possible types of a message: announced, or from its fingerprint."""
         with self._lock:
             announced = self._builder.types_of(packet.channel)
         fingerprint = packet.fingerprint
         return {*announced, *(candidates(fingerprint) if fingerprint is not None else ())}
 
     def _is_too_soon(self, packet: Packet, period: float) -> bool:
-        """Return whether less than the period has passed since the last message that went on."""
+        """Return whether less than the period has passed since the last passed message."""
         now = packet.time / 1e9
         due = self._next.get(packet.channel, 0.0)
         if now < due <= now + period:
@@ -222,7 +222,7 @@ class Side:
 
 
 def origin_of(packet: Packet) -> Origin | None:
-    """Return the origin of a message that a relay passes on; None where the bus names no sender."""
+    """Return the origin of a message that is passed on; None if the bus has no senders."""
     if packet.origin is not None:
         return packet.origin._replace(hops=packet.origin.hops + 1)
     if packet.sender is None or packet.seqno is None:

@@ -1,4 +1,4 @@
-"""The relays that are known on a bus, as they report themselves."""
+"""The relays known on a bus, as they report themselves."""
 
 import time
 

@@ -1,14 +1,14 @@
-"""Which relays carry messages, so that no message goes in a circle or comes twice.
+"""Which relays carry messages, so that no message runs in a loop or arrives twice.
 
-Pure: states in, decisions out. Each relay joins two buses. It reports on both of them what it knows
-of all relays, so that each relay learns all joined pairs, also those that are several buses away; a
-report itself is never passed on, which tells that its sender is on the same bus.
+Pure: states in, decisions out. Each relay joins two buses. It reports on both what it knows of all
+relays, so that each relay learns all joined pairs, even several buses away. A report itself is
+never passed on: hearing it shows that its sender is on the same bus.
 
-Buses have no identity of their own: two networks may have the same group, and one bus two URLs. So
-two ends are on one bus if one of them hears the reports of the other. Taken in the order of their
-ids, relays whose buses no earlier ones join already carry messages, and all others stand by: a
-spanning forest, which is the same wherever it is computed. An id begins with the time of the start,
-so that the oldest relay goes on when another one comes.
+Buses have no identity: two networks may have the same group, and one bus two URLs. Therefore, two
+ends count as on one bus if one of them hears the reports of the other. In the order of their ids,
+relays carry messages if earlier ones do not already join their buses; all others stand by. This
+makes a spanning forest, which is the same wherever it is computed. An id begins with the time of
+the start, so that the oldest relay stays active when another one comes.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -39,17 +39,17 @@ class End:
     """One end of a relay; the counts are since its start."""
 
     id: str
-    bus: str = ""  # as a person calls it
-    heard: tuple[str, ...] = ()  # ends whose reports come in here
-    ports: tuple[int, ...] = ()  # that it sends from
+    bus: str = ""  # its name for people
+    heard: tuple[str, ...] = ()  # ends whose reports arrive here
+    ports: tuple[int, ...] = ()  # ports that it sends from
     is_up: bool = True
     trouble: str = ""
     messages: int = 0  # sent to this bus
     bytes: int = 0
-    left_out: int = 0  # messages of this bus
+    left_out: int = 0  # messages from this bus that were not passed on
     dropped: int = 0  # messages for this bus
-    lost: int = 0  # messages of this bus that did not arrive
-    commands: tuple[str, ...] = ()  # of this bus, left out though a node of the other one waits
+    lost: int = 0  # messages from this bus that did not arrive
+    commands: tuple[str, ...] = ()  # of this bus, not passed although the other's nodes wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,18 +61,18 @@ class Link:
     host: str
     ends: tuple[End, End]
     state: State = State.STANDBY
-    number: int = 0  # of its reports
+    number: int = 0  # number of its latest report
 
 
 class Knowledge(NamedTuple):
-    """All that a relay knows of relays, itself first."""
+    """Everything that a relay knows of relays, itself first."""
 
     end: str  # the id of the end that sends this
     links: tuple[Link, ...]
 
 
 def carrying(links: Iterable[Link]) -> frozenset[str]:
-    """Return the ids of the relays that are to carry messages."""
+    """Return the ids of the relays that should carry messages."""
     links = sorted((link for link in links if link.state is not State.LEFT), key=lambda one: one.id)
     ends = [end for link in links for end in link.ends]
     buses = _Sets(end.id for end in ends)
@@ -95,14 +95,14 @@ class _Sets:
         self._above = {member: member for member in members}
 
     def of(self, member: str) -> str:
-        """Return the name of a member's set."""
+        """Return the representative of a member's set."""
         while (above := self._above[member]) != member:
             self._above[member] = self._above[above]
             member = above
         return member
 
     def join(self, one: str, other: str) -> bool:
-        """Make two sets one; return whether they were two. Who is no member joins nothing."""
+        """Join two sets; return whether they were separate. Does nothing for a non-member."""
         if one not in self._above or other not in self._above:
             return False
         first, second = self.of(one), self.of(other)
@@ -113,23 +113,23 @@ class _Sets:
 class KnownRelays:
     """The relays that one relay knows of, itself among them.
 
-    Times are nanoseconds of any clock that only goes forward.
+    Times are those of any monotonic clock [ns].
     """
 
     def __init__(self, own: Link) -> None:
         self.own = own
-        self._others: dict[str, tuple[Link, int]] = {}  # with the time of the newest number
+        self._others: dict[str, tuple[Link, int]] = {}  # with the time of its newest report
         self._addresses: dict[str, str] = {}
-        self._forgotten: dict[str, int] = {}  # with their last numbers, which others may repeat
+        self._forgotten: dict[str, int] = {}  # with their last numbers, as others may repeat these
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
     def learn(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
-        """Take a report that came in at an own end; return whether anything but counts changed.
+        """Learn from a report that arrived at an own end; return whether more than counts changed.
 
-        ``address`` is that of its sender, where the bus tells.
+        ``address`` is its sender's, if the bus shows it.
         """
         before = self._essence()
-        if report.end not in self._heard or report.end != at_end:  # not its own echo
+        if report.end not in self._heard or report.end != at_end:  # not this end's own echo
             self._heard[at_end][report.end] = now
             self._addresses[report.end] = address
         for link in report.links:
@@ -143,7 +143,7 @@ class KnownRelays:
         return self._essence() != before
 
     def expire(self, now: int) -> bool:
-        """Forget those that are silent; return whether anything changed."""
+        """Forget silent relays; return whether anything changed."""
         before = self._essence()
         for link, time in list(self._others.values()):
             if now - time > (STALE_AFTER if link.state is not State.LEFT else 3 * STALE_AFTER):
@@ -155,21 +155,21 @@ class KnownRelays:
         return self._essence() != before
 
     def update(self, state: State, ends: tuple[End, End]) -> None:
-        """Take the present state of the relay itself, and count its next report."""
+        """Set the current state of the relay itself, and count its next report."""
         own = self.own
         heard = [replace(new, heard=end.heard) for new, end in zip(ends, own.ends, strict=True)]
         self.own = replace(own, state=state, number=own.number + 1, ends=(heard[0], heard[1]))
 
     def links(self) -> tuple[Link, ...]:
-        """Return all relays, the own one first."""
+        """Return all relays, this one first."""
         return (self.own, *(link for link, _ in self._others.values()))
 
     def carrying(self) -> frozenset[str]:
-        """Return the ids of the relays that are to carry messages; see ``carrying``."""
+        """Return the ids of the relays that should carry messages; see ``carrying``."""
         return carrying(self.links())
 
     def idle(self, at_end: str, active: Collection[str]) -> frozenset[Sender]:
-        """Return the senders at an own end that are relays which are not to carry messages."""
+        """Return the senders at an own end that belong to relays which should not carry."""
         heard = self._heard[at_end]
         others = (link for link in self.links()[1:] if link.id not in active)
         return frozenset(
@@ -181,7 +181,7 @@ class KnownRelays:
         )
 
     def _refresh(self, now: int) -> None:
-        """Note which ends are heard now."""
+        """Update which ends are heard now."""
         ends = []
         for end in self.own.ends:
             heard = self._heard[end.id]
@@ -191,7 +191,7 @@ class KnownRelays:
         self.own = replace(self.own, ends=(ends[0], ends[1]))
 
     def _essence(self) -> Mapping[str, object]:
-        """All that decides who carries messages."""
+        """Return everything that determines which relays carry messages."""
         return {
             link.id: (link.state, [(end.heard, end.is_up, end.ports) for end in link.ends])
             for link in self.links()

@@ -1,10 +1,10 @@
-r"""Regular expressions of channels, as the subscriptions of tcpq have them, for a server.
+r"""Regular expressions for channels, as in the subscriptions of tcpq, for a server.
 
-Sans-I/O. A pattern is what java.util.regex and PCRE both take: characters, classes, groups,
-alternatives, repetitions, anchors and looking ahead; it has to match the whole name. Matching takes
-polynomial time whatever the pattern is, so that no client can stop a server with one, as "(a*)*b"
-does where a matcher tries one way after the other: here the places where each part can end are
-found once for each place where it can begin.
+Sans-I/O. A pattern may use what java.util.regex and PCRE have in common: characters, classes,
+groups, alternatives, repetitions, anchors and lookahead; it must match the whole name. Matching
+takes polynomial time for every pattern, so that no client can block a server with one such as
+"(a*)*b", for which a backtracking matcher takes exponential time: here the possible ends of each
+part are computed once for each place where it can begin.
 """
 
 import re
@@ -32,29 +32,29 @@ _START, _END = "^", "$"
 
 
 class PatternError(LcmtoolsError):
-    """A pattern that is no regular expression, or has what is not supported."""
+    """A pattern that is not a regular expression, or uses unsupported syntax."""
 
 
 class _One(NamedTuple):
-    """One character out of a set."""
+    """One character of a set."""
 
     characters: re.Pattern[str]
 
 
 class _Row(NamedTuple):
-    """Parts in a row."""
+    """Parts that follow each other."""
 
     parts: "tuple[_Part, ...]"
 
 
 class _Choice(NamedTuple):
-    """Parts of which one is meant."""
+    """Alternatives, one of which must match."""
 
     parts: "tuple[_Part, ...]"
 
 
 class _Repeat(NamedTuple):
-    """A part again and again; ``most`` is None where there is no end."""
+    """A repeated part; ``most`` is None for no limit."""
 
     part: "_Part"
     least: int
@@ -62,7 +62,7 @@ class _Repeat(NamedTuple):
 
 
 class _Ahead(NamedTuple):
-    """A part that follows, or must not, and is not part of the match."""
+    """A lookahead: a part that must follow, or must not, and is not part of the match."""
 
     part: "_Part"
     wanted: bool
@@ -79,10 +79,10 @@ _Places: TypeAlias = frozenset[int]
 
 
 class ChannelPattern:
-    """A regular expression that whole names of channels match, or do not.
+    """A regular expression for whole channel names.
 
     Raises:
-        PatternError: It cannot be read.
+        PatternError: It cannot be parsed.
     """
 
     def __init__(self, text: str) -> None:
@@ -94,7 +94,7 @@ class ChannelPattern:
 
 
 class _Reader:
-    """Reads a pattern from its tokens."""
+    """Parses a pattern from its tokens."""
 
     def __init__(self, text: str) -> None:
         self._flags = re.ASCII
@@ -158,7 +158,7 @@ class _Reader:
         return self._one(token["escaped"] or token["plain"])
 
     def _closed(self) -> _Part:
-        """The inside of a group, whose end is passed."""
+        """Parse the content of a group and skip its end."""
         part = self._choice()
         if self._text[self._place : self._place + 1] != ")":
             raise self._malformed()
@@ -178,7 +178,7 @@ def _times(text: str) -> tuple[int, int | None]:
 
 
 class _Match:
-    """The places in a name where parts end, for each place where they begin, found once."""
+    """The places in a name where parts can end, found once for each place where they begin."""
 
     def __init__(self, name: str) -> None:
         self._name = name

@@ -1,7 +1,7 @@
-"""The datagrams of LCM's UDP multicast (``udpm``): reading any, writing correct ones.
+"""The datagrams of LCM's UDP multicast (``udpm``): reading any datagram, writing correct ones.
 
-Sans-I/O: bytes in, values out. Nothing here knows a socket, a clock or a message type, and no
-datagram, however malformed, makes it fail: what cannot be read comes back as ``MalformedDatagram``.
+Sans-I/O: bytes in, values out. Nothing here knows a socket, a clock or a message type. No datagram,
+however malformed, makes it fail: one that cannot be read is returned as ``MalformedDatagram``.
 
 Format (all integers big-endian), from lcm-proj/lcm, lcm/udpm_util.h:
 short message  "LC02" seqno:u32 channel NUL payload
@@ -30,7 +30,7 @@ CHANNEL_MAX = 63
 
 
 class ShortMessage(NamedTuple):
-    """A whole message in one datagram; a named tuple for the reason in ``packet``."""
+    """A whole message in one datagram; a named tuple for the reason given in ``packet``."""
 
     seqno: int
     channel: str
@@ -40,17 +40,17 @@ class ShortMessage(NamedTuple):
 class Fragment(NamedTuple):
     """One part of a message that is too large for a datagram."""
 
-    seqno: int  # the sender's number of the message
+    seqno: int  # the message's sequence number, given by its sender
     message_size: int  # bytes of the whole payload
     offset: int  # place of this part in the payload [byte]
     number: int  # 0, 1, 2, ... below count
     count: int  # type: ignore[assignment] # not tuple.count: fragments of the message
     channel: str | None  # in fragment 0 only
-    part: bytes | memoryview  # of the datagram, which is not copied again
+    part: bytes | memoryview  # a part of the datagram; not copied again
 
 
 class MalformedDatagram(NamedTuple):
-    """A datagram that is none of LCM's, with the reason."""
+    """A datagram that is not one of LCM's, with the reason."""
 
     reason: str
 
@@ -72,7 +72,7 @@ def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
 
 
 def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
-    """Yield the datagrams of a message that does not fit into one, as liblcm cuts it.
+    """Yield the datagrams of a message that does not fit into one, cut as by liblcm.
 
     Raises:
         ValueError: The payload is larger than receivers accept.

@@ -1,7 +1,7 @@
 """The events in the bytes of an LCM log, which may be damaged.
 
-The format: events one after another, each a sync word, a number, the time in microseconds since
-1970, the sizes of channel and payload, and these two; all big-endian.
+The format: events one after another, each of a sync word, a number, the time in microseconds since
+1970, the sizes of channel and payload, and these two; all big-endian
 (https://lcm-proj.github.io/lcm/content/log-file-format.html).
 """
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import mmap
 
 SYNC = bytes.fromhex("eda1da01")
-"""Every event starts with it."""
+"""Starts every event."""
 HEAD_BYTES = 28
 """Bytes of an event before its channel's name."""
 
@@ -26,11 +26,11 @@ _HEAD = struct.Struct(">4sqqII")
 class Event(NamedTuple):
     """The place of an event in a log."""
 
-    start: int  # of its sync word, in bytes
+    start: int  # offset of its sync word [byte]
     payload_start: int
     end: int
     channel: str
-    time: int  # of its recording [ns since 1970]
+    time: int  # time of recording [ns since 1970]
 
     @property
     def size(self) -> int:
@@ -42,16 +42,16 @@ class Event(NamedTuple):
         return Packet(self.channel, log[self.payload_start : self.end], self.time)
 
     def head(self, log: "bytes | mmap.mmap") -> Packet:
-        """Return the same with the fingerprint alone of its payload."""
+        """Return the same with only the fingerprint of its payload."""
         start = self.payload_start
         payload = log[start : min(start + 8, self.end)]
         return Packet(self.channel, payload, self.time, whole_bytes=self.end - start)
 
 
 def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> Iterator[Event]:
-    """Yield the places of the events of a log that begin within some bytes; skip damaged ones.
+    """Yield the places of the events of a log that begin in a range of bytes; skip damaged ones.
 
-    What lies between the end of one event and the start of the next is damaged.
+    Bytes between the end of one event and the start of the next are damaged.
     """
     last = (len(log) if end is None else min(end, len(log))) - HEAD_BYTES
     names: dict[bytes, str] = {}
@@ -72,7 +72,7 @@ def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> 
 
 
 def _next_sync(log: "bytes | mmap.mmap", start: int) -> int:
-    """The place of the next sync word; -1 for none. Looks a while at a time, for Ctrl-C."""
+    """The place of the next sync word; -1 for none. Searches in pieces, to allow Ctrl-C."""
     while start < len(log):
         stop = start + _MOST_AT_ONCE
         found = log.find(SYNC, start, stop + len(SYNC) - 1)
@@ -83,7 +83,7 @@ def _next_sync(log: "bytes | mmap.mmap", start: int) -> int:
 
 
 def packets(log: "bytes | mmap.mmap") -> Iterator[Packet]:
-    """Yield the messages of a log, with the times of their recording; skip damaged events."""
+    """Yield the messages of a log, with their times of recording; skip damaged events."""
     return (event.packet(log) for event in events(log))
 
 

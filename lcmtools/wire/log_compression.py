@@ -1,7 +1,7 @@
-"""Logs that are compressed: frames one after another, each with whole events.
+"""Compressed logs: frames one after another, each with whole events.
 
-Sans-I/O. What is behind the last whole frame of a log that was cut off is read as far as it goes.
-The libraries belong to the extra ``bag``, and are imported when they are needed.
+Sans-I/O. If a log was cut off, the part after its last whole frame is read as far as possible. The
+libraries belong to the extra ``bag``, and are imported when needed.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -16,12 +16,12 @@ _MAGIC: dict[Compression, bytes] = {"zstd": b"\x28\xb5\x2f\xfd", "lz4": b"\x04\x
 
 
 def compression_of(head: bytes) -> Compression | None:
-    """Return how a file that begins so is compressed; None for one that is not."""
+    """Return the compression of a file that begins with ``head``; None for none."""
     return next((kind for kind, magic in _MAGIC.items() if head.startswith(magic)), None)
 
 
 def compressor(kind: Compression) -> Callable[[bytes], bytes]:
-    """Return a function that makes one frame of some bytes.
+    """Return a function that compresses bytes into one frame.
 
     Raises:
         MissingExtra: The library is missing.
@@ -33,7 +33,7 @@ def compressor(kind: Compression) -> Callable[[bytes], bytes]:
 
 
 def decompressed(kind: Compression, chunks: Iterable[bytes]) -> Iterator[bytes]:
-    """Yield the bytes of the frames in some chunks of a file, up to the first damage.
+    """Yield the content of the frames in a file's chunks, up to the first damage.
 
     Raises:
         MissingExtra: The library is missing.

@@ -1,20 +1,20 @@
-"""The index beside a log, as lines of JSON: what the log has, and what its format cannot say.
+"""The index beside a log, as lines of JSON: its content, and facts its format cannot express.
 
-Sans-I/O. The log itself stays as LCM's own programs write and read it. The index is appended to
-while a log is recorded, a line at a time, so that one that was cut off is right as far as it goes;
-events behind its last block are found by reading the log from there. Lines, by their one key:
+Sans-I/O. The log itself stays as LCM's own programs write and read it. While a log is recorded,
+lines are appended to its index, so that an index that was cut off is correct as far as it goes;
+events after its last block are found by reading the log. Lines, by their single key:
 
-    index      the version of this form
+    index      the version of this format
     sender     a sender's number in this file, its address and port, its name
     type       a message type: its name, its fingerprint, and its .lcm file's path and text
-    node       an announcement of a node, as it was sent, with its time and sender
+    node       a node's announcement as sent, with its time and sender
     block      events one after another: where they begin and end, their times, and for each
                channel the number of messages and bytes, the senders in order, the times of the
                first and the last message and the longest gap, and the first one's fingerprint;
-               then, where their times go back, by how much at most
-    lost       a time, and the messages lost and those sent since the line before, by the sender's
-               number; where a late message closed a gap, fewer than none are lost
-    end        the log was closed, and has so many bytes
+               then, if their times go back, the most by which they do
+    lost       a time, and for each sender's number the messages lost and sent since the line
+               before; the number lost is negative if a late message closed a gap
+    end        the log was closed; its size in bytes
 """
 
 import json
@@ -31,27 +31,27 @@ SUFFIX = ".index"
 """The index of ``ride.lcmlog`` is ``ride.lcmlog.index``."""
 
 
-_BLOCK_BYTES = 8 << 20  # a block ends behind so many bytes ...
-_BLOCK_TIME = 2_000_000_000  # ... or so many nanoseconds of the log ...
-_BLOCK_SHARE = 256  # ... and, if it begins late, behind this part of all before it
+_BLOCK_BYTES = 8 << 20  # a block ends after this many bytes ...
+_BLOCK_TIME = 2_000_000_000  # ... or this much time in the log [ns] ...
+_BLOCK_SHARE = 256  # ... but not before it has this part (1/256) of all bytes before it
 
 
 @dataclass(slots=True)
 class ChannelCount:
-    """The messages of a channel within some bytes of a log; times are nanoseconds since 1970."""
+    """The messages of a channel in a range of a log; times are nanoseconds since 1970."""
 
     messages: int = 0
     bytes: int = 0  # of payloads
-    # The senders' numbers in order, each with the number of its messages one after another; -1
-    # for a sender that is not known.
+    # The senders' numbers in order, each with the number of its consecutive messages; -1 for an
+    # unknown sender.
     senders: list[list[int]] = field(default_factory=list)
     first_time: int = 0  # the earliest
     last_time: int = 0  # the latest
-    longest_gap: int = 0  # without a message, between the first and the last [ns]
-    fingerprint: int | None = None  # of the first message; None where it has none
+    longest_gap: int = 0  # longest time without a message, between the first and the last [ns]
+    fingerprint: int | None = None  # of the first message; None if it has none
 
     def add(self, time: int, size: int, sender: int = -1) -> None:
-        """Count a message more, which is not the first."""
+        """Count another message, not the first one."""
         self.messages += 1
         self.bytes += size
         if self.senders[-1][0] == sender:
@@ -67,19 +67,19 @@ class ChannelCount:
 
 @dataclass(slots=True)
 class Block:
-    """Events one after another."""
+    """A range of consecutive events."""
 
-    start: int  # of the first, in bytes of the file
+    start: int  # offset of the first event in the file [byte]
     end: int = 0
     first_time: int = 0  # the earliest [ns since 1970]
     last_time: int = 0  # the latest
     channels: dict[str, ChannelCount] = field(default_factory=dict)
-    back: int = 0  # [ns] by which an event is earlier than one before it, at most
+    back: int = 0  # the most by which an event is earlier than one before it [ns]
 
     def add(self, packet: Packet, sender: int = -1) -> None:
-        """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
+        """Count another event; the head of its payload is enough (``Packet.whole_bytes``)."""
         channel, _, received, _, _, whole = packet[:6]
-        time = received // 1000 * 1000  # as the log has it
+        time = received // 1000 * 1000  # in microseconds, as in the log
         size = len(packet[1]) if whole is None else whole
         if not self.channels:
             self.first_time = self.last_time = time
@@ -109,17 +109,17 @@ class Block:
 class RecordedSender:
     """A sender as the recorder saw it."""
 
-    sender: Sender | None  # None where the bus names none
-    name: str  # of its node, else of its process, else its address
+    sender: Sender | None  # None if the bus does not identify it
+    name: str  # its node's, else its process's, else its address
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedType:
-    """A message type that a log has messages of."""
+    """A message type of messages in a log."""
 
     name: str  # "geometry_msgs/Twist"
     fingerprint: int
-    path: str  # of its .lcm file, from the folder of types on
+    path: str  # of its .lcm file, relative to the folder of types
     source: str  # the file's text
 
 
@@ -128,12 +128,12 @@ class RecordedNode:
     """An announcement of a node."""
 
     time: int  # [ns since 1970]
-    sender: int  # its sender's number, -1 where that is not known
+    sender: int  # its sender's number, -1 if unknown
     payload: bytes
 
 
 class LostMessages(NamedTuple):
-    """The messages lost since the record before, and those sent, by the sender's number."""
+    """The messages lost and sent since the previous record, by the sender's number."""
 
     time: int  # [ns since 1970]
     counts: Mapping[int, tuple[int, int]]
@@ -141,18 +141,18 @@ class LostMessages(NamedTuple):
 
 @dataclass(slots=True)
 class LogIndex:
-    """The content of an index: what is known of its log."""
+    """The content of an index."""
 
     blocks: list[Block] = field(default_factory=list)
     senders: dict[int, RecordedSender] = field(default_factory=dict)
     types: dict[str, RecordedType] = field(default_factory=dict)
     nodes: list[RecordedNode] = field(default_factory=list)
     lost: list[LostMessages] = field(default_factory=list)
-    size: int | None = None  # of the closed log, in bytes; None for one that was not closed
+    size: int | None = None  # of a closed log [byte]; None if it was not closed
 
     @property
     def end(self) -> int:
-        """Bytes of the log that the blocks cover."""
+        """The number of bytes of the log that the blocks cover."""
         return self.blocks[-1].end if self.blocks else 0
 
 
@@ -162,7 +162,7 @@ def index_line() -> str:
 
 
 def sender_line(number: int, sender: RecordedSender) -> str:
-    """Return the line of a sender; a later one with the same number takes its place."""
+    """Return the line of a sender; a later line with the same number replaces it."""
     at = [sender.sender.address, sender.sender.port] if sender.sender else None
     return _line("sender", [number, at, sender.name])
 
@@ -197,12 +197,12 @@ def lost_line(lost: LostMessages) -> str:
 
 
 def end_line(size: int) -> str:
-    """Return the last line of a log that was closed with so many bytes."""
+    """Return the last line, for a log that was closed with this size in bytes."""
     return _line("end", size)
 
 
 def parse_index(lines: Iterable[str]) -> LogIndex | None:
-    """Return what the lines say; None if they are no index. One that is damaged ends it."""
+    """Return the content of an index; None if it is none. A damaged line ends it."""
     known, rows = LogIndex(), _rows(lines)
     if next(rows, None) != ("index", VERSION):
         return None
@@ -223,7 +223,7 @@ def _rows(lines: Iterable[str]) -> Iterator[tuple[str, Any]]:
         yield next(iter(row.items()))
 
 
-def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - as JSON has it
+def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
     if key == "block":
         index.blocks.append(_block(value))
     elif key == "sender":
@@ -260,7 +260,7 @@ def _block(value: Sequence[Any]) -> Block:
 
 
 def disorder(blocks: Iterable[Block]) -> int:
-    """Return by how much an event is earlier than one before it, at most [ns]; 0 in order."""
+    """Return the most by which an event is earlier than one before it [ns]; 0 if in order."""
     found, latest = 0, None
     for block in blocks:
         found = max(found, block.back, 0 if latest is None else latest - block.first_time)

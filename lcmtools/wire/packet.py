@@ -1,7 +1,7 @@
-"""A message as it came over the bus, before its type is known.
+"""A message as it arrived from the bus, before its type is known.
 
-These are made, hashed and compared for every observed message, so they are named tuples: frozen
-dataclasses take three times as long to make, and Python code to hash.
+These are created, hashed and compared for every observed message, so they are named tuples: frozen
+dataclasses take three times as long to create, and Python code to hash.
 """
 
 from typing import NamedTuple, TypeAlias
@@ -10,12 +10,12 @@ from lcmtools.wire.stamp import Origin
 
 
 class Sender(NamedTuple):
-    """The source of a datagram: an LCM instance sends from a UDP port of its own."""
+    """The source of a datagram: each LCM instance sends from its own UDP port."""
 
     address: str  # IPv4 address ("127.0.0.1"); on Zenoh, the id of a session in 16 hex digits
     port: int  # UDP port; 0 on Zenoh
-    # Its name when it was recorded; "" on a bus. One of a log that has the address of a program
-    # that runs now is another one.
+    # Its name when it was recorded; "" on a bus. This tells a sender in a log from a running
+    # program that has the same address.
     name: str = ""
 
     @property
@@ -37,15 +37,15 @@ class Packet(NamedTuple):
 
     channel: str  # the channel's name
     payload: bytes  # fingerprint and encoded struct, or any other bytes
-    time: int  # its arrival, nanoseconds since 1970; by the kernel where that is known
-    # Its sender; None where the bus names none (tcpq, memq, logs without an index).
+    time: int  # time of arrival [ns since 1970], from the kernel if known
+    # Its sender; None if the bus does not identify it (tcpq, memq, logs without an index).
     sender: Sender | None = None
-    seqno: int | None = None  # the sender's number of the message; None where there is none
+    seqno: int | None = None  # its sequence number, given by its sender; None for none
     # Bytes of the whole payload if ``payload`` is only its beginning; else None.
     whole_bytes: int | None = None
-    # Its first sender, before any relay; None where the bus names none.
+    # Its original sender, before any relay; None if the bus does not identify it.
     origin: Origin | None = None
-    # The type that its sender names beside it ("geometry_msgs/Twist"); "" for none.
+    # The type that its sender attached to it ("geometry_msgs/Twist"); "" for none.
     type_name: str = ""
 
     @property
@@ -55,7 +55,7 @@ class Packet(NamedTuple):
 
     @property
     def fingerprint(self) -> int | None:
-        """The type's fingerprint (unsigned); None when the payload is too short to have one."""
+        """The type's fingerprint (unsigned); None if the payload is too short to have one."""
         if len(self.payload) < 8:  # noqa: PLR2004 - a fingerprint has 8 bytes
             return None
         return int.from_bytes(self.payload[:8], "big")

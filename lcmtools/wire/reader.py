@@ -25,20 +25,20 @@ HEAD_BYTES = 1024
 """Size of the head of a large message's payload."""
 
 PROTOCOL_PREFIX = "/_lcmtools/"
-"""The prefix of the channels of announcements and probes; they are read whole."""
+"""The prefix of the channels of announcements and probes, which are read whole."""
 
-_MOST_SENDERS = _MOST_CHANNELS = 1000  # that are remembered
-_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
-_number = struct.Struct(">4xI").unpack_from  # of a message
-_new = tuple.__new__  # makes a named tuple in half the time
+_MOST_SENDERS = _MOST_CHANNELS = 1000  # senders and channels that are remembered
+_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # latest end of a channel in a short message
+_number = struct.Struct(">4xI").unpack_from  # the sequence number of a message
+_new = tuple.__new__  # creates a named tuple in half the time
 
 
 class Reader:
     """Reads the datagrams of one bus.
 
     Args:
-        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
-        always_whole: Channels that begin so come whole nevertheless.
+        whole: Assemble large messages; else return only their heads (``Packet.whole_bytes``).
+        always_whole: Prefixes of channels whose messages are assembled anyway.
     """
 
     def __init__(self, *, whole: bool, always_whole: tuple[str, ...] = (PROTOCOL_PREFIX,)) -> None:
@@ -48,27 +48,27 @@ class Reader:
         self._channels: dict[bytes, str] = {}
         self._joined: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
-        """True if it needs other fragments than the first of their message."""
+        """True if it needs more than the first fragment of messages."""
         self.largest_whole = 0
-        """Bytes of the largest message of several fragments on the channels that come whole."""
+        """The size of the largest fragmented message on channels that are assembled [byte]."""
         self.malformed: dict[Sender, str] = {}
-        """The last reason for each sender whose datagrams could not be read."""
+        """The last error of each sender whose datagrams could not be read."""
         self.sequences: dict[Sender, Sequence] = {}
-        """Each sender's sequence of numbers, which shows its losses."""
+        """Each sender's sequence numbers, which show its losses."""
         self.ttls: dict[Sender, int] = {}
-        """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
+        """Each sender's time to live: the number of routers that its datagrams may pass."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
-        """Return the message that this datagram completes, or whose head it is, if any."""
+        """Return the message that this datagram completes, or whose head it has, if any."""
         return next(iter(self.read_all([(data, sender, time, ttl)])), None)
 
     def read_all(self, datagrams: Iterable[Datagram]) -> list[Packet]:
-        """Return the messages that these datagrams complete, or whose heads they are."""
+        """Return the messages that these datagrams complete, or whose heads they have."""
         packets, before, known_ttl = [], None, None
         channels, is_short, number = self._channels.get, bytes.startswith, _number
         for data, sender, time, ttl in datagrams:
             end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
-            if end > 0 and is_short(data, MAGIC_SHORT):  # as parse does it, in half the time
+            if end > 0 and is_short(data, MAGIC_SHORT):  # the same as parse, in half the time
                 name = data[SHORT_HEADER_BYTES:end]
                 (seqno,) = number(data)
                 channel = channels(name) or self._learn(name)
@@ -91,7 +91,7 @@ class Reader:
         return packets
 
     def _read_other(self, data: bytes, sender: Sender, time: int) -> tuple[Packet, int] | None:
-        """Read a fragment, or a malformed datagram; return a message with its number, if any."""
+        """Read a fragment or malformed datagram; return a message, if any, and its number."""
         if data[:4] == MAGIC_FRAGMENT and not self.needs_all and _is_later(data):
             return None
         message = parse(data)
@@ -105,14 +105,14 @@ class Reader:
         return None
 
     def _learn(self, name: bytes) -> str:
-        """Return the channel of a name; some are kept, since a stream has one name."""
+        """Return the channel for encoded bytes; cached, because a stream repeats one name."""
         channel = name.decode("utf-8", "surrogateescape")
         if len(self._channels) < _MOST_CHANNELS:
             self._channels[name] = channel
         return channel
 
     def want_whole(self, channels: tuple[str, ...]) -> None:
-        """Put the large messages of these channels together from now, as ``always_whole``."""
+        """From now on, assemble the large messages of these channels, as ``always_whole``."""
         self._always_whole = channels
 
     def _join(self, fragment: Fragment, sender: Sender, time: int) -> Packet | None:
@@ -123,7 +123,7 @@ class Reader:
             head = bytes(fragment.part[:HEAD_BYTES])
             return Packet(channel, head, time, sender, seqno, fragment.message_size)
         self.largest_whole = max(self.largest_whole, fragment.message_size)
-        if channel is not None or sender in self.sequences:  # else it had begun before
+        if channel is not None or sender in self.sequences:  # else begun before this
             self._sequence(sender).begin(seqno)
         whole = self._reassembler.add(sender, fragment)
         if whole is None:
@@ -132,7 +132,7 @@ class Reader:
         return Packet(whole.channel, whole.payload, time, sender, seqno)
 
     def _is_joined(self, fragment: Fragment, sender: Sender) -> bool:
-        """Return whether this is of a message on a channel that comes whole."""
+        """Return whether a fragment belongs to a message that is assembled for its channel."""
         key = (sender, fragment.seqno)
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
             return fragment.channel is None and key in self._joined
@@ -143,7 +143,7 @@ class Reader:
         return True
 
     def _sequence(self, sender: Sender) -> Sequence:
-        """Return a sender's sequence; beyond a thousand senders none is kept."""
+        """Return a sender's sequence; for more than a thousand senders, no more are kept."""
         known = self.sequences.get(sender)
         if known is None:
             known = Sequence()
@@ -153,5 +153,5 @@ class Reader:
 
 
 def _is_later(fragment: bytes) -> bool:
-    # as the filter in the kernel decides
+    # the same condition as in the kernel's filter
     return len(fragment) >= FRAGMENT_HEADER_BYTES and fragment[16:18] != b"\0\0"

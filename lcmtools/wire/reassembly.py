@@ -1,7 +1,7 @@
-"""Putting fragmented messages together again.
+"""Reassembling fragmented messages.
 
-Sans-I/O. Fragments may come in any order, twice, or never; a sender is any hashable value.
-Memory is bounded by what has really arrived: a header's claim allocates nothing.
+Sans-I/O. Fragments may come in any order, twice or never; a sender is any hashable value. Memory is
+bounded by the data that have arrived: sizes in headers allocate nothing.
 """
 
 from collections import OrderedDict
@@ -11,7 +11,7 @@ from lcmtools.wire.datagram import Fragment, ShortMessage
 
 _Key = tuple[Hashable, int]
 
-_PART_COST = 256  # bytes that keeping a part takes beside its own, so that empty parts count too
+_PART_COST = 256  # overhead of keeping a part [byte], so that empty parts count too
 
 
 class _Incomplete:
@@ -34,11 +34,11 @@ class _Incomplete:
 
 
 class Reassembler:
-    """Collects fragments into messages, forgetting the least recently touched when full.
+    """Collects fragments into messages, and drops the least recently touched when full.
 
     Args:
-        max_bytes: Bytes of incomplete messages that are kept (liblcm: 16 MiB).
-        max_messages: Incomplete messages that are kept (liblcm: 1000).
+        max_bytes: Bytes of incomplete messages to keep (liblcm: 16 MiB).
+        max_messages: Number of incomplete messages to keep (liblcm: 1000).
     """
 
     def __init__(self, max_bytes: int = 64 << 20, max_messages: int = 1000) -> None:
@@ -48,12 +48,12 @@ class Reassembler:
         self._bytes = 0
 
     def add(self, sender: Hashable, fragment: Fragment) -> ShortMessage | None:
-        """Take one fragment; return the message when it is complete."""
+        """Add one fragment; return the message if it is complete."""
         key = (sender, fragment.seqno)
         size, count = fragment.message_size, fragment.count
         message = self._incomplete.get(key)
         if message is None or (message.message_size, message.count) != (size, count):
-            self._forget(key)  # the sender's counter wrapped, or the sender is another one
+            self._forget(key)  # the sender's counter wrapped around, or another sender uses it
             message = self._incomplete[key] = _Incomplete(size, count)
         if fragment.number not in message.parts:
             message.parts[fragment.number] = fragment

@@ -1,29 +1,29 @@
-"""Loss by the senders' own numbers.
+"""Counting losses by the senders' sequence numbers.
 
-Sans-I/O. Each LCM instance numbers its messages, so a gap is a lost message. A late one closes its
-gap again, and numbers that restart are another run of the program. An incomplete message is lost
-once a later one has begun.
+Sans-I/O. Each LCM instance numbers its messages, so a gap is a lost message. A late message closes
+its gap again; numbers that restart are another run of the program. An incomplete message counts as
+lost once a later one has begun.
 """
 
 _MODULUS = 1 << 32
 _MOST_LATE = 1000
-"""A number so far behind the newest is late; one further off is a restart."""
+"""A number at most this far behind the newest is late; one further behind is a restart."""
 _MOST_RESTARTS = 1
-"""The restarts of one program on one port; several that share it begin again and again."""
+"""Restarts expected of one program on a port; if several share it, there are many more."""
 _MOST_LOST = 1 << 20
-"""A leap over more messages than this is no loss but another beginning."""
+"""A jump over more messages than this is a restart, not a loss."""
 
 
 class Sequence:
-    """The numbers of one sender's messages, as they come."""
+    """The sequence numbers of one sender's messages, in order of arrival."""
 
     __slots__ = ("_lost", "_missing", "_newest", "messages", "restarts")
 
     def __init__(self) -> None:
         self.messages = 0
-        """The number of messages that came."""
+        """The number of messages that arrived."""
         self.restarts = 0
-        """The number of restarts of the numbers; many where several programs share the port."""
+        """The number of restarts; many if several programs share the port."""
         self._lost = 0
         self._newest = -1
         self._missing: set[int] = set()
@@ -35,16 +35,16 @@ class Sequence:
 
     @property
     def sent(self) -> int:
-        """The number of messages that the sender has sent, by the newest number; 0 before that."""
+        """The number of messages that the sender has sent, by the newest number; 0 before any."""
         return self._newest + 1
 
     @property
     def lost(self) -> int:
-        """The number of messages between the first and the newest that did not come."""
-        return self._lost - (self._newest in self._missing)  # of that one more parts may come
+        """The number of messages between the first and the newest that did not arrive."""
+        return self._lost - (self._newest in self._missing)  # more parts of that one may come
 
     def begin(self, seqno: int) -> None:
-        """Take the number of a message of which a part has come."""
+        """Take the number of a message whose first parts have arrived."""
         step = (seqno - self._newest) % _MODULUS if self._newest >= 0 else 1
         if 0 < step <= _MOST_LOST:
             if step > 1:
@@ -54,9 +54,9 @@ class Sequence:
             self._missing.add(seqno)
 
     def add(self, seqno: int) -> None:
-        """Take the number of a message that has come."""
+        """Take the number of a message that has arrived."""
         self.messages += 1
-        if seqno == self._newest + 1:  # as usual
+        if seqno == self._newest + 1:  # the usual case
             self._newest = seqno
             return
         step = (seqno - self._newest) % _MODULUS

@@ -1,9 +1,9 @@
-"""The stamp beside a message on a bus that takes one: its sender, its number, time and origin.
+"""The stamp attached to a message, if the bus allows it: sender, number, time and origin.
 
-Sans-I/O. A stamp is of few bytes, big-endian: the version (1), the sender's id (8) and its number
-of the message (4), the time of sending (8) by a clock of the sender's computer [ns], 0 if it may be
-late; of one that came from another bus also the id (8) and number (4) there, and the number of
-relays (1) that it has passed. Other programs send none, and read past ours.
+Sans-I/O. A stamp has a few bytes, big-endian: the version (1), the sender's id (8), its number of
+the message (4), and the time of sending (8) by a clock of the sender's computer [ns], 0 if the
+message may be late. For a message from another bus also its id (8) and number (4) there, and the
+number of relays (1) that it has passed. Other programs send no stamp and ignore these.
 """
 
 import struct
@@ -16,24 +16,24 @@ _NUMBERS = 0xFFFFFFFF
 
 
 class Origin(NamedTuple):
-    """The first sender of a message, wherever it has come through since."""
+    """The original sender of a message, whatever relays it has passed."""
 
-    id: int  # the sender's id, of 64 bits
-    seqno: int  # its number of the message, of 32 bits
-    hops: int = 0  # the relays that the message has passed; 0 where it was sent to this bus
+    id: int  # the sender's id, 64 bits
+    seqno: int  # the message's sequence number there, 32 bits
+    hops: int = 0  # the relays that the message has passed; 0 if it was sent on this bus
 
 
 class Stamp(NamedTuple):
-    """The stamp of a message: the id of who sent it to this bus, its number, time and origin."""
+    """The stamp of a message: the id of its sender on this bus, its number, time and origin."""
 
     sender: int
     seqno: int
-    time: int  # [ns] of a clock of the sender's computer; 0 for a message that may be late
+    time: int  # by a clock of the sender's computer [ns]; 0 for a message that may be late
     origin: Origin
 
 
 def encode_stamp(sender: int, seqno: int, time: int = 0, origin: Origin | None = None) -> bytes:
-    """Return the bytes of a stamp; without an origin, of a message of the sender itself."""
+    """Return the bytes of a stamp; without an origin, the sender itself is the origin."""
     number = seqno & _NUMBERS
     if origin is None:
         return _OWN.pack(_VERSION, sender, number, time)
@@ -42,7 +42,7 @@ def encode_stamp(sender: int, seqno: int, time: int = 0, origin: Origin | None =
 
 
 def decode_stamp(data: bytes) -> Stamp | None:
-    """Return the stamp in these bytes; None if they are none, or of another version."""
+    """Return the stamp in these bytes; None if they are not a stamp, or of another version."""
     if data[:1] != bytes([_VERSION]):
         return None
     if len(data) == _OWN.size:

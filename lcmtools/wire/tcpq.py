@@ -1,7 +1,7 @@
-"""The frames of LCM's provider ``tcpq``, by which programs speak to a server: reading and writing.
+"""The frames of LCM's provider ``tcpq``, by which programs talk to a server: reading and writing.
 
 Sans-I/O. All integers are big-endian, from lcm-proj/lcm, lcm/lcm_tcpq.c:
-greeting     magic:u32 version:u32, by each side first
+greeting     magic:u32 version:u32, sent first by each side
 publish      1:u32 size:u32 channel size:u32 payload; in both directions
 subscribe    2:u32 size:u32 pattern; unsubscribe is 3
 """
@@ -17,13 +17,13 @@ SERVER_GREETING = struct.pack(">II", 0x287617FA, 0x0100)
 CLIENT_GREETING = struct.pack(">II", 0x287617FB, 0x0100)
 PUBLISH, SUBSCRIBE, UNSUBSCRIBE = 1, 2, 3
 
-_WORD, _HEAD = 4, 8  # bytes of a number; of the kind and the first size
+_WORD, _HEAD = 4, 8  # bytes of a number; bytes of the kind and the first size
 _MOST_NAME = {PUBLISH: 255, SUBSCRIBE: 4096, UNSUBSCRIBE: 4096}
-"""Bytes of a name; liblcm lets a channel have more than 63 here."""
+"""The most bytes of a name; here liblcm allows channels of more than 63."""
 
 
 class StreamError(LcmtoolsError):
-    """Bytes that are no frames of tcpq."""
+    """Bytes that are not frames of tcpq."""
 
 
 class Frame(NamedTuple):
@@ -35,17 +35,17 @@ class Frame(NamedTuple):
 
 
 class FrameReader:
-    """Makes frames of the bytes of one client, however they are cut."""
+    """Splits the bytes of one client into frames, in whatever pieces they come."""
 
     def __init__(self) -> None:
-        self.is_greeted = False  # the client has greeted
+        self.is_greeted = False  # True if the client has sent its greeting
         self._bytes = bytearray()
 
     def read(self, data: bytes | memoryview) -> Iterator[Frame]:
         """Yield the frames that these bytes complete.
 
         Raises:
-            StreamError: They are none; nothing more can be read.
+            StreamError: They are not frames; nothing more can be read.
         """
         waiting = self._bytes
         waiting += data
@@ -67,7 +67,7 @@ class FrameReader:
         return len(start) if self.is_greeted else 0
 
     def _end_of_frame(self, start: int) -> int:
-        """Return the place behind a frame; 0 if more of it is to come."""
+        """Return the offset after a frame; 0 if it is incomplete."""
         waiting = self._bytes
         if len(waiting) < start + _HEAD:
             return 0
@@ -96,13 +96,13 @@ def publish_frame(channel: str, payload: bytes) -> bytes:
 
 
 def payload_of(frame: Frame) -> bytes:
-    """Return the payload of a frame that publishes."""
+    """Return the payload of a publishing frame."""
     start = int.from_bytes(frame.data[_WORD:_HEAD], "big") + _HEAD + _WORD
     return frame.data[start:]
 
 
 def subscribe_frame(pattern: str) -> bytes:
-    """Return the frame that subscribes to the channels of a pattern."""
+    """Return the frame that subscribes to the channels that match a pattern."""
     return _named(SUBSCRIBE, pattern)
 
 

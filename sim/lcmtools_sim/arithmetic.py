@@ -1,7 +1,7 @@
-"""Arithmetic on one number, or on an array with a number for each of many robots.
+"""Arithmetic on a single number, or on an array with one number for each of many robots.
 
-A formula that takes its functions from here is written once for both: a single robot is faster by
-plain floats, and a fleet by arrays.
+A formula that takes its functions from here is written once for both: plain floats are faster for a
+single robot, arrays for a fleet.
 """
 
 import math
@@ -11,11 +11,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 Value: TypeAlias = float
-"""A float, or an array of floats: operators are the same for both. Type checkers see a float."""
+"""A float, or an array of floats: both have the same operators. Type checkers see a float."""
 
 
 class Arithmetic(NamedTuple):
-    """The functions that floats and arrays do not share as operators."""
+    """The functions that differ between floats and arrays."""
 
     absolute: Callable[[Value], Value]
     minimum: Callable[[Value, Value], Value]
@@ -30,5 +30,5 @@ ARRAYS = Arithmetic(np.abs, np.minimum, np.maximum, np.hypot, np.sin, np.cos)
 
 
 def arithmetic_of(value: Value) -> Arithmetic:
-    """The functions for this value."""
+    """Return the functions for this value."""
     return FLOATS if type(value) is float else ARRAYS

@@ -1,4 +1,4 @@
-"""Between the simulation and the bus: nodes, topics and publishers."""
+"""The bridge between the simulation and the bus: nodes, topics and publishers."""
 
 import time
 from collections.abc import Callable
@@ -20,22 +20,22 @@ from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 Command = JointState | Twist
 
 _Steered = tuple[str, tuple[CommandTopic, ...]]
-"""The namespace and the command topics of a robot: after a reset, those of another object."""
+"""A robot's namespace and command topics; after a reset another object has them."""
 
 _TYPES: dict[bool, tuple[type[Command], ...]] = {
     False: (JointState, Twist),
     True: (Twist, JointState),
 }
-"""The types of a command topic, the declared one first; by whether that is Twist."""
+"""The types of a command topic, the declared one first; the key is True if that is Twist."""
 
 _UPDATE_PERIOD = 0.1
-"""[s] The longest delay of the first picture for a new subscriber, and of an idle clock."""
+"""[s] The longest delay of a new subscriber's first picture, and of an idle clock."""
 _REPEAT_PERIOD = 0.5  # [s] between the repetitions of a warning: ``wtf`` listens for about a second
 
 
 @dataclass(slots=True)
 class _Fault:
-    """A fault of a topic's commands: the senders that were warned of, and when to say it next."""
+    """A fault of a topic's commands: the senders already reported, and when to report it next."""
 
     next_time: float = 0.0
     senders: set[str] = field(default_factory=set)
@@ -48,11 +48,11 @@ class Bridge:
         self._node = node
         self._simulation = simulation
         self._faults: dict[tuple[str, str], _Fault] = {}
-        """By topic, and the text of a command that is ignored, or "" for one beyond the limits."""
+        """By topic, and the error of an ignored command, or "" for one beyond the limits."""
         self._publishers: dict[str, Publisher[Message]] = {}
         self._robots: dict[_Steered, Robot] = {}
         self._subscriptions: dict[_Steered, list[Subscription]] = {}
-        # asks the nodes, whose answers have come by the first look
+        # probes the nodes, which will have answered by the first update
         self._subscribed: tuple[frozenset[str], bool] = node.subscribed_topics(), True
         self._next_update = 0.0
         self._published_time = simulation.time
@@ -67,13 +67,13 @@ class Bridge:
             self.find_subscribers(at_once=False)
             for text in self._simulation.warnings():
                 self.warn(text)
-            # The clock of a simulation without subscribers appears on the bus all the same, by the
+            # The clock of a simulation without subscribers is still published, but paced by the
             # wall clock: at a hundred times real time it would cost as much as the physics.
             if not self._simulation.publishes_clock:
                 self.publish_clock()
 
     def find_subscribers(self, *, at_once: bool = True) -> None:
-        """Select the topics with subscribers; ``at_once`` looks for programs that are no nodes."""
+        """Select the topics with subscribers; ``at_once`` checks for plain programs now."""
         may_have_others = self._node.has_plain_listeners(at_once=at_once)
         subscribed = self._node.subscribed_topics(), may_have_others
         if subscribed != self._subscribed:
@@ -91,7 +91,7 @@ class Bridge:
         publish_together(self._node.context.bus, messages)
 
     def publish_clock(self) -> None:
-        """Publish the clock, if its last message shows another time."""
+        """Publish the clock, if its last message has another time."""
         if CLOCK_TOPIC in self._publishers and self._simulation.time != self._published_time:
             self.publish([self._simulation.tick()])
 
@@ -100,7 +100,7 @@ class Bridge:
         self._node.get_logger().warning(text)
 
     def refresh(self) -> None:
-        """Publish and subscribe for the present robots."""
+        """Publish and subscribe for the current robots."""
         topics = self._simulation.topics()
         self._robots = {(one.namespace, one.model.commands): one for one in self._simulation.robots}
         for topic in self._publishers.keys() - topics.keys():
@@ -135,7 +135,7 @@ class Bridge:
         return made
 
     def _commander(self, steered: _Steered, topic: str) -> Callable[[Command], None]:
-        """The callback of one command topic."""
+        """Return the callback of one command topic."""
 
         def command(message: Command) -> None:
             robot = self._robots[steered]
@@ -152,9 +152,9 @@ class Bridge:
         return command
 
     def _warn_of(self, topic: str, fault: str, text: str) -> None:
-        """Warn of a fault of commands once for each sender, an ignored one again after a good one.
+        """Warn of faulty commands once per sender; of ignored ones again after a valid one.
 
-        While it lasts it is repeated on /rosout, for those who look later.
+        While the fault lasts, it is repeated on /rosout, for those who look later.
         """
         now = time.monotonic()
         found = self._faults.setdefault((topic, fault), _Fault())
@@ -163,13 +163,13 @@ class Bridge:
         found.next_time = now + _REPEAT_PERIOD
         sender = self._sender(topic)
         line, log = f"{topic}: {text}{sender}", self._node.get_logger()
-        # A node's first command can come before its announcement: its name is no other sender.
+        # A node's first command can come before its announcement: then it has no name yet.
         is_known = sender in found.senders or found.senders == {""}
         log.repeat(line) if is_known else log.warning(line)
         found.senders.add(sender)
 
     def _sender(self, topic: str) -> str:
-        """The nodes that publish a topic, in words; "" if it is a program that is no node."""
+        """The nodes that publish a topic, as text; "" for a program that is not a node."""
         names = [
             f"a command, process {node.pid}" if node.tool else node.name
             for node, _ in self._node.graph().topic(topic).publishers

@@ -1,7 +1,7 @@
-"""The meaning of a command: JointState or Twist to the speeds of the two sides.
+"""Interpreting commands: from JointState or Twist to the speeds of the two sides.
 
-Pure decisions on one message. Faults are refused with the reason; the sender and the time of a
-message are not known here.
+Pure decisions on one message. Wrong ones are refused with the reason; a message's sender and time
+are not known here.
 """
 
 import math
@@ -17,13 +17,13 @@ _ROUNDING = 1 + 1e-6  # a controller that limits its own commands may compute in
 
 
 def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
-    """The side speeds [m/s] of a command, within the robot's limits.
+    """Return the side speeds [m/s] for a command, within the robot's limits.
 
-    A Twist gives forward speed and turn rate; a JointState the effort of the sides (fractions of
-    full power), or without effort their wheel speeds [rad/s].
+    A Twist gives the forward speed and turn rate; a JointState gives the efforts of the sides
+    (fractions of full power) or, without efforts, their wheel speeds [rad/s].
 
     Raises:
-        ValueMismatch: The message is no command; the reason names the field.
+        ValueMismatch: The message is not a command; the error names the field.
     """
     if isinstance(message, Twist):
         forward = _finite("linear.x", message.linear.x)
@@ -36,9 +36,9 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
 
 
 def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
-    """The first value of a command beyond the robot's limits, to which it is reduced; "" for none.
+    """Return the first value beyond the robot's limits, to which it is reduced; "" for none.
 
-    ``interpret`` accepts the message.
+    ``interpret`` must accept the message.
     """
     drive = model.drive
     if isinstance(message, JointState) and message.effort:
@@ -79,7 +79,7 @@ def _wheel_speeds(state: JointState, model: RobotModel) -> SideSpeeds:
 def _by_side(
     field: str, values: Sequence[float], names: Sequence[str], model: RobotModel
 ) -> tuple[float, float]:
-    """The values of the left and the right side; those of several wheels of a side are averaged."""
+    """Return the values of the left and right side, averaged over the wheels of each side."""
     names = names or (model.left_wheels[0], model.right_wheels[0])
     if len(values) != len(names):
         wanted = f"{len(names)} ({', '.join(names)})"

@@ -1,7 +1,7 @@
 """Shell completion of the simulator's arguments: worlds, engines and options.
 
-``lcmtools``' completion finds this module by its name and calls ``complete``; nothing here may be
-slow to import: neither the parser nor pybullet.
+``lcmtools``' completion finds this module by its name and calls ``complete``. Slow imports are not
+allowed here: neither the parser nor pybullet.
 """
 
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,7 @@
 """The simulator's services: pause, resume, step, reset, and those of single robots.
 
-Each answers with ``success`` and, if that is false, with the reason; none makes the simulator
-end. They run between two steps, on the thread that simulates.
+Each answers with ``success`` and, if that is false, the reason; none can end the simulator. They
+run between two steps, on the simulating thread.
 """
 
 import math
@@ -79,7 +79,7 @@ class Control:
             raise UsageError(f"steps must be from 1 to {_MOST_STEPS}, not {request.steps}")
         if not self._loop.paused:
             raise UsageError("the simulator is not paused", "pause it first")
-        if self._loop.is_stepping:  # and waits for a follower
+        if self._loop.is_stepping:  # the loop is waiting for a follower
             raise UsageError("the simulator is executing another request's steps", "wait for them")
         done = self._loop.step(request.steps)
         response.time = self._simulation.time
@@ -89,7 +89,7 @@ class Control:
         self, request: sim_msgs.SetRate_Request, response: sim_msgs.SetRate_Response
     ) -> None:
         self._check_leads()
-        if not 0 <= request.rate < math.inf:  # refuses NaN too
+        if not 0 <= request.rate < math.inf:  # also refuses NaN
             raise UsageError(f"the rate must be 0 or more, not {request.rate:g}")
         self._loop.set_rate(request.rate)
         speed = f"{request.rate:g} times real time" if request.rate else "as fast as possible"
@@ -110,7 +110,7 @@ class Control:
         state = robot.state(self._simulation.time)
         response.time, response.model = state.time, robot.model.name
         place, turn, twist = response.pose.position, response.pose.orientation, response.twist
-        height = robot.model.body.base_height  # of base_link above base_footprint
+        height = robot.model.body.base_height  # height of base_link above base_footprint
         frame = Frame(state.position, state.rotation)
         place.x, place.y, place.z = frame.point((0.0, 0.0, -height))
         turn.x, turn.y, turn.z, turn.w = state.rotation
@@ -160,7 +160,7 @@ class Control:
         return {robot.namespace: robot for robot in self._simulation.robots}
 
     def _body(self, name: str) -> Robot | MovableObject:
-        """The robot with a namespace, or else the object with a name that can be pushed."""
+        """Return the robot with a namespace, else the movable object with a name."""
         bodies: dict[str, Robot | MovableObject] = {**self._robots()}
         bodies |= {body.name: body for body in self._simulation.objects}
         return _named(name, bodies, "robot or movable object")
@@ -170,7 +170,7 @@ class Control:
 
 
 def _named(name: str, known: Mapping[str, BodyT], kind: str) -> BodyT:
-    """The body with a name; a robot's namespace may be written without a slash."""
+    """Return the body with a name; a robot's namespace may lack its slash."""
     namespace = f"/{name.strip('/')}"
     if found := known.get(namespace) or known.get(name):
         return found
@@ -181,7 +181,7 @@ def _named(name: str, known: Mapping[str, BodyT], kind: str) -> BodyT:
 def _answered(
     act: Callable[[RequestT, OutcomeT], None],
 ) -> Callable[[RequestT, OutcomeT], OutcomeT]:
-    """A service's callback: acts, and answers with success or the error."""
+    """Return a service's callback, which acts, and answers with success or the error."""
 
     def answer(request: RequestT, response: OutcomeT) -> OutcomeT:
         response.success = True
@@ -195,10 +195,10 @@ def _answered(
 
 
 def _read_pose(message: geometry_msgs.Pose) -> Pose:
-    """A pose message with a quaternion of any length but zero.
+    """Read a pose message; its quaternion may have any length except zero.
 
     Raises:
-        UsageError: It is no pose in the world.
+        UsageError: It is not a pose in the world.
     """
     place, turn = message.position, message.orientation
     rotation = turn.x, turn.y, turn.z, turn.w

@@ -1,8 +1,8 @@
-"""Motors and encoders of a robot on wheels, as plain mathematics.
+"""Motors and encoders of a robot on wheels, as mathematical functions.
 
 The tyres are in tyres.py. Symbols and signs are those of the textbook (R. Siegwart et al.,
 Introduction to Autonomous Mobile Robots, section 3.2): v [m/s] forward, w [rad/s]
-counter-clockwise, side speeds v -+ w track / 2. What is a Value may be an array, for many robots.
+counter-clockwise, side speeds v -+ w track / 2. A Value may be an array, for many robots.
 """
 
 from typing import NamedTuple
@@ -11,8 +11,8 @@ from lcmtools_sim.arithmetic import Arithmetic, Value
 from lcmtools_sim.geometry import Vector
 from lcmtools_sim.robots.model import Drive
 
-_STANDSTILL = 1e-6  # [m/s]; a motor this near to its target has reached it
-_TINY = 1e-300  # in place of 0, to divide by
+_STANDSTILL = 1e-6  # [m/s]; a motor this close to its target has reached it
+_TINY = 1e-300  # in place of 0 as a divisor
 
 
 class SideSpeeds(NamedTuple):
@@ -23,9 +23,9 @@ class SideSpeeds(NamedTuple):
 
 
 def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
-    """The side speeds for this forward speed and turn rate [m/s, rad/s], within the limits.
+    """Return the side speeds for a forward speed [m/s] and turn rate [rad/s], within the limits.
 
-    Above a limit both are reduced by the same factor, so that the robot keeps to the same circle.
+    Above a limit both are reduced by the same factor, so that the robot stays on the same circle.
     """
     excess = max(1.0, abs(forward) / drive.max_speed, abs(turn_rate) / drive.max_turn_rate)
     half_difference = turn_rate / excess * (drive.believed_track or drive.track) / 2
@@ -33,7 +33,7 @@ def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
 
 
 def body_velocity(left: Value, right: Value, track: Value) -> tuple[Value, Value]:
-    """Forward speed [m/s] and turn rate [rad/s] of a robot whose wheels do not slip."""
+    """Return forward speed [m/s] and turn rate [rad/s] of a robot whose wheels do not slip."""
     return (left + right) / 2, (right - left) / track
 
 
@@ -44,11 +44,11 @@ def followed(
     largest_change: Value,
     ops: Arithmetic,
 ) -> tuple[Value, Value]:
-    """The motors' speeds one step later [m/s].
+    """Return the motors' speeds one step later [m/s].
 
     First-order motors, implicit Euler (stable for any dt): the ``gain`` is dt / (dt + time
-    constant). Both sides are slowed together at the ``largest_change`` [m/s], so that the robot
-    keeps its circle while it speeds up.
+    constant). Both sides are limited together by the ``largest_change`` [m/s], so that the robot
+    stays on its circle while it accelerates.
     """
     (left, right), (left_target, right_target) = speeds, targets
     left_lag, right_lag = left_target - left, right_target - right
@@ -59,15 +59,15 @@ def followed(
 
 
 def dead_reckoning(pose: Vector, distance: Value, half_turn: Value, ops: Arithmetic) -> Vector:
-    """The pose after a step.
+    """Return the pose after a step.
 
     The robot moves along the chord of its arc, as the engine's bodies do.
 
     Args:
         pose: x, y [m] and yaw [rad] before.
-        distance: Of the step [m].
-        half_turn: Half the angle of the step [rad].
-        ops: For these values.
+        distance: The distance travelled in the step [m].
+        half_turn: Half the angle turned in the step [rad].
+        ops: The functions for these values.
     """
     x, y, yaw = pose
     heading = yaw + half_turn

@@ -1,12 +1,12 @@
-"""All robots of a running simulation, and which of them the engine moves.
+"""All robots of a running simulation, and the decision which of them the engine moves.
 
-Every robot has a row in a `Vehicles` (vehicles.py), alone or with others, which always moves its
-motors, wheels and encoders, and its body too while the robot is free: on level ground, with nothing
-that it or others could reach until the next look. Else the engine moves the body, and its tyres
-pull it before each of the engine's steps: by floats (`Robot.pull`) or, where many of one `Vehicles`
-are held, by arrays (`HeldRobots`). `_look` decides anew ten times a second: `Robot.release` copies
-the body's motion from the engine to the row, `Robot.hold` copies it back before it can touch
-anything.
+Every robot has a row in a `Vehicles` (vehicles.py), alone or with others. It always moves the
+robot's motors, wheels and encoders, and also its body while the robot is free: on level ground,
+with nothing that it or others could reach until the next update. Otherwise, the engine moves the
+body, and its tyres pull it before each of the engine's steps: with floats (`Robot.pull`) or, if
+many robots of one `Vehicles` are held, with arrays (`HeldRobots`). `_look` decides again ten times
+a second: `Robot.release` copies the body's motion from the engine to the row, `Robot.hold` copies
+it back before it can touch anything.
 """
 
 from collections.abc import Sequence
@@ -21,27 +21,27 @@ from lcmtools_sim.vehicles import Vehicles
 from lcmtools_sim.vision.solids import Floats, solids_of
 from lcmtools_sim.world import World
 
-_MANY = 8  # from so many robots on, arrays are faster than floats
-_PERIOD = 0.1  # [s] between two looks
-_FASTER = 1.0  # [m/s] by which a body may become faster until then
+_MANY = 8  # from this number of robots on, arrays are faster than floats
+_PERIOD = 0.1  # [s] between two updates
+_FASTER = 1.0  # [m/s] by which a body may accelerate until then
 _MARGIN = 0.02  # [m]
 
 
 class Fleet:
-    """The robots of a world, in the order in which they were added."""
+    """The robots of a world, in order of addition."""
 
     def __init__(self, world: World, scene: Scene) -> None:
-        self.changes = 0  # how often it has changed which of them step together
+        self.changes = 0  # how often the groups that step together have changed
         self.robots: list[Robot] = []
         self._world = world
         self._dt, self._fall = scene.dt, scene.gravity * scene.dt
         self._period = max(1, round(_PERIOD / scene.dt))
-        self._steps = 0  # since the last change of the robots
+        self._steps = 0  # steps since the last change of the robots
         self._groups: list[tuple[Vehicles, list[Robot]]] = []
-        self._held: list[Robot] = []  # those that the engine moves, one by one
-        self._many: list[HeldRobots] = []  # the others that it moves
+        self._held: list[Robot] = []  # robots that the engine moves, one by one
+        self._many: list[HeldRobots] = []  # the others that it moves, in groups
         self._free: list[bool] | None = None
-        """For each robot of the groups, True if it needs no engine; None before the first look."""
+        """For each robot of the groups, True if it needs no engine; None initially."""
         self._sizes = [solids_of(thing.parts).reach for thing, _ in world.movable_objects()]
 
     def add(self, robot: Robot) -> None:
@@ -57,7 +57,7 @@ class Fleet:
         self._steps = 0
 
     def hold_all(self) -> None:
-        """Have the engine know where all bodies are, to look for overlaps."""
+        """Make the engine know where all bodies are, to find overlaps."""
         for robot in self.robots:
             robot.hold()
         self._steps = 0
@@ -91,7 +91,7 @@ class Fleet:
             self._groups += [(_joined(part), part) for part in parts]
 
     def _look(self) -> None:
-        """See which robots the engine must move until the next look."""
+        """Determine which robots the engine must move until the next update."""
         self._world.find_rest()
         robots = [robot for _, group in self._groups for robot in group]
         near = self._near(robots) if robots else []
@@ -125,7 +125,7 @@ class Fleet:
             robot.join(group, place)
 
     def _near(self, robots: Sequence[Robot]) -> list[bool]:
-        """True for each robot that may touch something until the next look."""
+        """Return True for each robot that may touch something until the next update."""
         values = [vehicles.now for vehicles, _ in self._groups]
         x, y, vx, vy = (
             np.concatenate([np.atleast_1d(getattr(now, name)) for now in values])
@@ -139,7 +139,7 @@ class Fleet:
         return self._meet(places, self._reach([robot.reach for robot in robots], velocities))
 
     def _meet(self, places: Floats, reaches: Floats) -> list[bool]:
-        """True for each robot, at this place and with this reach, that another body may meet."""
+        """Return True for each robot, at this place and with this reach, that may meet a body."""
         fixed, objects = self._world.fixed_solids(), self._world.movable_objects()
         offsets = places[:, None] - fixed.centres
         outside = np.abs(np.einsum("nmi,mij->nmj", offsets, fixed.axes)) - fixed.half_sizes
@@ -153,18 +153,18 @@ class Fleet:
             other_reaches = np.concatenate((reaches, moving))
         squares = np.square(places[:, :1] - others[:, 0]) + np.square(places[:, 1:2] - others[:, 1])
         met = squares < np.square(reaches[:, None] + other_reaches)
-        found: list[bool] = (near | (met.sum(axis=1) > 1)).tolist()  # each meets itself
+        found: list[bool] = (near | (met.sum(axis=1) > 1)).tolist()  # each one meets itself
         return found
 
     def _reach(self, sizes: Sequence[float], velocities: npt.ArrayLike) -> Floats:
-        """The farthest that bodies of these sizes can come until the next look [m]."""
+        """Return the farthest that bodies of these sizes can get until the next update [m]."""
         speeds = np.linalg.norm(velocities, axis=-1)
         reach: Floats = np.array(sizes) + (speeds + _FASTER) * self._period * self._dt + _MARGIN
         return reach
 
 
 def _joined(robots: Sequence[Robot]) -> Vehicles:
-    """The robots' values together; a single one keeps its own."""
+    """Return the robots' values joined; a single robot keeps its own."""
     if len(robots) == 1 and robots[0].vehicles.is_single:
         return robots[0].vehicles
     vehicles = Vehicles.joined([(robot.vehicles, robot.index) for robot in robots])

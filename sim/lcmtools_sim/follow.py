@@ -1,10 +1,10 @@
-"""One of several processes that simulate one world together: it follows the leader's clock.
+"""Several processes that simulate one world together: followers follow the leader's clock.
 
-With ``--only`` each process simulates some of the world's robots; the one that has the first robot
-leads and publishes /clock, the others step up to its time and acknowledge it: the leader waits for
-all of them before its next step. LCM may lose either message, so both are repeated while a process
-waits. Each process has all objects of the world for itself, and robots of different processes
-neither meet nor see each other.
+With ``--only``, each process simulates some of the world's robots. The one that has the first robot
+leads and publishes /clock; the others step up to its time and acknowledge it, and the leader waits
+for all of them before its next step. LCM may lose either message, so both are repeated while a
+process waits. Each process has its own copy of all objects of the world, and robots of different
+processes neither meet nor see each other.
 """
 
 import time
@@ -21,11 +21,11 @@ from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 _ACKNOWLEDGEMENT_TOPIC = "/clock/_followed"
 """Header: the leader's time that a follower has simulated, and its node's name as frame_id."""
 _LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end, and between repetitions
-_SILENCE = 1.0  # [s] after which the leader looks if a follower still runs
+_SILENCE = 1.0  # [s] after which the leader checks whether a follower still runs
 
 
 class Followers:
-    """The followers of a leader: all have simulated its last step before it does the next one."""
+    """The followers of a leader: before its next step, all must have simulated its last one."""
 
     def __init__(self, node: Node, simulation: Simulation, bridge: Bridge) -> None:
         self._node = node
@@ -33,13 +33,13 @@ class Followers:
         self._bridge = bridge
         self._acknowledged: dict[str, int] = {}  # the leader's time that each has simulated [ns]
         self._heard: dict[str, float] = {}
-        self._missed: set[str] = set()  # those that are waited for and silent; it has been said
+        self._missed: set[str] = set()  # silent ones that are waited for, and already reported
         node.create_subscription(Header, _ACKNOWLEDGEMENT_TOPIC, self._receive)
 
     def wait(self, go_on: Callable[[], bool]) -> bool:
-        """Wait until all of them have simulated the present time, or ``go_on`` returns False.
+        """Wait until all of them have simulated the current time, or ``go_on`` returns False.
 
-        Returns True after a long wait, which is no debt of this process.
+        Returns True after a long wait, which this process must not make up for.
         """
         is_long = False
         repeat = time.monotonic() + _LONGEST_WAIT
@@ -67,7 +67,7 @@ class Followers:
         return time.monotonic() - self._heard[name] >= _SILENCE
 
     def _miss(self, name: str) -> None:
-        """Give up a silent follower if it has ended, and say for which others the leader waits."""
+        """Drop a silent follower if it has ended; else warn that the leader waits for it."""
         if self._has_ended(name):
             del self._acknowledged[name]
             self._bridge.warn(f"{name} has ended: the simulation goes on without it")
@@ -78,7 +78,7 @@ class Followers:
     def _has_ended(self, name: str) -> bool:
         from lcmtools.observe.senders import is_gone, is_here  # seldom needed
 
-        # One of the same name may have run before it.
+        # An earlier one may have had the same name.
         nodes = [node for node in self._node.graph().nodes if node.name == name]
         return all(is_gone(node) if is_here(node) else node.stale for node in nodes)
 
@@ -86,9 +86,9 @@ class Followers:
 class LeaderClock(Pacer):
     """Lets steps run up to the leader's /clock.
 
-    If the leader started before this process, the simulation begins at the leader's time; if its
-    clock goes back (a reset, or a new leader), it starts again there, and ``on_restart`` is called:
-    its robots are other objects then.
+    If the leader started before this process, the simulation begins at the leader's time. If its
+    clock goes back (a reset, or a new leader), the simulation restarts there and ``on_restart`` is
+    called, because its robots are then other objects.
     """
 
     def __init__(self, node: Node, simulation: Simulation, on_restart: Callable[[], None]) -> None:
@@ -129,5 +129,5 @@ class LeaderClock(Pacer):
         self._leader = now
 
     def _steps(self, time: int) -> int:
-        """The number of steps in a time [ns]; stamps are rounded, so nearly one is one."""
+        """The number of steps in a time [ns]; as stamps are rounded, almost a step is one."""
         return int(time / NANOSECONDS / self._simulation.scene.dt + 1e-3)

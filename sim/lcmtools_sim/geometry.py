@@ -1,6 +1,6 @@
 """Vectors, quaternions (x, y, z, w), poses and frames.
 
-Plain functions of tuples: for one vector at a time they are faster than arrays. Frames are
+Plain functions of tuples: for single vectors these are faster than arrays. Frames are
 right-handed, x forward, y left, z up (REP-103).
 """
 
@@ -31,10 +31,10 @@ def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
 
 
 def to_euler(rotation: Quaternion) -> Vector:
-    """Roll, pitch and yaw about the fixed axes [rad]; the inverse of ``from_euler``."""
+    """Return roll, pitch and yaw about the fixed axes [rad]; the inverse of ``from_euler``."""
     x, y, z, w = rotation
     sine = max(-1.0, min(1.0, 2 * (w * y - z * x)))
-    if abs(sine) > _STRAIGHT_UP:  # roll and yaw are about one axis then: all of it is yaw
+    if abs(sine) > _STRAIGHT_UP:  # roll and yaw are then about the same axis: all counts as yaw
         return 0.0, math.asin(sine), math.copysign(2.0, -sine) * math.atan2(x, w)
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     return roll, math.asin(sine), yaw_of(rotation)
@@ -88,13 +88,13 @@ def scaled(vector: Vector, factor: float) -> Vector:
 
 
 def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
-    """The components of a vector along these axes."""
+    """Return the components of a vector along these axes."""
     (x, y, z), ((a, b, c), (d, e, f), (g, h, i)) = vector, frame
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
 
 
 def rotate(vector: Vector, rotation: Quaternion) -> Vector:
-    """A vector of the rotated frame, in the outer frame."""
+    """Return a vector given in the rotated frame, in the outer frame."""
     forward, left, up = axes(rotation)
     return add(add(scaled(forward, vector[0]), scaled(left, vector[1])), scaled(up, vector[2]))
 
@@ -118,11 +118,11 @@ class Frame(NamedTuple):
     rotation: Quaternion = IDENTITY
 
     def place(self, inner: "Frame") -> "Frame":
-        """The frame ``inner``, which is given in this one, in the outer one."""
+        """Return the frame ``inner``, which is given in this frame, in the outer one."""
         return Frame(self.point(inner.position), multiply(self.rotation, inner.rotation))
 
     def point(self, position: Vector) -> Vector:
-        """A point of this frame, in the outer one."""
+        """Return a point given in this frame, in the outer one."""
         return add(self.position, rotate(position, self.rotation))
 
     def inverse(self) -> "Frame":
@@ -138,7 +138,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A pose as world files give it: metres, and fixed-axis roll, pitch, yaw in radians."""
+    """A pose as in world files: metres, and fixed-axis roll, pitch, yaw in radians."""
 
     x: float = 0.0
     y: float = 0.0
@@ -149,7 +149,7 @@ class Pose:
 
     @property
     def position(self) -> Vector:
-        """The position alone [m]."""
+        """The position only [m]."""
         return self.x, self.y, self.z
 
     @property

@@ -1,6 +1,6 @@
-"""Robots that the engine moves: how their tyres pull them, and many of them at once, by arrays.
+"""Robots that the engine moves: how their tyres pull them, also for many at once, with arrays.
 
-What robots measure and are commanded is not known here.
+Robots' measurements and commands are not known here.
 """
 
 from collections.abc import Sequence
@@ -15,8 +15,8 @@ from lcmtools_sim.tyres import Tyres
 from lcmtools_sim.vehicles import Constants, Vehicles, measured
 from lcmtools_sim.world import World
 
-_LIFTING_OFF = 0.2  # [m/s] along its own up axis: a robot on its wheels has none
-_UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
+_LIFTING_OFF = 0.2  # [m/s] along its own up axis: a robot on its wheels does not move along it
+_UPRIGHT = 0.5  # cosine of the tilt; beyond this tilt, no wheel reaches the ground
 
 
 def pulled(
@@ -26,18 +26,18 @@ def pulled(
     tyres: Tyres,
     times: tuple[float, float],
 ) -> tuple[Vector, Vector]:
-    """Velocity and angular velocity in the world after the tyres' pull.
+    """Return velocity and angular velocity in the world after the tyres' pull.
 
     The pull acts along the heading in the middle of the step, so that the engine's straight steps
-    are the chords of the robot's arc. It compensates the effect of gravity in this step, or the
-    robot would creep down every slope; on a slope the wheels carry less.
+    are the chords of the robot's arc. It compensates the effect of gravity in this step; otherwise,
+    the robot would creep down every slope. On a slope, the wheels carry less.
 
     Args:
-        motion: Of a robot, or of many as arrays.
+        motion: Motion of a robot, or of many as arrays.
         sides: The speeds of the left and the right wheels [m/s].
-        known: Of the robot, or of all.
-        tyres: The same.
-        times: Seconds of a step, and by how much what falls becomes faster in it [m/s].
+        known: Constants of the robot, or of all.
+        tyres: Tyres of the robot, or of all.
+        times: Duration of a step [s], and the speed that a falling body gains in it [m/s].
     """
     (left, right), (dt, fall), velocity = sides, times, motion.velocity
     ops = arithmetic_of(known.mass)
@@ -58,10 +58,10 @@ class HeldRobots:
     """Many robots that the engine moves.
 
     Args:
-        world: The engine's.
-        vehicles: Hold the robots' values.
-        robots: The place of each in them, its body, its motion, and that of one step before.
-        fall: By how much what falls becomes faster in a step [m/s].
+        world: The engine's world.
+        vehicles: Has the robots' values.
+        robots: For each, its index in ``vehicles``, its body, and its motion now and one step ago.
+        fall: The speed that a falling body gains in a step [m/s].
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class HeldRobots:
         self._before, self._motion = self._motion, self._world.motions(self._bodies)
 
     def row(self, number: int) -> tuple[Motion, Motion]:
-        """The motion of one of them, and that of one step before."""
+        """Return the motion of one of them, and its motion one step ago."""
         one, before = (
             Motion(*(tuple(float(values[number]) for values in vector) for vector in motion))  # type: ignore[index, arg-type] # arrays
             for motion in (self._motion, self._before)
@@ -99,11 +99,11 @@ class HeldRobots:
         return one, before
 
     def state(self, time: int) -> RobotState:
-        """The state that sensors measure, as arrays of all; ``time`` in simulated nanoseconds."""
+        """Return the state that sensors measure, as arrays over all; ``time`` is simulated [ns]."""
         values = self._vehicles.rows(self._places)
         return measured(self._motion, self._before, values, (time, self._vehicles.dt))
 
 
 def _stacked(motions: Sequence[Motion]) -> Motion:
-    """The motions of many bodies as one of arrays."""
+    """Return the motions of many bodies as one motion of arrays."""
     return Motion(*(tuple(np.array(vectors).T) for vectors in zip(*motions, strict=True)))

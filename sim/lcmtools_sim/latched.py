@@ -1,4 +1,4 @@
-"""Topics whose last message each new subscriber gets, as latched topics of ROS do."""
+"""Topics whose last message each new subscriber gets, like latched topics in ROS."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -14,10 +14,10 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 
 class LatchedPublisher(Generic[MessageT]):
-    """Publishes a message to each new subscriber, and now and then again.
+    """Publishes a message to each new subscriber, and again from time to time.
 
-    ``make`` makes the message, when it is needed. ``is_repeated`` is called once a second: return
-    if it is to be published again.
+    ``make`` creates the message when it is needed. ``is_repeated`` is called once a second and
+    returns whether to publish it again.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class LatchedPublisher(Generic[MessageT]):
         return bool(self._subscribers)
 
     def renew(self) -> None:
-        """Publish a message that has changed to all subscribers that are there."""
+        """Publish the message anew to all subscribers, because it has changed."""
         self._payload, self._subscribers = b"", frozenset()
 
     def _publish_if_due(self) -> None:

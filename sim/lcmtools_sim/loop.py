@@ -12,9 +12,10 @@ _PAUSED_WAIT = 0.1  # [s] the longest delay of a request to end, while paused
 class Loop:
     """Runs a simulation: by the wall clock, or step by step while it is paused.
 
-    It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
-    ``paused`` waits for ``step``. ``let_step`` is called before each step, and waits until that may
-    be done, or a function that it is given returns False; it returns True after a long wait.
+    It ends when ``go_on`` returns False, and after ``last_step``, if that is given. While it is
+    ``paused``, it waits for ``step``. ``let_step`` is called before each step with a function; it
+    waits until the step may be done or the function returns False, and returns True after a long
+    wait.
     """
 
     def __init__(
@@ -27,8 +28,8 @@ class Loop:
         last_step: int | None = None,
         let_step: Callable[[Callable[[], bool]], bool] = lambda _: False,
     ) -> None:
-        self.paused = False  # may be changed
-        self.is_stepping = False  # True during ``step``; what is called in ``let_step`` may look
+        self.paused = False  # may be changed at any time
+        self.is_stepping = False  # True during ``step``, for code called in ``let_step``
         self._let_step = let_step
         self._simulation = simulation
         self._bridge = bridge
@@ -53,7 +54,7 @@ class Loop:
     def step(self, count: int) -> int:
         """Do a number of steps without waiting; return the number of steps done.
 
-        The clock that was published last then shows the time of the last one.
+        The clock's last message then has the time of the last step.
         """
         self._bridge.find_subscribers()
         done, self.is_stepping = 0, True

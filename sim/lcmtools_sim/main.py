@@ -1,7 +1,7 @@
 """The simulator's command: answers to requests for information, and running a world.
 
-Requests (--version, --list-worlds, --print-world, --check) need no bus, and --check an engine only
-to find overlaps at the start.
+Requests (--version, --list-worlds, --print-world, --check) need no bus, and only --check uses an
+engine, to find overlaps at the start.
 """
 
 import signal
@@ -21,10 +21,10 @@ from lcmtools_sim.worlds import describe, find_world, world_names
 
 
 def run(arguments: Sequence[str]) -> None:
-    """Do what is asked for; the arguments are those behind the program's name.
+    """Execute the command; ``arguments`` are without the program's name.
 
     Raises:
-        LcmtoolsError: It cannot be done.
+        LcmtoolsError: It cannot be executed.
     """
     _, own = split_arguments(arguments)
     options = parse_options(own)
@@ -59,7 +59,7 @@ def _warn(text: str) -> None:
 
 
 def _check_starts(scene: Scene, engine: str) -> None:
-    """Refuse robots that start inside something, warn of such objects; if there is an engine."""
+    """Refuse robots that start inside a body, and warn of such objects, if there is an engine."""
     from lcmtools_sim.simulation import Simulation
 
     try:
@@ -72,7 +72,7 @@ def _check_starts(scene: Scene, engine: str) -> None:
 
 
 def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
-    """The scene with the command line's changes, and the options with ``follow`` settled."""
+    """Return the scene with the command line's changes, and the options with ``follow`` set."""
     if options.seed is not None:
         scene = replace(scene, seed=options.seed)
     for model, pose in options.added:
@@ -82,7 +82,7 @@ def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
     part = selected(scene, options.only) if options.only else scene
     if not part.robots or not (options.follow or part.robots[0] != scene.robots[0]):
         return part, options
-    # Nodes have different names; this one is not the leader.
+    # A follower needs another node name than the leader.
     first = part.robots[0]
     node = f"{scene.node}_{first.namespace.strip('/').replace('/', '_') or first.model.name}"
     return replace(part, node=node), replace(options, follow=True)
@@ -92,7 +92,7 @@ def _simulate(options: Options, arguments: Sequence[str]) -> None:
     """Run the given world, with the command line's changes."""
     scene, options = overridden(read_scene(*find_world(options.world)), options)
     if threading.current_thread() is threading.main_thread():
-        # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.
+        # Until the bus takes over, SIGTERM ends the program as quietly as Ctrl-C.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     from lcmtools_sim.session import simulate
 

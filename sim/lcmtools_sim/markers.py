@@ -1,6 +1,6 @@
 """The world as visualization_msgs/MarkerArray: each shape in the frame of its body.
 
-The frames of movable bodies are the true ones (``true_frame``), beside those that robots estimate.
+The frames of movable bodies are the true ones (``true_frame``), not those that robots estimate.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,7 +14,7 @@ from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
 
 WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)
-_LINE_HEIGHT = 0.002  # [m] of lines above the ground on which they are painted
+_LINE_HEIGHT = 0.002  # [m] of painted lines above the ground
 _TYPES: dict[type[Shape], int] = {
     Cuboid: Marker.CUBE,
     Cylinder: Marker.CYLINDER,
@@ -23,16 +23,16 @@ _TYPES: dict[type[Shape], int] = {
 
 
 def true_frame(body: Robot | MovableObject, part: str = "") -> str:
-    """The name of a body's true frame, or of one of its parts'.
+    """Return the name of a body's true frame, or of one of its parts' frames.
 
-    That of a robot is its base_footprint, that of an object is on the ground below its centre.
+    A robot's is its base_footprint; an object's is on the ground below its centre.
     """
     name = f"{body.namespace}/base_footprint" if isinstance(body, Robot) else body.name
     return "/".join(("ground_truth", name.strip("/"), *([part] if part else [])))
 
 
 def wheel_frames(robot: Robot) -> list[str]:
-    """The names of the frames of a robot's wheels, in the order of its look."""
+    """Return the names of the frames of a robot's wheels, in the order of ``Look.wheels``."""
     count = len(robot.model.body.look.wheels)
     return [true_frame(robot, f"wheel{number}") for number in range(count)]
 
@@ -40,10 +40,10 @@ def wheel_frames(robot: Robot) -> list[str]:
 def world_markers(
     scene: Scene | None, robots: Sequence[Robot], objects: Sequence[MovableObject]
 ) -> MarkerArray:
-    """The markers of all bodies, which replace earlier ones; ``scene`` has those that stand."""
+    """The markers of all bodies, replacing earlier ones; ``scene`` has the immovable ones."""
     clear = Marker()
     clear.header.frame_id, clear.action = WORLD, Marker.DELETEALL
-    clear.pose.orientation.w = 1.0  # else wtf says that it is no rotation
+    clear.pose.orientation.w = 1.0  # else wtf reports an invalid rotation
     message = MarkerArray()
     fixed = _fixed(scene) if scene else ()
     movable = (_marker(true_frame(one), one.name, part) for one in objects for part in one.parts)

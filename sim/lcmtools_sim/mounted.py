@@ -1,4 +1,4 @@
-"""Sensors mounted on their robots: the topics of their outputs, and which of them are measured."""
+"""Sensors mounted on their robots: the topics of their outputs, and the choice of measured ones."""
 
 from collections.abc import Callable, Sequence
 from enum import Enum
@@ -13,7 +13,7 @@ from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, Senso
 
 
 class Subscribers(Enum):
-    """Knowledge of a topic's subscribers.
+    """Knowledge about a topic's subscribers.
 
     Nodes announce their subscriptions; other programs do not, and may subscribe to any topic.
     """
@@ -32,7 +32,7 @@ class Sample(NamedTuple):
 
     @property
     def message(self) -> Message:
-        """The decoded message."""
+        """Return the decoded message."""
         return decode(self.message_type, self.payload)
 
 
@@ -53,7 +53,7 @@ class MountedSensor:
             name: (_topic(robot.namespace, mount, name), kind)
             for name, kind in sensor.outputs.items()
         }
-        self.active = tuple(self.labels)  # the outputs that are measured each time; at first all
+        self.active = tuple(self.labels)  # the outputs that are measured each time; initially all
         # Bulky outputs without a known subscriber: measured once a second.
         self.seldom: tuple[str, ...] = ()
         self._count = 0
@@ -68,7 +68,7 @@ class MountedSensor:
         return not (self.active or self.seldom)
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
-        """Measure only outputs that can have subscribers from now on."""
+        """From now on, measure only outputs that can have subscribers."""
         found = {name: subscribers(topic) for name, (topic, _) in self.labels.items()}
         if self.mount.always:
             found = dict.fromkeys(found, Subscribers.KNOWN)
@@ -79,7 +79,7 @@ class MountedSensor:
         self.active = tuple(name for name in used if name not in self.seldom)
 
     def measure(self, state: RobotState) -> list[Sample]:
-        """The messages of one step."""
+        """Return the messages of one step."""
         self._count += 1
         is_second = self.seldom and self._count % max(1, round(self.rate)) == 0
         wanted = self.active + self.seldom if is_second else self.active
@@ -88,14 +88,14 @@ class MountedSensor:
 
     @property
     def together(self) -> tuple[Robots, int] | None:
-        """The robots with whose sensors this can be measured, and its robot's place there."""
+        """The robots with whose sensors this can be measured at once, and its index there."""
         return self.robot.together if self._shares else None
 
 
 class MountedTogether:
-    """Sensors that are mounted alike on robots whose state has arrays, measured at once.
+    """Identically mounted sensors of robots whose state has arrays, measured at once.
 
-    Each comes with its robot's place in the state.
+    Each comes with its robot's index in the state.
     """
 
     def __init__(self, sensors: Sequence[tuple[MountedSensor, int]]) -> None:
@@ -104,13 +104,13 @@ class MountedTogether:
         self._labels = [one.labels[""] for one, _ in sensors]
 
     def measure(self, state: RobotState) -> list[Sample]:
-        """The messages of one step, from the state of all the robots."""
+        """Return the messages of one step, from the state of all the robots."""
         payloads = self._payloads(state)
         return [Sample(*label, one) for label, one in zip(self._labels, payloads, strict=True)]
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
-    """All sensors of a robot in the order of its model, transforms last: they have all frames."""
+    """Return a robot's sensors in its model's order, but transforms last: they need all frames."""
     context = SensorContext(
         robot.namespace,
         robot.body,

@@ -1,4 +1,4 @@
-"""The objects of a running simulation that can be pushed, and put elsewhere."""
+"""The objects of a running simulation that can be pushed and moved elsewhere."""
 
 from lcmtools_sim.geometry import Frame, Pose
 from lcmtools_sim.scene import SceneObject
@@ -7,10 +7,10 @@ from lcmtools_sim.world import World
 
 
 class MovableObject:
-    """An object of a world; its frame is on the ground below its centre, as a robot's is."""
+    """An object of a world; its frame is on the ground below its centre, like a robot's."""
 
     def __init__(self, world: World, thing: SceneObject, body: int) -> None:
-        self.name = world.name(body)  # no other movable object of the world has it
+        self.name = world.name(body)  # unique among the world's movable objects
         self._world, self._body = world, body
         self._height = max(part.extent(2) - part.position[2] for part in thing.parts)
         # Its shapes, in its frame.
@@ -25,10 +25,10 @@ class MovableObject:
         return Frame(Frame(position, rotation).point((0.0, 0.0, -self._height)), rotation)
 
     def place(self, pose: Pose) -> None:
-        """Put its frame at a pose, at rest. The engine knows where all bodies are.
+        """Put its frame at a pose, at rest. The engine must know where all bodies are.
 
         Raises:
-            UsageError: It would be inside another body; it stays as it is.
+            UsageError: It would be inside another body; it is not moved.
         """
         centre = pose.frame.point((0.0, 0.0, self._height))
         self._world.place(self._body, centre, pose.rotation)

@@ -35,7 +35,7 @@ robot publishes /clock, and the others follow it.
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options; see the parser's help. ``added`` are the robots of --robot."""
+    """The options; see the parser's help. ``added`` has the robots from --robot."""
 
     world: str
     rate: float
@@ -58,7 +58,7 @@ def parse_options(arguments: Sequence[str]) -> Options:
     """Parse the command line; ``--help`` prints and ends the program.
 
     Raises:
-        UsageError: Something on it is wrong.
+        UsageError: It is wrong.
     """
     values = vars(_parser().parse_args(arguments))
     world, option = values["world"], values.pop("world_option")
@@ -69,7 +69,7 @@ def parse_options(arguments: Sequence[str]) -> Options:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Raises errors in one line."""
+    """Raises one-line errors."""
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(message, "see lcmtools run sim --help")
@@ -124,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
 def _number(
     kind: Callable[[str], float], least: float, end: float, wanted: str
 ) -> Callable[[str], float]:
-    """A reader of numbers from ``least`` to below ``end``."""
+    """Return a reader of numbers from ``least`` to below ``end``."""
 
     def read(text: str) -> float:
         try:
@@ -139,7 +139,7 @@ def _number(
 
 
 def _robot(text: str) -> tuple[RobotModel, Pose]:
-    """A model by name, and its start ("husky@1,2,90deg")."""
+    """Read a model's name and its start ("husky@1,2,90deg")."""
     name, at, place = text.partition("@")
     if name not in MODELS:
         hint = did_you_mean(name, MODELS) or f"known models: {', '.join(MODELS)}"

@@ -8,7 +8,7 @@ from lcmtools_sim.scene import MarkedPath
 
 
 def path_message(path: MarkedPath) -> Path:
-    """The message of a path; each pose looks along the path, and no time is given."""
+    """Return the message of a path; each pose points along the path; the time is left empty."""
     message, points = Path(), path.line.points
     message.header.frame_id = "world"
     for index, (x, y) in enumerate(points):

@@ -1,4 +1,4 @@
-"""One robot of the running simulation: its command, and its body in the engine or out of it."""
+"""One robot of the running simulation: its command, and its body, in the engine or not."""
 
 import math
 
@@ -23,26 +23,27 @@ from lcmtools_sim.vehicles import (
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import START_OVERLAP, World
 
-Robots = Vehicles | HeldRobots  # several, whose states are arrays
-_LEVEL = 1e-3  # [rad, m, m/s, rad/s] the greatest deviation of a robot that stands on level ground
+Robots = Vehicles | HeldRobots  # several robots, whose states are arrays
+_LEVEL = 1e-3  # [rad, m, m/s, rad/s] largest deviation that counts as standing on level ground
 
 
 class Robot:
-    """A robot that is driven by the last command.
+    """A robot, which executes the last command.
 
     Where it may touch something, the engine moves its body. On level ground with nothing near, its
-    ``vehicles`` do: the same motion, for its body slides there without friction, pulled by tyres.
+    ``vehicles`` do so, with the same motion: the body slides there without friction, pulled by
+    tyres.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
-        self.model = placement.model  # its kind
+        self.model = placement.model  # its model
         self.namespace = placement.namespace  # global
-        self.world = world  # the engine's
+        self.world = world  # the engine's world
         self.is_free = False  # True if the engine does not move it
-        # The farthest that any point is from the centre of mass [m], at most.
+        # An upper bound of the distance of any point from the centre of mass [m].
         self.reach = solids_of(self.model.body.parts).reach + self.model.body.centre_of_mass
         self._dt = scene.dt
-        self._fall = scene.gravity * scene.dt  # [m/s] in a step
+        self._fall = scene.gravity * scene.dt  # [m/s] speed that a falling body gains in a step
         timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
         friction = scene.gravity * scene.ground.friction
         settings = [mount.settings for mount in placement.model.sensors]
@@ -51,25 +52,25 @@ class Robot:
         )
         random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
         known = constants(self.model, scene.dt, timeout, friction)
-        # Hold its values, alone or with others.
+        # The vehicles with its values, alone or with others.
         self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
-        self.index = 0  # its place there
+        self.index = 0  # its index there
         self._known, self._tyres = known, self.vehicles.tyres
-        # Its body's number there.
+        # Its body's number in the world.
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
-        self._motions = motion, motion  # in the engine: the present one, and that of one step ago
+        self._motions = motion, motion  # in the engine: the current one, and that of one step ago
         self._group: HeldRobots | None = None
-        # The frame in the world in which its odometry was true when it was put there.
+        # The frame of its odometry in the world, exact when the robot was placed.
         self.odometry_frame = self._frame(self.model.body.base_height)
 
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
 
-        The world's contacts have been detected.
+        The world's contacts must have been detected.
 
         Raises:
-            InvalidFile: With the other one's name; ``where`` is the robot's place in its file.
+            InvalidFile: The error names the other body; ``where`` is the robot's place in its file.
         """
         depth, other = self.world.overlap(self.body)
         if depth > START_OVERLAP:
@@ -83,7 +84,7 @@ class Robot:
         """Execute a command until the next one or the timeout.
 
         Raises:
-            ValueMismatch: It is no command; the last one remains.
+            ValueMismatch: It is not a command; the last one remains in effect.
         """
         left, right = interpret(message, self.model)
         self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
@@ -100,7 +101,7 @@ class Robot:
         self._motions = self.world.motion(self.body), self._motions[0]
 
     def join(self, group: HeldRobots, place: int) -> None:
-        """Have a group pull and observe this robot, until it leaves."""
+        """Let a group pull and observe this robot, until it leaves."""
         self._group, self._place = group, place
 
     def leave(self) -> None:
@@ -109,19 +110,19 @@ class Robot:
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
-        """The motion of its body in the engine, and that of one step ago."""
+        """Return its body's motion in the engine, and that of one step ago."""
         return self._group.row(self._place) if self._group else self._motions
 
     @property
     def together(self) -> tuple[Robots, int] | None:
-        """The robots whose state has this one's among its arrays, and its place there."""
+        """Return the robots whose state arrays include this robot's, and its index there."""
         if not self.is_free:
             return (self._group, self._place) if self._group else None
         return None if self.vehicles.is_single else (self.vehicles, self.index)
 
     @property
     def motion(self) -> Motion:
-        """The present motion of its body."""
+        """The current motion of its body."""
         if not self.is_free:
             return self.motions[0]
         names = "x", "y", "yaw", "vx", "vy", "turn_rate"
@@ -154,7 +155,7 @@ class Robot:
         self.is_free = True
 
     def hold(self) -> None:
-        """Have the engine move the body from now on."""
+        """Let the engine move the body from now on."""
         if self.is_free:
             self._motions = planar_motions(*self.vehicles.row(self.index))
             self.world.hold(self.body, self._motions[0])
@@ -167,10 +168,10 @@ class Robot:
     def place(self, pose: Pose) -> None:
         """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
 
-        The engine moves it, and knows where all bodies are.
+        The engine must move it, and know where all bodies are.
 
         Raises:
-            UsageError: It would stand inside another body; it stays as it is.
+            UsageError: It would be inside another body; it is not moved.
         """
         centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
         self.world.place(self.body, centre, pose.rotation)
@@ -188,19 +189,19 @@ class Robot:
 
     @property
     def wheel_angles(self) -> tuple[float, float]:
-        """Of the left and the right wheels since the start [rad]."""
+        """The angles of the left and right wheels since the start [rad]."""
         left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
         return left, right
 
     def state(self, time: int) -> RobotState:
-        """The state that its sensors measure; ``time`` in simulated nanoseconds."""
+        """Return the state that its sensors measure; ``time`` is simulated [ns]."""
         if self.is_free:
             return self.vehicles.state(time, self.index)
         values = self.vehicles.row(self.index)
         return measured(*self.motions, values, (time, self._dt))
 
     def _frame(self, height: float) -> Frame:
-        """A frame at this height above its base_footprint [m], in the world."""
+        """Return a frame at this height above its base_footprint [m], in the world."""
         position, rotation = self.motion[:2]
         below = height - self.model.body.centre_of_mass
         return Frame(Frame(position, rotation).point((0.0, 0.0, below)), rotation)

@@ -1,6 +1,6 @@
 """The content of a world before it starts, as frozen values.
 
-Only values live here: world_file reads them from YAML, world.py builds them in the engine.
+Only values: world_file reads them from YAML, world.py builds them in the engine.
 """
 
 import math
@@ -23,14 +23,14 @@ WOOD: Color = (0.7, 0.6, 0.45)
 class Ground:
     """The plane z = 0."""
 
-    # Coulomb coefficient; its products with a box's and with a tyre's are effective.
+    # Coulomb coefficient; multiplied by a box's or a tyre's coefficient.
     friction: float = 1.0
     color: Color = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
 
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """An object that stands in the world or can be pushed: one rigid body."""
+    """An immovable or movable object in the world: one rigid body."""
 
     name: str  # for messages
     parts: tuple[Part, ...]  # its shapes, in its own frame; the origin is its centre of mass
@@ -44,16 +44,16 @@ class SceneObject:
 def box(
     name: str, size: Vector, pose: Pose, mass: float = 0.0, friction: float = FRICTION
 ) -> SceneObject:
-    """A box; ``pose`` is that of its centre."""
+    """Return a box; ``pose`` is its centre's."""
     return SceneObject(name, (Part(Cuboid(size), color=WOOD),), pose, mass, friction)
 
 
 @dataclass(frozen=True, slots=True)
 class RobotPlacement:
-    """A robot of a model, and its start."""
+    """A robot of some model, and its start."""
 
     model: RobotModel  # with all changes by the world file
-    namespace: str  # global, "/husky0"
+    namespace: str  # full namespace: "/husky0"
     pose: Pose = ORIGIN  # of the point on the ground between its wheels
     cmd_timeout: float | None = None  # simulated seconds after which a command ends; None for never
     # Its file and line ("yard.yaml:12"), for messages.
@@ -62,7 +62,7 @@ class RobotPlacement:
 
 @dataclass(frozen=True, slots=True)
 class MarkedPath:
-    """A path that is marked on the ground, and its global topic (nav_msgs/Path)."""
+    """A path marked on the ground, and its full topic (nav_msgs/Path)."""
 
     topic: str
     line: Line
@@ -74,14 +74,14 @@ class Scene:
 
     name: str  # the file's name without its ending
     node: str = "sim"  # the simulator's name on the bus
-    seed: int = 0  # of all random numbers
+    seed: int = 0  # seed of all random numbers
     dt: float = 1 / 240  # simulated seconds of one step
     gravity: float = 9.81  # [m/s^2] downwards
     ground: Ground = Ground()  # the plane z = 0
     objects: tuple[SceneObject, ...] = ()  # boxes, pieces of walls, tables and so on
     robots: tuple[RobotPlacement, ...] = ()  # in the order of the file
     paths: tuple[MarkedPath, ...] = ()  # in the order of the file
-    # Content of its files that the simulator ignores, one line each.
+    # Notes on content of its files that the simulator ignores, one line each.
     notes: tuple[str, ...] = field(default=(), compare=False)
 
     @property
@@ -91,7 +91,7 @@ class Scene:
 
 
 def fleet(scene: Scene, size: int) -> Scene:
-    """The scene with this number of robots like its first one, in rows.
+    """Return the scene with this number of robots like its first one, in rows.
 
     Their namespaces are the first one's with other numbers at the end.
 
@@ -120,7 +120,7 @@ def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
 
 
 def selected(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene with only these of its robots, with or without a leading slash.
+    """Return the scene with only these robots, named with or without a leading slash.
 
     Raises:
         UsageError: One does not exist.
@@ -135,6 +135,6 @@ def selected(scene: Scene, names: Sequence[str]) -> Scene:
 
 
 def contents(scene: Scene) -> str:
-    """The robots and the number of objects of a scene, in one line."""
+    """Return the robots and the number of objects of a scene, as one line."""
     robots = ", ".join(f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
     return f"{robots or 'no robot'}; {len(scene.objects)} objects"

@@ -1,6 +1,6 @@
-"""The schedule: the step at which each item is due, and the moment at which a step may run.
+"""The schedule: the step at which each item is due, and the time at which a step may run.
 
-Steps are numbered from 1 and are the only time here; the wall clock comes in as a function.
+Steps, numbered from 1, are the only time here; the wall clock comes in as a function.
 """
 
 import math
@@ -10,30 +10,30 @@ from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
 
-MAX_DEBT = 0.25  # wall seconds that the simulation may be late before the rest is dropped
+MAX_DEBT = 0.25  # wall-clock seconds that the simulation may be late; further delay is dropped
 
 _LONGEST_SLEEP = 0.1  # [s]; the longest delay of a request
 
 
 class Timetable(Generic[Item]):
-    """Items that are due at rates which need not divide the rate of the steps.
+    """Items that are due at rates that need not divide the rate of the steps.
 
     The k-th time of an item is the first step at or after k / rate, so that 50 Hz on a grid of
     240 Hz is exact on average and never drifts. All items of a rate are due together.
 
     Args:
-        dt: Seconds of a step.
+        dt: Duration of a step [s].
     """
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
         self._items: list[tuple[float, Item]] = []
-        self._counts: dict[float, int] = {}  # the times that items of each rate have been due
+        self._counts: dict[float, int] = {}  # how often items of each rate have been due
         self._next: float = math.inf
-        """The next step at which any item is due: most steps need not look further."""
+        """The next step at which any item is due: for most steps, this comparison is enough."""
 
     def add(self, rate: float, item: Item, *, after: int = 0) -> None:
-        """Let ``item`` be due ``rate`` times a second, at most once a step, after a step."""
+        """Let ``item`` be due ``rate`` times a second, at most once per step, after this step."""
         self._items.append((rate, item))
         self._counts.setdefault(rate, self._count(after, rate))
         self._find_next()
@@ -45,7 +45,7 @@ class Timetable(Generic[Item]):
         self._find_next()
 
     def due(self, step: int) -> frozenset[float]:
-        """The rates whose items are due at ``step``; steps come in their order."""
+        """Return the rates whose items are due at ``step``; steps must come in order."""
         if step < self._next:
             return frozenset()
         counts = {rate: self._count(step, rate) for rate in self._counts}
@@ -55,11 +55,11 @@ class Timetable(Generic[Item]):
         return due
 
     def items(self, rates: frozenset[float]) -> list[Item]:
-        """The items of these rates, in the order of adding."""
+        """Return the items of these rates, in order of addition."""
         return [item for rate, item in self._items if rate in rates]
 
     def _count(self, step: int, rate: float) -> int:
-        """The times that are due up to a step; one that rounding puts just after it is."""
+        """Return how many times are due up to a step, including one just after it by rounding."""
         return math.floor(step * rate * self._dt * (1 + 1e-12))
 
     def _find_next(self) -> None:
@@ -68,10 +68,10 @@ class Timetable(Generic[Item]):
 
 
 class Pacer:
-    """Lets steps run at their moments by the wall clock.
+    """Lets steps run on time by the wall clock.
 
     Deadlines are absolute, so that a late wake-up is compensated by the following steps, which then
-    run without sleeping. Debt above MAX_DEBT is dropped: the simulation falls behind instead of
+    run without sleeping. Delay above MAX_DEBT is dropped: the simulation falls behind instead of
     racing.
     """
 
@@ -81,20 +81,20 @@ class Pacer:
         now: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.period = period  # wall seconds of a step, which may be changed; 0 never waits
+        self.period = period  # wall-clock seconds per step, may be changed; 0 never waits
         self._now = now
         self._sleep = sleep
         self._deadline = now()
 
     def restart(self) -> None:
-        """Forget the time that has passed: no step is late."""
+        """Forget the elapsed time: no step is late."""
         self._deadline = self._now()
 
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
         """Wait until the next step may run, or until ``go_on`` returns False.
 
-        ``meanwhile`` is called now and then while the next step is far away. Returns the debt that
-        was dropped [s], mostly 0.
+        ``meanwhile`` is called from time to time while the next step is far away. Returns the
+        dropped delay [s], mostly 0.
         """
         if not self.period:
             return 0.0

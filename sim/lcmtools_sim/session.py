@@ -34,10 +34,10 @@ def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
 
     Raises:
         MissingExtra: A package of the extra is not installed.
-        LcmtoolsError: There is no bus.
+        LcmtoolsError: The bus cannot be reached.
     """
     engine = chosen_engine(options.engine)
-    lcmtools.init(arguments)  # before the engine: from here on Ctrl-C ends it quietly
+    lcmtools.init(arguments)  # before the engine: now Ctrl-C ends the program quietly
     try:
         leads = not options.follow
         with ExitStack() as stack:
@@ -85,9 +85,9 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
 
 @contextmanager
 def _opened_window(arguments: Sequence[str]) -> Iterator[None]:
-    """Open ``lcmtools gui world`` on the same bus, a process that ends with the context.
+    """Open ``lcmtools gui world`` on the same bus, in a process that ends with the context.
 
-    It prints its address by itself, and the reason if it cannot be opened: the simulator goes on.
+    It prints its address itself, or the reason if it cannot be opened; the simulator then goes on.
     """
     node, _ = split_arguments(arguments)
     bus = NodeArguments(lcm_url=node.lcm_url, domain=node.domain).words()

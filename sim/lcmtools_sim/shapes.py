@@ -1,6 +1,6 @@
-"""Solid shapes, which worlds and robots consist of, with their mass and inertia.
+"""Solid shapes, of which worlds and robots consist, with their mass and inertia.
 
-Symbols are those of the textbooks: the inertia tensor about the centre of mass, and the parallel
+Terms are those of textbooks: the inertia tensor about the centre of mass, and the parallel
 axis theorem (Steiner) for any other point.
 """
 
@@ -53,7 +53,7 @@ Shape: TypeAlias = Cuboid | Cylinder | Sphere
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A shape at a place: the position of its centre [m] and the rotation of its axes."""
+    """A shape at a pose: the position of its centre [m] and the rotation of its axes."""
 
     shape: Shape
     position: Vector = ZERO
@@ -61,7 +61,7 @@ class Part:
     color: Color = GREY
 
     def placed(self, position: Vector, rotation: Quaternion = IDENTITY) -> "Part":
-        """The part in an outer frame, in which its own frame is at this pose."""
+        """Return the part in an outer frame in which its own frame has this pose."""
         place = Frame(position, rotation).place(Frame(self.position, self.rotation))
         return Part(self.shape, *place, self.color)
 
@@ -91,19 +91,19 @@ class Inertial:
     """The mass properties of one body."""
 
     mass: float  # [kg]
-    frame: Frame  # of the centre of mass, and of the axes that the tensor is given about
+    frame: Frame  # at the centre of mass, with the axes of the tensor
     # Inertia xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
     tensor: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
 
 def inertials_of(parts: Sequence[Part], mass: float) -> list[Inertial]:
-    """The mass properties of parts of one homogeneous material, with this mass together [kg]."""
+    """Return the mass properties of parts of one homogeneous material with this total mass [kg]."""
     density = mass / sum(_volume(part.shape) for part in parts)
     return [_inertial(part, density) for part in parts]
 
 
 def centre_of_mass(bodies: Iterable[Inertial]) -> tuple[float, Vector]:
-    """The total mass [kg] and the common centre; the origin without any mass."""
+    """Return the total mass [kg] and the common centre; without mass, the origin."""
     known = list(bodies)
     mass = sum(body.mass for body in known)
     if not mass:
@@ -113,7 +113,7 @@ def centre_of_mass(bodies: Iterable[Inertial]) -> tuple[float, Vector]:
 
 
 def moments(bodies: Iterable[Inertial], point: Vector) -> Vector:
-    """The moments of inertia of all bodies about x, y, z through a point [kg m^2]."""
+    """Return the moments of inertia of all bodies about x, y, z through a point [kg m^2]."""
     found = [_moments(body, point) for body in bodies]
     x, y, z = (sum(values) for values in zip(*found, strict=True))
     return x, y, z
@@ -138,7 +138,7 @@ def _inertial(part: Part, density: float) -> Inertial:
 
 
 def _unit_moments(shape: Shape) -> Vector:
-    """The moments about a shape's own axes for a mass of 1 kg [m^2]."""
+    """Return the moments about a shape's own axes per kg of mass [m^2]."""
     if isinstance(shape, Cuboid):
         xx, yy, zz = (length * length / 12 for length in shape.size)
         return yy + zz, xx + zz, xx + yy
@@ -150,7 +150,7 @@ def _unit_moments(shape: Shape) -> Vector:
 
 
 def _volume(shape: Shape) -> float:
-    """[m^3]."""
+    """Return the volume of a shape [m^3]."""
     if isinstance(shape, Cuboid):
         return math.prod(shape.size)
     if isinstance(shape, Cylinder):

@@ -1,4 +1,4 @@
-"""The simulation: robots in a world, stepped from command messages to sensor messages.
+"""The simulation: robots in a world, from command messages to sensor messages.
 
 It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to the wall clock.
 """
@@ -24,9 +24,9 @@ from lcmtools_sim.world import START_OVERLAP, World
 
 CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
-"""[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
+"""[Hz] Lowest rate of the clock; it also ticks with every step that publishes something."""
 
-_TICK = None  # due when only the clock is
+_TICK = None  # due if only the clock is due
 _CLOCK = PayloadTemplate(Clock(), "clock")
 _Plan = list[tuple[Robot | Robots, MountedSensor | MountedTogether]]
 
@@ -34,7 +34,7 @@ _Plan = list[tuple[Robot | Robots, MountedSensor | MountedTogether]]
 class Simulation(AbstractContextManager["Simulation"]):
     """A running scene. A context manager: it owns the engine's world.
 
-    One that does not lead leaves the clock to another process.
+    A simulation that does not lead leaves the clock to another process.
 
     Raises:
         MissingExtra: There is no engine (see engines.chosen_engine).
@@ -44,7 +44,7 @@ class Simulation(AbstractContextManager["Simulation"]):
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
         self.scene = scene
         self.leads = leads
-        # its steps return the clock; else ``tick`` returns it on request
+        # True if its steps return the clock; else only ``tick`` returns it
         self.publishes_clock = leads
         self._plans: dict[frozenset[float], _Plan] = {}
         """The sensors that are measured when these rates are due, until the fleet changes."""
@@ -66,38 +66,38 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     @property
     def robots(self) -> Sequence[Robot]:
-        """In the order of the scene, then as they were added."""
+        """The robots in the order of the scene, then in order of addition."""
         return self._fleet.robots
 
     @property
     def objects(self) -> Sequence[MovableObject]:
-        """Those that can be pushed, in the order of the scene."""
+        """The movable objects, in the order of the scene."""
         return self._objects
 
     def place(self, body: Robot | MovableObject, pose: Pose) -> None:
         """Put a robot or an object at a pose.
 
         Raises:
-            UsageError: It would stand inside another body; it stays as it is.
+            UsageError: It would be inside another body; it is not moved.
         """
         self._fleet.hold_all()
         body.place(pose)
 
     def tick(self) -> Sample:
-        """The present clock message."""
+        """Return the current clock message."""
         return Sample(CLOCK_TOPIC, Clock, _CLOCK.fill(split_stamp(self.time)))
 
     def warnings(self) -> list[str]:
-        """The engine's warnings since the last call; of each kind the first one only."""
+        """Return the engine's warnings since the last call, only the first of each kind."""
         return self._world.warnings()
 
     def solids(self) -> Solids:
-        """All shapes and the ground, in the world."""
+        """Return all shapes and the ground, in the world."""
         parts = [*self._world.fixed_parts(), *self._world.moving_parts()]
         return solids_of(parts, self.scene.ground.color, self.scene.lines)
 
     def topics(self) -> dict[str, type[Message]]:
-        """Every topic of its samples, with the type."""
+        """Return every topic of its samples, with the type."""
         found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self.leads else {}
         for robot in self.robots:
             for sensor in self._sensors[robot.namespace]:
@@ -105,7 +105,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return found
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
-        """Measure only topics that can have subscribers from now on.
+        """From now on, measure only topics that can have subscribers.
 
         Before the first call everything is measured, and so are the sensors of robots added later.
         """
@@ -116,7 +116,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._plans = {}
 
     def step(self) -> list[Sample]:
-        """Simulate one dt and return the samples that are due and selected, with the same time.
+        """Simulate one dt and return the samples that are due and selected, all with the same time.
 
         The clock comes first, so that no stamp is ahead of it.
         """
@@ -126,7 +126,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return self._measure(rates) if rates else []
 
     def reset(self, steps: int = 0) -> None:
-        """Start again, to the bit as a new process with this scene does.
+        """Start again, bit for bit like a new process with this scene.
 
         The number of steps begins at ``steps``.
         """
@@ -137,7 +137,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         """Add a robot; ``reset`` removes it again.
 
         Raises:
-            InvalidFile: It would stand inside another body; nothing has been added.
+            InvalidFile: It would be inside another body; nothing has been added.
         """
         self._fleet.hold_all()
         (robot,) = self._add([placement])
@@ -185,7 +185,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return robots
 
     def _measure(self, rates: frozenset[float]) -> list[Sample]:
-        """The samples of what is due at these rates, and selected."""
+        """Return the samples of the selected sensors that are due at these rates."""
         if self._planned_changes != self._fleet.changes:
             self._plans, self._planned_changes = {}, self._fleet.changes
         if rates not in self._plans:
@@ -201,7 +201,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return samples
 
     def _plan(self, rates: frozenset[float]) -> _Plan:
-        """The sensors of these rates that are selected, each alone or together with its like."""
+        """Return the selected sensors with these rates, each alone or with identical ones."""
         plan: _Plan = []
         alike: dict[tuple[Robots, int], list[tuple[MountedSensor, int]]] = {}
         for sensor in self._timetable.items(rates):

@@ -1,4 +1,4 @@
-"""Pictures of the world for people: from above, or from behind a robot."""
+"""Pictures of the world from above, or from behind a robot."""
 
 import math
 
@@ -13,15 +13,15 @@ from lcmtools_sim.vision.solids import Floats, Solids
 
 _FIELD_OF_VIEW = math.radians(60)
 _DOWN: Quaternion = (1.0, 0.0, 0.0, 0.0)
-"""The optical frame that looks down, the world's x to the right."""
+"""The rotation of an optical frame that looks down, with the world's x to the right."""
 _MARGIN = 1.15
 _LEAST_EXTENT = 3.0  # [m]
-_BEHIND: Vector = (-3.0, 0.0, 1.8)  # [m] the eye behind a robot, in its own heading
+_BEHIND: Vector = (-3.0, 0.0, 1.8)  # [m] the eye behind a robot, in a frame with its heading
 _TILT = math.radians(22)
 
 
 def snapshot(solids: Solids, width: int, height: int, robot: Frame | None = None) -> bytes:
-    """A PNG file of the whole world from above, x to the right, y up; or from behind a robot.
+    """Return a PNG file of the whole world from above (x right, y up), or from behind a robot.
 
     ``solids`` are all shapes and ``robot`` is the robot's base_link, in the world.
     """
@@ -36,8 +36,8 @@ def snapshot(solids: Solids, width: int, height: int, robot: Frame | None = None
 
 
 def _above(corners: Floats, camera: Camera) -> Vector:
-    """The eye of a camera that looks down and sees all these points (n, 3), the high ones too."""
-    known = corners[np.isfinite(corners).all(axis=1)]  # without bodies that the engine has lost
+    """The eye of a camera that looks down and sees all these points (n, 3), even high ones."""
+    known = corners[np.isfinite(corners).all(axis=1)]  # except bodies that the engine has lost
     points = known if len(known) else np.zeros((1, 3))
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2

@@ -1,16 +1,16 @@
-"""The forces of tyres on a robot's body, in the plane that it stands on.
+"""The forces of tyres on a robot's body, in the plane on which it stands.
 
-No engine is known here: the body's velocity comes in, the tyres' change of it goes out. There are
-two models, both with Coulomb friction:
+No engine is known here: the body's velocity comes in, the change made by the tyres goes out. There
+are two models, both with Coulomb friction:
 
-- gripping: two ideal wheels at the effective track, which make an exact differential drive.
-- skidding: four fixed wheels at their places, which turn the robot by skidding. Each pulls its
+- gripping: two ideal wheels at the effective track, which form an exact differential drive.
+- skidding: four fixed wheels at their positions, which turn the robot by skidding. Each pulls its
   contact towards its own speed with an impulse of at most friction times load times step, in any
   direction of the plane. The balance of all is found by projected Gauss-Seidel sweeps (R. Cottle
   et al., The Linear Complementarity Problem, chapter 5). On the spot, with wheels at (+-a, +-b),
-  the balance of moments gives b^2 / (a^2 + b^2) of the turn rate without skidding; tests hold it.
+  the balance of moments gives b^2 / (a^2 + b^2) of the turn rate without skidding; this is tested.
 
-What is a Value may be an array, for many robots.
+A Value may be an array, for many robots.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,10 +19,10 @@ from lcmtools_sim.arithmetic import Arithmetic, Value
 from lcmtools_sim.geometry import Vector
 
 _SWEEPS = 6
-_TINY = 1e-300  # [N s] in place of 0, to divide by
+_TINY = 1e-300  # [N s] in place of 0 as a divisor
 
 Tyres = Callable[[Value, Value, Value, Value, Value, Value], Vector]
-"""The change of a body's velocity by its tyres in one step.
+"""Returns the change of a body's velocity made by its tyres in one step.
 
 Takes the velocity before, in the body's frame: forward [m/s], to the left [m/s] and turn rate
 [rad/s]; the ground speeds of the left and the right wheels; and the largest impulse of a side,
@@ -31,10 +31,10 @@ friction times load times step [N s]. Returns the changes of the three.
 
 
 def gripping(mass: Value, inertia: Value, track: Value, ops: Arithmetic) -> Tyres:
-    """Two ideal wheels.
+    """Return the tyres of two ideal wheels.
 
-    Without slip a tyre gives the impulse that makes the ground speeds at its contact those of the
-    wheel; with slip it gives the largest one in that direction.
+    Without slip, a tyre gives the impulse that makes the ground speed at its contact equal to the
+    wheel's; with slip, it gives the largest impulse in that direction.
     """
     half_mass, inertia_by_track = mass / 2, inertia / track
     minimum, maximum, hypot = ops.minimum, ops.maximum, ops.hypot
@@ -61,10 +61,10 @@ def gripping(mass: Value, inertia: Value, track: Value, ops: Arithmetic) -> Tyre
 def skidding(
     mass: Value, inertia: Value, wheels: Sequence[tuple[float, float]], ops: Arithmetic
 ) -> Tyres:
-    """Wheels with their contacts at (x, y) in the body's frame [m]."""
+    """Return the tyres of wheels with their contacts at (x, y) in the body's frame [m]."""
     farthest = max(x * x + y * y for x, y in wheels)
     gain = 1 / (1 / mass + farthest / inertia)
-    """Impulse for a slip of 1 m/s, the same in all directions, so that none is preferred [kg]."""
+    """Impulse for a slip of 1 m/s, equal in all directions, so that none is preferred [kg]."""
 
     def pull(
         forward: Value, sideways: Value, turn_rate: Value, left: Value, right: Value, largest: Value

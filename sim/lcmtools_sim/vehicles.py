@@ -1,7 +1,7 @@
 """Robots in the plane: their motors, encoders and tyres, and how they move on level ground.
 
-One robot with floats, or many at once with arrays: every formula is the same. No engine is known
-here, nor what a robot may meet: see fleet.py.
+One robot with floats, or many at once with arrays: every formula is the same. Neither the engine
+nor the bodies that a robot may meet are known here: see fleet.py.
 """
 
 import math
@@ -26,7 +26,7 @@ Random = Callable[[int], Iterable[float]]
 
 @dataclass(slots=True)
 class Constants:
-    """The values that do not change of a robot, or of many."""
+    """The constant values of a robot, or of many."""
 
     gain: Value  # of the motors in a step: see drive.followed
     largest_change: Value  # of the motors' speed in a step [m/s]
@@ -36,19 +36,19 @@ class Constants:
     base: Value  # height of base_link above the centre of mass [m]
     mass: Value  # [kg]
     inertia: Value  # about the vertical [kg m^2]
-    track: Value  # these as the model's drive has them
+    track: Value  # track and the following as in the model's drive
     wheel_radius: Value
     full_speed: Value
 
 
 def constants(model: RobotModel, dt: float, timeout: float, friction: float) -> Constants:
-    """Those of a robot; ``friction`` is gravity times the ground's coefficient [m/s^2]."""
+    """A robot's constants; ``friction`` is gravity times the ground's coefficient [m/s^2]."""
     drive, body = model.drive, model.body
     return Constants(
         gain=dt / (drive.time_constant + dt),
         largest_change=drive.max_acceleration * dt,
         largest_impulse=friction * drive.tyre_friction * body.mass / 2 * dt,
-        timeout=timeout - dt / 2,  # between two steps: a sum of theirs is not exact
+        timeout=timeout - dt / 2,  # midway between two steps, because sums of steps are not exact
         height=body.centre_of_mass,
         base=body.base_height - body.centre_of_mass,
         mass=body.mass,
@@ -65,7 +65,7 @@ class Variables:
 
     left_target: Value = 0.0  # the commanded speeds of the wheels [m/s]
     right_target: Value = 0.0
-    command_age: Value = 0.0  # [s]
+    command_age: Value = 0.0  # age of the command [s]
     left: Value = 0.0  # the speeds of the wheels [m/s]
     right: Value = 0.0
     left_angle: Value = 0.0  # of the wheels since the start [rad]
@@ -88,18 +88,18 @@ RowT = TypeVar("RowT", Constants, Variables)
 
 
 def _joined(rows: Sequence[RowT]) -> RowT:
-    """Many robots' values as arrays, in this order."""
+    """Return many robots' values as arrays, in this order."""
     columns = [cast("float", np.array(column)) for column in zip(*map(astuple, rows), strict=True)]
     return type(rows[0])(*columns)
 
 
 def _rows(values: RowT, places: npt.NDArray[np.intp]) -> RowT:
-    """Some robots' values as arrays."""
+    """Return some robots' values as arrays."""
     return type(values)(*(cast("float", column[places]) for column in _columns(values)))
 
 
 def _row(values: RowT, index: int) -> RowT:
-    """One robot's values as floats."""
+    """Return one robot's values as floats."""
     return type(values)(*(float(column[index]) for column in _columns(values)))
 
 
@@ -111,13 +111,13 @@ class Vehicles:
     """One robot, or several with the same kind of tyres.
 
     Args:
-        model: Of the robot, or of one of them.
-        known: Of the robot, or of all.
+        model: The model of the robot, or of one of them.
+        known: The constants of the robot, or of all.
         now: Their state at the start.
-        dt: Seconds of a step.
-        noise: Standard deviation of a side's distance by its encoder after 1 m [m], of a single
-            robot; it grows like a random walk.
-        random: Draws that many numbers of the standard normal distribution; needed for noise.
+        dt: Duration of a step [s].
+        noise: Standard deviation of the distance measured by one side's encoder after 1 m [m]; it
+            grows like a random walk. Only for a single robot.
+        random: Draws a number of samples of the standard normal distribution; needed for noise.
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class Vehicles:
 
     @classmethod
     def joined(cls, robots: "Sequence[tuple[Vehicles, int]]") -> "Vehicles":
-        """Robots, each given by its place in its present vehicles; one of them, or many."""
+        """Return the vehicles of robots, each given by its current vehicles and its index there."""
         known, now = zip(*(vehicles.row(index) for vehicles, index in robots), strict=True)
         first = robots[0][0]
         if len(robots) == 1:
@@ -148,24 +148,24 @@ class Vehicles:
         return cls(first.model, _joined(known), _joined(now), first.dt)
 
     def tyres_of(self, known: Constants) -> Tyres:
-        """The tyres of a robot, or of many, with these constants."""
+        """Return the tyres of a robot, or of many, with these constants."""
         ops, drive = arithmetic_of(known.mass), self.model.drive
         if drive.skids:
             return skidding(known.mass, known.inertia, drive.wheels, ops)
         return gripping(known.mass, known.inertia, known.track, ops)
 
     def rows(self, places: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
-        """Some robots' values as arrays."""
+        """Return some robots' values as arrays."""
         return _rows(self.constants, places), _rows(self.now, places)
 
     def row(self, index: int) -> tuple[Constants, Variables]:
-        """One robot's values as floats."""
+        """Return one robot's values as floats."""
         if self.is_single:
             return self.constants, self.now
         return _row(self.constants, index), _row(self.now, index)
 
     def get(self, index: int, *names: str) -> list[float]:
-        """Variables of one robot."""
+        """Return variables of one robot."""
         found = [getattr(self.now, name) for name in names]
         return found if self.is_single else [float(column[index]) for column in found]
 
@@ -228,9 +228,9 @@ class Vehicles:
         )
 
     def state(self, time: int, index: int | None = None) -> RobotState:
-        """The state that sensors measure on level ground: of one robot, or as arrays of all.
+        """Return the state that sensors measure on level ground, of one robot or as arrays of all.
 
-        ``time`` in simulated nanoseconds.
+        ``time`` is in simulated nanoseconds.
         """
         known, now = (self.constants, self.now) if index is None else self.row(index)
         ops, half, per_step = arithmetic_of(now.yaw), now.yaw / 2, 1 / self.dt
@@ -253,7 +253,7 @@ class Vehicles:
 
 
 def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
-    """The motion of bodies on level ground; and with the velocities of one step ago."""
+    """Return the motion of bodies on level ground, and the same with velocities of one step ago."""
     motion = planar_motion(
         (now.x, now.y, known.height), now.yaw, (now.vx, now.vy, 0.0), now.turn_rate
     )
@@ -262,7 +262,7 @@ def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
 
 
 def planar_motion(position: Vector, yaw: Value, velocity: Vector, turn_rate: Value) -> Motion:
-    """The motion of bodies that stand upright."""
+    """Return the motion of upright bodies."""
     ops, half = arithmetic_of(yaw), yaw / 2
     rotation = 0.0, 0.0, ops.sin(half), ops.cos(half)
     return Motion(position, rotation, velocity, (0.0, 0.0, turn_rate))
@@ -271,13 +271,13 @@ def planar_motion(position: Vector, yaw: Value, velocity: Vector, turn_rate: Val
 def measured(
     motion: Motion, before: Motion, values: tuple[Constants, Variables], times: tuple[int, float]
 ) -> RobotState:
-    """The state that sensors measure.
+    """Return the state that sensors measure.
 
     Args:
-        motion: Of the body.
+        motion: The body's motion.
         before: Its motion one step ago.
-        values: Of the robot.
-        times: Simulated nanoseconds, and seconds of a step.
+        values: The robot's values.
+        times: Simulated time [ns], and duration of a step [s].
     """
     (known, now), (time, dt) = values, times
     ops = arithmetic_of(now.yaw)
@@ -309,7 +309,7 @@ def measured(
 def _of_wheels(
     known: Constants, now: Variables
 ) -> tuple[Sides, Sides, Sides, Vector, tuple[Value, Value]]:
-    """The part of a state that motors and encoders give, from the wheels' angles on."""
+    """Return the part of a state from motors and encoders, beginning with the wheels' angles."""
     ops = arithmetic_of(now.left)
     efforts = (
         ops.maximum(-1.0, ops.minimum(1.0, target / known.full_speed))

@@ -1,9 +1,9 @@
-"""The simulator's world for viewers, by standard messages, while somebody subscribes.
+"""The simulator's world for viewers, in standard messages, while a node subscribes.
 
-``~world`` has the shapes of all bodies in their frames, sent to each new subscriber, when bodies
-come or go, and every second, as LCM may lose it. ``~poses`` has where the true frames are, thirty
-times a second of the wall clock.
-Programs that are no nodes get neither: nothing is sent to nobody.
+``~world`` has the shapes of all bodies in their frames; it is sent to each new subscriber, when
+bodies come or go, and every second, because LCM may lose it. ``~poses`` has the poses of the true
+frames, thirty times a second by the wall clock. Programs that are not nodes get neither, because
+their subscriptions are unknown.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ _STILL = 30  # periods between two messages while nothing moves
 
 
 class View:
-    """Publishes a simulation's world; one that is not ``whole`` its robots only."""
+    """Publishes a simulation's world; only its robots unless ``whole``."""
 
     def __init__(self, node: Node, simulation: Simulation, *, whole: bool) -> None:
         self._node, self._simulation, self._whole = node, simulation, whole
@@ -42,7 +42,7 @@ class View:
         node.create_timer(_LOOK_PERIOD, self._look)
 
     def refresh(self) -> None:
-        """Show the present bodies: some have come or gone."""
+        """Show the current bodies, because some have come or gone."""
         self._poses = self._last = None
         self._world.renew()
 
@@ -54,7 +54,7 @@ class View:
         return self._simulation.objects if self._whole else ()
 
     def _look(self) -> None:
-        """Publish from now on, or no more."""
+        """Start or stop publishing, depending on subscribers."""
         is_wanted = self._publisher.subscriber_count() > 0
         if is_wanted and not self._timer:
             self._timer = self._node.create_timer(1 / _RATE, self._publish)
@@ -73,7 +73,7 @@ class View:
 
 
 class Poses:
-    """The true poses of bodies, and where the frames of robots' odometry are, as one message."""
+    """The true poses of bodies, and of the frames of robots' odometry, as one message."""
 
     def __init__(self, robots: Sequence[Robot], objects: Sequence[MovableObject]) -> None:
         self._robots, self._objects = robots, objects
@@ -86,7 +86,7 @@ class Poses:
         self._message.transforms = [transform_message(*names, Frame()) for names in frames]
 
     def frames(self) -> list[Frame]:
-        """Each frame in its parent."""
+        """Return each frame in its parent."""
         found = [thing.frame for thing in self._objects]
         for robot in self._robots:
             found += [robot.frame, robot.odometry_frame]
@@ -98,7 +98,7 @@ class Poses:
         return found
 
     def message(self, time: int, frames: Sequence[Frame]) -> TFMessage:
-        """The message with these frames at a simulated time [ns]."""
+        """Return the message with these frames at a simulated time [ns]."""
         sec, nsec = split_stamp(time)
         for transform, frame in zip(self._message.transforms, frames, strict=True):
             transform.header.stamp.sec, transform.header.stamp.nsec = sec, nsec

@@ -1,6 +1,6 @@
 """The world: the ground, objects and robots' bodies, simulated by an engine.
 
-It steps them, reads and sets their motion, and lets sensors look at them. Wheels and tyres are not
+It steps them, reads and sets their motion, and lets sensors see them. Wheels and tyres are not
 known here: a robot's body has no friction, the tyres (tyres.py) pull it.
 """
 
@@ -18,8 +18,8 @@ from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
 from lcmtools_sim.vision.solids import PlacedSolids, Solids, solids_of
 
-START_OVERLAP = 0.02  # [m] the largest penetration of another body at the start
-_AT_REST = 1e-6  # [m/s, rad/s] a thing that is slower, twice after each other, is left at rest
+START_OVERLAP = 0.02  # [m] largest allowed penetration of another body at the start
+_AT_REST = 1e-6  # [m/s, rad/s] bodies that are slower at two successive updates are left at rest
 
 
 class World(AbstractContextManager["World"]):
@@ -35,19 +35,19 @@ class World(AbstractContextManager["World"]):
     def __init__(self, scene: Scene, *, engine: str = "") -> None:
         self._engine = start_engine(chosen_engine(engine))
         self._rests = self._rested = False
-        """All in the engine was at rest at the last looks, and at the last one."""
+        """True if everything in the engine was at rest at the last two updates; at the last one."""
         self.reset(scene)
 
     def __exit__(self, *_: object) -> None:
-        """Give the engine up."""
+        """Free the engine's world."""
         self.close()
 
     def close(self) -> None:
-        """Give the engine up."""
+        """Free the engine's world."""
         self._engine.close()
 
     def warnings(self) -> list[str]:
-        """The engine's warnings since the last call; of each kind the first one only."""
+        """Return the engine's warnings since the last call, only the first of each kind."""
         return self._engine.warnings()
 
     def step(self) -> None:
@@ -57,7 +57,7 @@ class World(AbstractContextManager["World"]):
         self._bodies.clear()
 
     def find_rest(self) -> None:
-        """See if all movable bodies in the engine are at rest, for the steps to come."""
+        """Check whether all movable bodies in the engine are at rest, for the next steps."""
         speeds = [
             *(self._engine.motion(body)[2:] for body in self._moving if body not in self._released)
         ]
@@ -66,12 +66,12 @@ class World(AbstractContextManager["World"]):
         self._rested = at_rest
 
     def motion(self, body: int) -> Motion:
-        """The present pose and velocity of a body."""
+        """Return the current pose and velocity of a body."""
         released = self._released.get(body)
         return released() if released else self._engine.motion(body)
 
     def motions(self, bodies: Sequence[int]) -> Motion:
-        """Those of several bodies in the engine, as arrays."""
+        """Return the current motions of several bodies in the engine, as arrays."""
         return self._engine.motions(bodies)
 
     def release(self, body: int, motion: Callable[[], Motion]) -> None:
@@ -81,18 +81,18 @@ class World(AbstractContextManager["World"]):
         self._engine.disable(body)
 
     def hold(self, body: int, motion: Motion) -> None:
-        """Put a body that was released back into the engine, in this motion."""
+        """Put a released body back into the engine, with this motion."""
         del self._released[body]
         self._engine.enable(body)
         self._engine.place(body, motion.position, motion.rotation)
         self.set_velocity(body, motion.velocity, motion.angular_velocity)
 
     def movable_objects(self) -> list[tuple[SceneObject, int]]:
-        """Each movable object and its body, whose motion is that of the object's frame."""
+        """Return each movable object and its body, whose motion is the object's frame's."""
         return [(thing, body) for thing, body in self._objects if thing.mass]
 
     def name(self, body: int) -> str:
-        """A body's name; of movable ones with one name, the later ones have numbers (crate_2)."""
+        """Return a body's name; if movable ones share a name, later ones get numbers (crate_2)."""
         return self._names[body]
 
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
@@ -103,16 +103,16 @@ class World(AbstractContextManager["World"]):
     def set_velocities(
         self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
     ) -> None:
-        """The same of several bodies, as arrays."""
+        """Do the same for several bodies, given as arrays."""
         self._engine.set_velocities(bodies, velocities, angular_velocities)
         self._wake()
 
     def detect_contacts(self) -> None:
-        """Find the contacts at the present poses, for ``overlap`` and ``overlaps``."""
+        """Find the contacts at the current poses, for ``overlap`` and ``overlaps``."""
         self._engine.detect_contacts()
 
     def overlap(self, body: int) -> tuple[float, str]:
-        """The deepest penetration of a body [m], and the other body's name; or (0, "")."""
+        """Return the deepest penetration of a body [m], and the other body's name, or (0, "")."""
         points = self._engine.contacts(body)
         deepest = max(points, key=lambda point: point.depth, default=None)
         if deepest is None or deepest.depth <= 0:
@@ -120,7 +120,7 @@ class World(AbstractContextManager["World"]):
         return deepest.depth, self._names[deepest.other]
 
     def overlaps(self) -> list[tuple[SceneObject, float, str]]:
-        """The same of every movable object that overlaps another body."""
+        """Return the same for every movable object that overlaps another body."""
         found = [(thing, *self.overlap(body)) for thing, body in self._objects if thing.mass]
         return [(thing, depth, other) for thing, depth, other in found if depth]
 
@@ -145,7 +145,7 @@ class World(AbstractContextManager["World"]):
         return body
 
     def add_robot(self, name: str, body: Body, pose: Pose) -> int:
-        """Add a robot's body, ``pose`` being that of its base_footprint; return its number."""
+        """Add a robot's body, with its base_footprint at ``pose``; return its number."""
         height, radius = body.centre_of_mass, body.foot_radius
         parts = tuple(part.placed((0.0, 0.0, -height)) for part in body.parts)
         feet = [Part(Sphere(radius), (x, y, radius - height), color=BLACK) for x, y in body.feet]
@@ -172,10 +172,10 @@ class World(AbstractContextManager["World"]):
         self._solids.pop(body, None)
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
-        """Put a body's centre of mass at a pose, at rest. The engine knows where all bodies are.
+        """Put a body's centre of mass at a pose, at rest. The engine must know all bodies' poses.
 
         Raises:
-            UsageError: It would be inside another body; it stays as it is.
+            UsageError: It would be inside another body; it is not moved.
         """
         now = self.motion(body)
         self._engine.place(body, position, rotation)
@@ -199,7 +199,7 @@ class World(AbstractContextManager["World"]):
         """The shapes of movable bodies, in the frame of the engine's poses."""
         self._solids: dict[int, Solids] = {}  # the same, as arrays
         self._bodies: dict[int, PlacedSolids] = {}
-        """The last ``moving_bodies``; empty since something has moved."""
+        """The last result of ``moving_bodies``; empty if something has moved since."""
         self._released: dict[int, Callable[[], Motion]] = {}
         """The motions of bodies that the engine does not move."""
         self._wake()
@@ -216,7 +216,7 @@ class World(AbstractContextManager["World"]):
         return self._fixed_solids[1]
 
     def moving_bodies(self) -> Mapping[int, PlacedSolids]:
-        """The movable bodies by their numbers."""
+        """Return the movable bodies by their numbers."""
         if not self._bodies:
             known, motion = self._solids, self.motion
             for body in self._moving.keys() - known.keys():
@@ -225,12 +225,12 @@ class World(AbstractContextManager["World"]):
         return self._bodies
 
     def moving_parts(self, but: int | None = None) -> list[Part]:
-        """The shapes of all movable bodies (but one), in the world."""
+        """Return the shapes of all movable bodies except ``but``, in the world."""
         poses = {body: self.motion(body)[:2] for body in self._moving if body != but}
         return [part.placed(*pose) for body, pose in poses.items() for part in self._moving[body]]
 
     def contacts(self, body: int) -> list[Contact]:
-        """The contacts of a body but for the ground, as of the last step."""
+        """Return the contacts of a body, except with the ground, after the last step."""
         if body in self._released:
             return []
         return [
@@ -245,6 +245,6 @@ class World(AbstractContextManager["World"]):
         return next(one for one in names if one not in taken)
 
     def _wake(self) -> None:
-        """Have the engine simulate again what was at rest."""
+        """Let the engine simulate again what was at rest."""
         self._rests = self._rested = False
         self._bodies.clear()

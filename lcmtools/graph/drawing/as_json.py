@@ -1,7 +1,7 @@
-"""A diagram as plain values for JSON, whose keys stay as they are.
+"""A diagram as plain values for JSON, whose keys are stable.
 
-``cycles`` are ids in the order in which data flow. Ids are good for one document only. The value of
-a key is null if it is unknown.
+``cycles`` are ids in the order of data flow. Ids are valid within one document only. The value of a
+key is null if unknown.
 """
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
@@ -9,7 +9,7 @@ from lcmtools.graph.drawing.order import cycles
 
 
 def write(diagram: Diagram) -> dict[str, object]:
-    """Return the document of a diagram; lists that may be empty."""
+    """Return the document of a diagram; its lists may be empty."""
     return {
         "nodes": [_member(member) for member in diagram.members],
         "topics": [_channel(c, "topic") for c in diagram.channels if not c.is_service],

@@ -9,7 +9,7 @@ from enum import Enum
 from lcmtools.names import is_hidden
 
 QUIET = frozenset({"/clock", "/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
-"""Topics that nearly every node has: they would connect everything with everything."""
+"""Topics that nearly every node has, and which would connect everything with everything."""
 
 
 class Relation(Enum):
@@ -33,10 +33,10 @@ class Member:
     pid: int | None = None
     command: str = ""
     user: str = ""  # the process's owner
-    is_node: bool = True  # False for a program seen from outside only
+    is_node: bool = True  # False for a program that is only seen from outside
     is_tool: bool = False  # a command of lcmtools, such as echo or pub
     publishes: bool = False
-    listens: bool = False  # a program that receives, on channels that LCM does not reveal
+    listens: bool = False  # True for a program that receives; LCM does not reveal its channels
     stale: str = ""  # the reason why a node counts as stale; "" for one that is alive
 
     @property
@@ -68,12 +68,12 @@ class Channel:
 
     @property
     def is_hidden(self) -> bool:
-        """True if lists leave it out."""
+        """True if it is left out of lists."""
         return is_hidden(self.name)
 
     @property
     def is_quiet(self) -> bool:
-        """True if it is one of those that nearly every node has."""
+        """True for a topic that nearly every node has."""
         return not self.is_service and self.name in QUIET
 
     @property
@@ -83,7 +83,7 @@ class Channel:
 
     @property
     def type_text(self) -> str:
-        """Its types in a line."""
+        """Its types as one line."""
         return ", ".join(self.types) or "unknown type"
 
 
@@ -96,7 +96,7 @@ class Edge:
     relation: Relation  # the member's role
     messages: int = 0  # as counted by the member, or observed
     rate: float | None = None  # [Hz], if measured
-    topics: tuple[str, ...] = ()  # those that it replaces, where channels are not drawn
+    topics: tuple[str, ...] = ()  # the topics it replaces, if channels are not drawn
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ class Diagram:
         return [(edge.source, edge.target) for edge in self.edges]
 
     def groups(self) -> dict[str, list[str]]:
-        """Return the ids in each framed namespace, sorted, and last those in none, under ""."""
+        """Return the ids in each framed namespace, sorted; last, under "", those in none."""
         found: dict[str, list[str]] = {}
         for vertex in self.vertices():
             found.setdefault(vertex.group if self.is_grouped else "", []).append(vertex.id)

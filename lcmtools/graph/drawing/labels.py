@@ -1,13 +1,13 @@
-"""The words of a diagram: names, notes, labels and tips; the same in every format."""
+"""The texts of a diagram: names, notes, labels and tips; the same in every format."""
 
 import re
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 
 _UNSHOWN = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
-"""Controls, line ends, changes of direction, surrogates, and what else XML 1.0 has not."""
+"""Controls, line ends, changes of direction, surrogates, and other characters not in XML 1.0."""
 _LONGEST_COMMAND = 40  # characters
-_MOST_TOPICS = 4  # beside an arrow
+_MOST_TOPICS = 4  # topics beside an arrow
 
 
 def title(member: Member) -> str:
@@ -23,7 +23,7 @@ def title(member: Member) -> str:
 
 
 def notes(member: Member) -> list[str]:
-    """Return short notes on a member besides its name."""
+    """Return short notes on a member, in addition to its name."""
     said = []
     if not member.is_node:
         said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
@@ -39,7 +39,7 @@ def notes(member: Member) -> list[str]:
 
 
 def names(diagram: Diagram) -> dict[str, str]:
-    """Return the name of each vertex by its id; members of one name get their pid."""
+    """Return the name of each vertex by its id; members with the same name get their pids."""
     titles = [title(member) for member in diagram.members]
     found = {channel.id: channel.name for channel in diagram.channels}
     for member, name in zip(diagram.members, titles, strict=True):
@@ -49,7 +49,7 @@ def names(diagram: Diagram) -> dict[str, str]:
 
 
 def counted(diagram: Diagram) -> str:
-    """Return the numbers of nodes, programs, topics and services in words."""
+    """Return the numbers of nodes, programs, topics and services as text."""
     services = sum(channel.is_service for channel in diagram.channels)
     counts = {
         "node": sum(member.is_node for member in diagram.members),
@@ -62,7 +62,7 @@ def counted(diagram: Diagram) -> str:
 
 
 def rate_text(rate: float | None) -> str:
-    """Return a rate in words; "" if it was not measured."""
+    """Return a rate as text; "" if it was not measured."""
     return "" if rate is None else f"{rate:.1f} Hz"
 
 
@@ -99,11 +99,11 @@ def edge_tip(edge: Edge) -> list[str]:
 
 
 def printable(text: str) -> str:
-    """Return a text with all characters escaped that cannot be shown, or not in XML.
+    """Return a text with all characters escaped that cannot be shown or are not in XML.
 
-    A channel's name may be any bytes: others than UTF-8 come as surrogates.
+    A channel's name may have any bytes; those that are not UTF-8 come as surrogates.
     """
-    if text.isprintable():  # as nearly all are
+    if text.isprintable():  # the usual case
         return text
     return _UNSHOWN.sub(_escaped, text)
 

@@ -1,8 +1,8 @@
-"""Places for the vertices of a diagram: columns in the direction of flow, bands for groups.
+"""Positions for the vertices of a diagram: columns in the direction of flow, bands for groups.
 
-Pure geometry: sizes and arrows in, places out; lengths in pixels, y downwards. The layered drawing
-of K. Sugiyama, S. Tagawa, M. Toda: Methods for visual understanding of hierarchical system
-structures, 1981. What stays keeps its order from one drawing to the next.
+Pure geometry: sizes and arrows in, positions out; lengths in pixels, y downwards. Layered drawing
+after K. Sugiyama, S. Tagawa, M. Toda: Methods for visual understanding of hierarchical system
+structures, 1981. Vertices that remain keep their order from one drawing to the next.
 """
 
 from bisect import bisect_right, insort
@@ -25,17 +25,17 @@ _SWEEPS, _MOVES = 12, 16
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Where everything is."""
+    """The positions of everything."""
 
     places: dict[str, Point] = field(default_factory=dict)  # centres of vertices
-    ways: dict[Arrow, list[Point]] = field(default_factory=dict)  # from a vertex's side to a side
+    ways: dict[Arrow, list[Point]] = field(default_factory=dict)  # between sides of vertices
     bands: dict[str, tuple[float, float]] = field(default_factory=dict)  # y of top and bottom
     size: Size = (0.0, 0.0)
 
 
 @dataclass(slots=True)
 class _Cell:
-    """A vertex's own column, or one that an arrow passes."""
+    """A place in a column: a vertex, or an arrow that passes the column."""
 
     layer: int
     band: str
@@ -56,8 +56,8 @@ def layered(
     Args:
         sizes: Width and height of each vertex.
         arrows: Between vertices, each once.
-        bands: The band of each vertex, which all others stay out of; None for one band.
-        before: The places of an earlier drawing, whose order is kept where that costs no crossing.
+        bands: The band of each vertex, which vertices of others stay out of; None for one band.
+        before: The positions of an earlier drawing; its order is kept if that adds no crossings.
     """
     if not sizes:
         return Drawing()
@@ -83,7 +83,7 @@ def layered(
 
 
 def _layers(order: Sequence[str], arrows: Iterable[Arrow]) -> dict[str, int]:
-    """The column of each vertex: after all before it; one without input beside what it feeds."""
+    """Return each vertex's column: after its sources; without any, next to its first target."""
     into, out = defaultdict(list), defaultdict(list)
     for source, target in arrows:
         into[target].append(source)
@@ -98,7 +98,7 @@ def _layers(order: Sequence[str], arrows: Iterable[Arrow]) -> dict[str, int]:
 
 
 def _chain(cells: Mapping[str, _Cell], arrow: Arrow) -> list[_Cell]:
-    """Join the ends of an arrow over the columns that it passes."""
+    """Join the ends of an arrow through the columns that it passes."""
     first, last = cells[arrow[0]], cells[arrow[1]]
     between = range(first.layer + 1, last.layer)
     chain = [first, *(_Cell(layer, last.band, _PASSING) for layer in between), last]
@@ -118,7 +118,7 @@ def _columns(cells: Mapping[str, _Cell], chains: Iterable[Sequence[_Cell]]) -> l
 def _begin(
     cells: Mapping[str, _Cell], rank: Mapping[str, int], before: Mapping[str, Point]
 ) -> None:
-    """Give vertices the order of an earlier drawing; a new one is beside what it belongs to."""
+    """Give vertices the order of an earlier drawing; a new one is placed near its neighbours."""
     old = {id(cells[vertex]): y for vertex, (_, y) in before.items() if vertex in cells}
     for vertex, cell in cells.items():
         near = [old[id(one)] for one in (*cell.left, *cell.right) if id(one) in old]
@@ -127,7 +127,7 @@ def _begin(
 
 
 def _reduce_crossings(columns: list[list[_Cell]]) -> None:
-    """Order each column by the middle of what it is connected to, and keep the best order."""
+    """Order each column by the mean positions of its cells' neighbours; keep the best order."""
     for column in columns:
         _sort(column)
     fewest, best = _crossings(columns), [list(column) for column in columns]
@@ -146,7 +146,7 @@ def _reduce_crossings(columns: list[list[_Cell]]) -> None:
 
 
 def _sort(column: list[_Cell]) -> None:
-    """Sort a column by bands and places, and number it."""
+    """Sort a column by bands and positions, and number it."""
     column.sort(key=lambda cell: (not cell.band, cell.band, cell.y))
     for place, cell in enumerate(column):
         cell.y = float(place)
@@ -166,7 +166,7 @@ def _crossings(columns: Iterable[Sequence[_Cell]]) -> int:
 
 
 def _stack(columns: Sequence[Sequence[_Cell]], last: str) -> dict[str, tuple[float, float]]:
-    """Give each cell its y, band under band; return the top and the bottom of each."""
+    """Give each cell its y, band below band; return the top and bottom of each band."""
     names = sorted(
         {cell.band for column in columns for cell in column}, key=lambda b: (b == last, b)
     )
@@ -187,7 +187,7 @@ def _stack(columns: Sequence[Sequence[_Cell]], last: str) -> dict[str, tuple[flo
 
 
 def _spread(parts: Sequence[Sequence[_Cell]], band: str) -> None:
-    """Give the cells of a band their y: near those that they are connected to, none on another."""
+    """Give the cells of a band their y: near their neighbours, without overlaps."""
     for part in parts:
         _place(part, [0.0] * len(part))
     for move in range(_MOVES):
@@ -202,15 +202,15 @@ def _spread(parts: Sequence[Sequence[_Cell]], band: str) -> None:
 
 
 def _place(part: Sequence[_Cell], wanted: Sequence[float]) -> None:
-    """Put cells in their order as near to where they are wanted as their heights allow.
+    """Place cells in their order as near to their wanted positions as their heights allow.
 
-    The least squares of the distances, by joining neighbours that would overlap into blocks.
+    Minimizes the squares of the distances, by joining neighbours that would overlap into blocks.
     """
     offsets, offset = [], 0.0
     for above, cell in zip([None, *part], part, strict=False):
         offset += (above.height + cell.height) / 2 + _ROW_GAP if above else 0.0
         offsets.append(offset)
-    blocks: list[tuple[float, int]] = []  # the mean of what a block's cells want, and their number
+    blocks: list[tuple[float, int]] = []  # mean wanted position and number of a block's cells
     for want, at in zip(wanted, offsets, strict=True):
         mean, count = want - at, 1
         while blocks and blocks[-1][0] >= mean:

@@ -1,7 +1,7 @@
 """A diagram in Mermaid's language (https://mermaid.js.org/syntax/flowchart.html).
 
-Ids are ours; names are in quotes, with all characters of meaning to the language, HTML or Markdown
-written as entities: "#" and the character's number and ";".
+Ids are the diagram's; names are in quotes, with all characters that have a meaning in the language,
+in HTML or in Markdown written as entities: "#", the character's number and ";".
 """
 
 import re
@@ -17,7 +17,7 @@ _STYLES = """\
   classDef program fill:#fff,stroke:#616161,color:#111,stroke-dasharray:4 3
   classDef stale fill:#fff,stroke:#c62828,color:#c62828,stroke-dasharray:4 3"""
 _OWN = re.compile(r"[^\w /.,:()=-]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])|^[-=]|^\d(?=\d*[.)]\s)")
-"""Signs that need escaping, also those that start emphasis or a list in Markdown."""
+"""Characters that need escaping, including those that start emphasis or a list in Markdown."""
 
 
 def write(diagram: Diagram) -> str:
@@ -35,7 +35,7 @@ def write(diagram: Diagram) -> str:
 
 
 def fenced(document: str) -> str:
-    """Return a document as a block in Markdown, which GitHub and others draw."""
+    """Return a document as a Markdown block, which GitHub and others draw."""
     return f"```mermaid\n{document}```\n"
 
 

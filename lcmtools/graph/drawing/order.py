@@ -1,4 +1,4 @@
-"""The order of vertices in which data flow, connected parts, and cycles.
+"""The order of vertices by data flow, connected parts, and cycles.
 
 Functions of vertices (names, in a fixed order) and arrows between them. The same input always gives
 the same result.
@@ -11,12 +11,12 @@ Arrow = tuple[str, str]
 
 
 def flow_order(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[str]:
-    """Return the vertices in an order in which few arrows go back, and none without cycles.
+    """Return the vertices in an order in which few arrows, or without cycles none, go back.
 
-    Few, not fewest: vertices are taken off, those without input to the front, those without output
-    to the end, and where there are only cycles the one with the most outputs less inputs
-    (P. Eades, X. Lin, W. Smyth: A fast and effective heuristic for the feedback arc set problem,
-    1993).
+    Few, not fewest: vertices are removed one after another, those without inputs to the front,
+    those without outputs to the end, and if there are only cycles the one with the most outputs
+    minus inputs (P. Eades, X. Lin, W. Smyth: A fast and effective heuristic for the feedback arc
+    set problem, 1993).
     """
     after, before = _neighbours(vertices, arrows)
     front: list[str] = []
@@ -41,7 +41,7 @@ def flow_order(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[str]:
 
 
 def reading_order(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[str]:
-    """Return the vertices part by part, each part in the order in which data flow."""
+    """Return the vertices part by part, each part in the order of data flow."""
     place = {vertex: number for number, vertex in enumerate(flow_order(vertices, arrows))}
     return [v for part in parts(vertices, arrows) for v in sorted(part, key=place.__getitem__)]
 
@@ -68,7 +68,7 @@ def parts(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[list[str]]
 def cycles(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[list[str]]:
     """Return cycles: a shortest one through each vertex that is on any.
 
-    One for each set of vertices; the first vertex is not repeated at the end. Not all there are, of
+    One for each set of vertices; the first vertex is not repeated at the end. Not all cycles, of
     which there can be very many.
     """
     after, before = _neighbours(vertices, arrows)
@@ -85,7 +85,7 @@ def cycles(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[list[str]
     return list(found.values())
 
 
-_Near = Mapping[str, dict[str, None]]  # a dict keeps an order, as a set does not
+_Near = Mapping[str, dict[str, None]]  # a dict, because a set keeps no order
 
 
 def _neighbours(vertices: Iterable[str], arrows: Collection[Arrow]) -> tuple[_Near, _Near]:
@@ -99,7 +99,7 @@ def _neighbours(vertices: Iterable[str], arrows: Collection[Arrow]) -> tuple[_Ne
 
 
 def _way_back(start: str, after: _Near) -> list[str]:
-    """Return a shortest way from a vertex back to it; [] if there is none."""
+    """Return a shortest path from a vertex back to itself; [] if there is none."""
     came: dict[str, str] = {}
     waiting = deque([start])
     while waiting:

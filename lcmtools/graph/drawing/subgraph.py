@@ -18,7 +18,7 @@ class DiagramOptions:
     topics: tuple[str, ...] = ()  # topics and services, drawn with their users
     excluded: tuple[str, ...] = ()  # not drawn
     everything: bool = False  # hidden names, quiet topics, tools and leaf topics too
-    leaf_topics: bool = False  # topics with one side only and no message
+    leaf_topics: bool = False  # topics with only one side and no message
     tools: bool = False  # observing commands
     services: bool = False
 
@@ -33,7 +33,7 @@ class LeftOut:
     hidden: int = 0
 
     def text(self) -> str:
-        """Return it in one line, with the options that show it; "" if nothing is left out."""
+        """Return it as one line, with the options that show it; "" if nothing is left out."""
         leaves, tools, hidden = self.leaf_topics, self.tools, self.hidden
         parts = {
             f"{leaves} unused topic{'s' * (leaves > 1)}, without a publisher or without a"
@@ -90,9 +90,9 @@ def members_only(diagram: Diagram) -> Diagram:
 
 
 def is_meant(name: str, wanted: str, *, is_topic: bool = False) -> bool:
-    """Return whether a word means a name: the name, its last part, a namespace or a pattern.
+    """Return whether a word selects a name: it is the name, its last part, a namespace or pattern.
 
-    A pattern of one part matches a node's last part too, but not a topic's.
+    A pattern with one part also matches a node's last part, but not a topic's.
     """
     pattern = _pattern(wanted)
     return pattern.covers(name) if is_topic and has_wildcard(wanted) else pattern.means_node(name)
@@ -124,12 +124,12 @@ def _named(diagram: Diagram, wanted: DiagramOptions) -> Diagram:
 
 
 def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
-    # neighbours over a channel are those on its other side
+    # the neighbours of a member are those on the other side of its channels
     near = {m.id for m in diagram.members if _is_any(m, parts)}
     near |= {c.id for c in diagram.channels if _is_topic(c.name, parts)}
     channels = {channel.id for channel in diagram.channels}
     kept = {edge for edge in diagram.edges if edge.source in near or edge.target in near}
-    fed = {edge.target for edge in kept} & channels  # something near publishes it
+    fed = {edge.target for edge in kept} & channels  # channels on which a selected member publishes
     feeding = {edge.source for edge in kept} & channels
     edges = [
         edge
@@ -146,7 +146,7 @@ def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
 
 
 def _is_any(member: Member, words: Iterable[str]) -> bool:
-    """Return whether a member is meant; a program by its pid, its command or a word of that."""
+    """Return whether a member is selected; a program by its pid, command or a word of that."""
     if member.is_node:
         return any(is_meant(member.name, word) for word in words)
     names = [title(member), str(member.pid), *(w.rpartition("/")[2] for w in member.name.split())]
@@ -169,7 +169,7 @@ def _is_named(channel: Channel, wanted: DiagramOptions) -> bool:
 
 
 def _active(diagram: Diagram, wanted: DiagramOptions) -> list[Channel]:
-    # those that carry messages or have both sides, and all services
+    # topics that carry messages or have both sides, and all services
     fed = {edge.target for edge in diagram.edges}
     feeding = {edge.source for edge in diagram.edges}
     return [
@@ -183,7 +183,7 @@ def _active(diagram: Diagram, wanted: DiagramOptions) -> list[Channel]:
 
 
 def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channel]) -> Diagram:
-    # of the channels, those that these members use
+    # only the channels that these members use
     there = {member.id for member in members} | {channel.id for channel in channels}
     edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
     used = Counter(end for edge in edges for end in (edge.source, edge.target))

@@ -1,7 +1,7 @@
 """A diagram as a tree of lines for a terminal: publisher, topic, subscriber.
 
-Members are in the order in which data flow; one that only subscribes is below its topics. Names are
-unchanged, but for characters that no terminal should get.
+Members are in the order of data flow; one that only subscribes is below its topics. Names are
+unchanged, except for characters that must not be sent to a terminal.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,12 +19,12 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True)
 class Signs:
-    """The characters that lines are drawn with."""
+    """The characters with which lines are drawn."""
 
     branch: str = "├"
     last: str = "└"  # the last branch
     bar: str = "│  "  # beside the rows below a branch
-    gap: str = "   "  # beside those below the last one
+    gap: str = "   "  # beside the rows below the last one
     line: str = "─ "  # between a member and its topic
     arrow: str = "→ "  # before a subscriber
     to: str = " → "  # between two names in one line
@@ -56,7 +56,7 @@ class _Tree:
             self._out[edge.source].append(edge)
 
     def blocks(self) -> Iterator[list[str]]:
-        """Yield the lines of each member that publishes, or is connected to nothing."""
+        """Yield the lines of each member that publishes, or is unconnected."""
         fed = {edge.target for edge in self._diagram.edges}
         for vertex in reading_order(self._diagram.ids(), self._diagram.arrows()):
             if vertex in self._members and (self._out[vertex] or vertex not in fed):
@@ -92,7 +92,7 @@ class _Tree:
         return rows
 
     def _branched(self, items: Iterable[_T]) -> Iterator[tuple[str, str, _T]]:
-        """Yield the start of each item's row, that of the rows below it, and the item."""
+        """Yield the prefix of each item's row, that of the rows below it, and the item."""
         signs, known = self._signs, list(items)
         for item in known[:-1]:
             yield signs.branch, signs.bar, item
@@ -115,7 +115,7 @@ class _Tree:
 
 
 def signs_for(encoding: str | None, environment: Mapping[str, str]) -> Signs:
-    """Return the characters that can be shown: ASCII for such an encoding, or the C locale."""
+    """Return the characters that can be shown: ASCII if the encoding or the C locale needs it."""
     variables = (environment.get(name) for name in ("LC_ALL", "LC_CTYPE", "LANG"))
     locale = next((value for value in variables if value), "C")
     try:

@@ -25,7 +25,7 @@ STREAMS = {
 
 
 def stream_class(name: str) -> type[PageStream]:
-    """Return a kind of stream; Rubbish if there is none of this name."""
+    """Return a kind of stream; Rubbish if there is none with this name."""
     if name not in STREAMS:
         raise Rubbish(f"there is no stream '{name[:40]}'")
     module, attribute = STREAMS[name].split(":")
@@ -37,6 +37,6 @@ def open_stream(name: str, source: Source, parameters: Parameters) -> PageStream
     """Open a stream of a source.
 
     Raises:
-        Rubbish: There is none of this name, or its parameters are wrong.
+        Rubbish: There is none with this name, or its parameters are wrong.
     """
     return stream_class(name)(source, parameters)

@@ -1,7 +1,7 @@
 """The stream of wtf's findings.
 
-Looking is the work of a process of its own, every few seconds: it reads all messages for a moment,
-which would hold up the pages here.
+A separate process looks every few seconds, because it reads all messages for a moment, which would
+delay the pages here.
 """
 
 import json
@@ -22,7 +22,7 @@ _KEPT = ("rule", "severity", "text", "items", "remedies", "subjects")
 
 
 class DoctorFindings(PageStream):
-    """The findings of wtf; of a log once."""
+    """The findings of wtf; for a log, only once."""
 
     period = 0.5
     is_shared = True
@@ -37,7 +37,7 @@ class DoctorFindings(PageStream):
         self._fault = ""
         self._process: subprocess.Popen[bytes] | None = None
         self._ends_soon = threading.Event()
-        self._starting = threading.Lock()  # what is closed meanwhile must know whom to end
+        self._starting = threading.Lock()  # closing meanwhile must find the process to end
         self.until_closed(self._end)
         threading.Thread(target=self._run, name="findings", daemon=True).start()
 
@@ -46,7 +46,7 @@ class DoctorFindings(PageStream):
         return self._latest
 
     def problem(self) -> str:
-        """Return why nothing could be looked at; "" otherwise."""
+        """Return the reason if wtf could not look, else ""."""
         return self._fault
 
     def _end(self) -> None:
@@ -64,12 +64,12 @@ class DoctorFindings(PageStream):
                 return
 
     def _look(self) -> list[Json] | None:
-        """Return what wtf finds now; None where it is ended, or cannot look."""
+        """Return what wtf finds now; None if it was ended or cannot look."""
         silent = subprocess.DEVNULL
         with self._starting:
             if self._ends_soon.is_set():
                 return None
-            self._process = subprocess.Popen(  # noqa: S603 - our own command
+            self._process = subprocess.Popen(  # noqa: S603 - lcmtools' own command
                 self._command, stdin=silent, stdout=subprocess.PIPE, stderr=silent
             )
         with self._process as process:

@@ -1,6 +1,6 @@
-"""The stream of the graph: nodes, programs and topics with their places, and rates on the edges.
+"""The stream of the graph: nodes, programs and topics with their positions, and rates on the edges.
 
-It looks on a thread of its own, so that laying out a large bus holds up nobody.
+It works on its own thread, so that the layout of a large bus delays nothing else.
 """
 
 import threading
@@ -21,12 +21,12 @@ from lcmtools.observe.feed import Snapshot
 from lcmtools.observe.senders import Program, programs
 
 _LOOK_PERIOD = 0.5  # [s]
-_PROGRAMS_PERIOD = 3.0  # [s] between looks through this computer's processes
-_LETTER, _LINE, _PADDING = 7.3, 15.0, 26.0  # size of a letter and of a line, and around them [px]
+_PROGRAMS_PERIOD = 3.0  # [s] between searches of this computer's processes
+_LETTER, _LINE, _PADDING = 7.3, 15.0, 26.0  # width of a letter, height of a line, padding [px]
 
 
 class GraphStream(PageStream):
-    """The graph, with what the page wants in it.
+    """The graph, with the parts that the page wants.
 
     Parameters: ``everything``, ``leaves``, ``tools``, ``services``, ``dead``, ``topics`` and
     ``groups``, each true or false.
@@ -48,11 +48,11 @@ class GraphStream(PageStream):
         self._thread.start()
 
     def update(self) -> Update | None:
-        """Return the graph as it was last laid out."""
+        """Return the graph in its latest layout."""
         return None if self._latest is None else Update(self._latest)
 
     def problem(self) -> str:
-        """Return that nothing is there."""
+        """Return the sentence for an empty graph."""
         if self._fault or self._latest is None or self._latest["vertices"]:
             return self._fault
         return f"there is nothing to draw on the {self.source.kind} yet"
@@ -83,13 +83,13 @@ class GraphStream(PageStream):
         diagram = diagram_of(graph, found, rates)
         if self.source.kind == "bus":
             return diagram
-        # of a log no node is on this computer, which each need not say
+        # a log's nodes are not on this computer; the labels need not say so
         members = tuple(replace(member, is_here=True) for member in diagram.members)
         return replace(diagram, members=members)
 
 
 class GraphMaker:
-    """Makes what a page draws of diagrams; places stay where they can."""
+    """Converts diagrams for a page to draw; positions are kept if possible."""
 
     def __init__(self, parameters: Parameters) -> None:
         flag = parameters.flag
@@ -104,7 +104,7 @@ class GraphMaker:
         self._drawing = Drawing()
 
     def make(self, whole: Diagram) -> Mapping[str, Json]:
-        """Return a diagram with places, for a page."""
+        """Return a diagram with positions, for a page."""
         diagram, left = select(whole, self._options)
         if not self._has_topics:
             diagram = members_only(diagram)
@@ -179,7 +179,7 @@ def _kind(vertex: Member | Channel) -> str:
 
 
 def _texts(vertex: Member | Channel, name: str) -> list[str]:
-    """The lines in a vertex."""
+    """Return the lines in a vertex."""
     if isinstance(vertex, Channel):
         return [labels.printable(name), labels.printable(vertex.type_text)]
     said = ", ".join(note.partition(":")[0] for note in labels.notes(vertex))
@@ -193,11 +193,11 @@ def _size(rows: list[str]) -> Size:
 
 
 def _left_out(text: str) -> str:
-    """The names of what is not drawn, without the options of the command line."""
+    """Return the names of omitted parts, without the command line's options."""
     parts = (part.partition(" (add")[0] for part in text.split("; "))
     return "; ".join(parts)
 
 
 def _rounded(rate: float | None) -> float | None:
-    """A rate with three digits, so that what is nearly the same is not sent again."""
+    """Return a rate rounded to three digits, so that small changes are not sent."""
     return None if rate is None else float(f"{rate:.3g}")

@@ -1,4 +1,4 @@
-"""The stream of an image topic: its newest image, in no more pixels than the page shows."""
+"""The stream of an image topic: its newest image, with no more pixels than the page shows."""
 
 import math
 import struct
@@ -21,16 +21,16 @@ from lcmtools.observe.pixels import (
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.wire.packet import Packet
 
-_FASTEST = 30e6  # [bytes/s] of one stream's images, larger ones come less often
-_FEWEST = 1000  # pixels that a page can want
+_FASTEST = 30e6  # [bytes/s] of one stream's images; larger ones are sent less often
+_FEWEST = 1000  # pixels that a page can request
 _MOST_NAMED = 3  # topics of images in a hint
 TYPES = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
-_PNG_HEADER = struct.Struct(">16xIIBB")  # its width, height, bits of a number, and colour type
+_PNG_HEADER = struct.Struct(">16xIIBB")  # width, height, bits per number, and colour type
 _PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 
 
 class NewestImage(PageStream):
-    """The newest image of ``topic``; of raw ones each n-th pixel, so that ``pixels`` remain."""
+    """The newest image of ``topic``; of raw ones every n-th pixel, so that ``pixels`` remain."""
 
     period = 0.03
     is_shared = True
@@ -46,7 +46,7 @@ class NewestImage(PageStream):
         self.follow(parameters.text("topic"), self._take)
 
     def update(self) -> Update | None:
-        """Return the newest image, if none of them has been returned."""
+        """Return the newest image, if it has not been returned yet."""
         if time.monotonic() < self._not_before:
             return None
         with self._lock:
@@ -84,7 +84,7 @@ class NewestImage(PageStream):
         )
 
     def _others(self) -> str:
-        """Return which topics have images."""
+        """Return a hint on which topics have images."""
         rows = self.source.latest.rows
         named = [row.channel for row in rows if not TYPES.isdisjoint(row.types)]
         return f"images are on {', '.join(named[:_MOST_NAMED])}" if named else "no topic has any"
@@ -113,7 +113,7 @@ def _raw(message: Image, most: float) -> Update:
 
 
 def _file(message: CompressedImage) -> Update:
-    """A PNG or JPEG file as it is: the page decodes it."""
+    """Return a PNG or JPEG file unchanged: the page decodes it."""
     data = image_file(message)
     about: dict[str, Json] = {"encoding": message.format, "frame": message.header.frame_id}
     if data.startswith(_JPEG):
@@ -122,7 +122,7 @@ def _file(message: CompressedImage) -> Update:
         raise DecodeError(f"pictures in '{message.format}' are not shown", "known: jpeg, png")
     width, height, bits, color = _PNG_HEADER.unpack_from(data)
     check_size(width, height, "png")
-    if (bits, color) == (16, 0):  # as read_file has it
+    if (bits, color) == (16, 0):  # the same as in read_file
         depth = {"kind": Kind.DEPTH.value, "number": "H", "channels": "v", "unit": "mm"}
         about = {**about, **depth, "step": 1, "width": width, "height": height}
     return Update({**about, "file": "image/png"}, data)

@@ -10,11 +10,11 @@ from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.wire.packet import Packet
 
 _TOPIC = "/rosout"
-_MOST = 500  # lines that wait for a page; of more the oldest are left out
+_MOST = 500  # lines that wait for a page; beyond this, the oldest are dropped
 
 
 class LogLines(PageStream):
-    """The lines that come on /rosout, those since the last update each time."""
+    """The lines on /rosout; each update has those since the last one."""
 
     period = 0.2
 
@@ -26,13 +26,13 @@ class LogLines(PageStream):
         self.until_closed(source.follow(_TOPIC, self.take))
 
     def take(self, packet: Packet) -> None:
-        """Let a line wait."""
+        """Queue a line."""
         with self._lock:
             self._left_out += len(self._waiting) == _MOST
             self._waiting.append(packet)
 
     def update(self) -> Update | None:
-        """Return the lines that have come."""
+        """Return the lines that have arrived."""
         with self._lock:
             packets, left_out = [*self._waiting], self._left_out
             self._waiting.clear()
@@ -47,6 +47,6 @@ class LogLines(PageStream):
             message = self.source.decode(packet)
             place = f"{message.file}:{message.line}" if message.file else ""  # type: ignore[attr-defined] # a log line has it
             about = (message.level, message.name, message.msg)  # type: ignore[attr-defined]
-        except (LcmtoolsError, AttributeError):  # somebody else's messages
+        except (LcmtoolsError, AttributeError):  # messages of another type
             return None
         return [packet.time / 1e9, *about, place]

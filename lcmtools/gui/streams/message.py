@@ -1,4 +1,4 @@
-"""The stream of a topic's latest message, decoded, as lines that unfold."""
+"""The stream of a topic's latest message, decoded, as lines that can be unfolded."""
 
 import threading
 import time
@@ -11,8 +11,8 @@ from lcmtools.messages.registry import type_name
 from lcmtools.observe.field_lines import FieldLine, field_lines
 from lcmtools.wire.packet import Packet
 
-_SHARE = 0.1  # of a processor, at most, for messages that take long to decode
-_HEAD_BYTES = 256  # of a message that cannot be decoded
+_SHARE = 0.1  # of a processor, at most, for messages that are slow to decode
+_HEAD_BYTES = 256  # shown of a message that cannot be decoded
 
 
 class LatestMessage(PageStream):
@@ -31,7 +31,7 @@ class LatestMessage(PageStream):
         self.follow(parameters.text("topic"), self.take)
 
     def take(self, packet: Packet) -> None:
-        """Keep the newest."""
+        """Keep the newest packet."""
         with self._lock:
             self._packet = packet
 
@@ -57,7 +57,7 @@ class LatestMessage(PageStream):
         return Update(about)
 
     def problem(self) -> str:
-        """Return why it cannot be decoded, or that nothing comes."""
+        """Return why it cannot be decoded, or why nothing arrives."""
         return super().problem() or self._fault
 
 

@@ -1,6 +1,6 @@
-"""The stream of a plot: the numbers of some fields, every one that comes, with its time.
+"""The stream of a plot: all values of some numeric fields, with their times.
 
-Of a log they are those from its start to its end, wherever it is played.
+For a log, these are all values from its start to its end, wherever it is played.
 """
 
 import threading
@@ -22,13 +22,13 @@ from lcmtools.observe.feed import Snapshot
 from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
 from lcmtools.wire.packet import Packet
 
-_MOST_SAMPLES = 100_000  # that wait for a page; then the oldest are left out, and counted
+_MOST_SAMPLES = 100_000  # that wait for a page; beyond this, the oldest are dropped and counted
 _SAMPLE = 3  # numbers: its time [s since 1970], its value, and the number of its curve
 
 
 @dataclass(slots=True)
 class _Fields:
-    """The fields that an argument means, on its topics."""
+    """The fields selected by an argument, on its topics."""
 
     text: str
     selection: OneTopic | TopicPattern | None = None
@@ -49,7 +49,7 @@ class _Fields:
 
 
 class Plot(PageStream):
-    """Curves: of each update the new samples, in order of arrival."""
+    """Curves; each update has the new samples, in order of arrival."""
 
     period = 0.05
 
@@ -64,12 +64,12 @@ class Plot(PageStream):
         self._followed: set[str] = set()
         self._seen: Snapshot | None = None
         self._told: Json = None
-        self._reader: threading.Thread | None = None  # of a log
+        self._reader: threading.Thread | None = None  # reads a log
         self._about_log: dict[str, Json] = {}
         self._is_closed = False
 
     def update(self) -> Update | None:
-        """Return what has come since the last call."""
+        """Return the samples since the last call."""
         self._look()
         with self._lock:
             samples, self._samples = self._samples, array("d")
@@ -84,10 +84,10 @@ class Plot(PageStream):
             data["curves"] = list(self._curves)
         if not samples and not data:
             return None
-        return Update({"choice": self._choice, **data}, samples.tobytes())  # of which fields it is
+        return Update({"choice": self._choice, **data}, samples.tobytes())  # which fields these are
 
     def close(self) -> None:
-        """Follow nothing any more, and read no more of a log."""
+        """Stop following topics and reading a log."""
         with self._lock:
             self._is_closed = True
             self._lock.notify_all()
@@ -96,7 +96,7 @@ class Plot(PageStream):
             self._reader.join()
 
     def _look(self) -> None:
-        """Follow the topics that are there now."""
+        """Follow the topics that exist now."""
         latest = self.source.latest
         if latest is self._seen:
             return
@@ -116,7 +116,7 @@ class Plot(PageStream):
             self._reader.start()
 
     def _read(self, packets: Iterator[Packet]) -> None:
-        """Take messages as fast as the page takes the samples."""
+        """Read messages as fast as the page accepts the samples."""
         for packet in packets:
             with self._lock:
                 self._lock.wait_for(
@@ -179,7 +179,7 @@ class Plot(PageStream):
 
 
 def _unknown(text: str, graph: Graph) -> str:
-    """Return that an argument begins with no topic, with the near one."""
+    """Return a sentence that an argument begins with no known topic, with a similar one."""
     known = [name for name in graph.topic_names() if not is_hidden(name)]
     near = [(topic, one, rest) for topic, rest in splits(text) for one in closest(topic, known)]
     hint = "waiting for it"

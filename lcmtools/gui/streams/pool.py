@@ -1,4 +1,4 @@
-"""The open streams of all pages; equal ones are shared where their kind allows it."""
+"""The open streams of all pages; equal ones are shared if their kind allows it."""
 
 import time
 
@@ -16,12 +16,12 @@ class OpenStream:
         self.stream = stream
         self.latest: Update | None = None  # the latest update; None before the first
         self.version = 0  # the number of updates so far
-        self.problem = ""  # why there is nothing to show; "" if all is well
+        self.problem = ""  # the reason why there is nothing to show; "" if all is well
         self.users = 0
         self._next = 0.0
 
     def refresh(self) -> None:
-        """Take what is new, at most once a period of the stream."""
+        """Get new data, at most once per period of the stream."""
         now = time.monotonic()
         if now < self._next:
             return
@@ -35,7 +35,7 @@ class OpenStream:
         except Exception as error:  # noqa: BLE001 - shown in the panel; the others go on
             self.problem = f"a fault of lcmtools ({type(error).__name__}: {error})"
             return
-        # the updates of streams that are not shared add to each other
+        # updates of streams that are not shared accumulate
         if update is not None and not (self.stream.is_shared and update == self.latest):
             self.latest = update
             self.version += 1
@@ -49,10 +49,10 @@ class StreamPool:
         self._shared: dict[tuple[str, str], OpenStream] = {}
 
     def open(self, name: str, parameters: Parameters) -> OpenStream:
-        """Open a stream, or use the one that another page has opened.
+        """Open a stream, or use the one opened by another page.
 
         Raises:
-            Rubbish: There is none of this name, or its parameters are wrong.
+            Rubbish: There is none with this name, or its parameters are wrong.
         """
         key = name, parameters.key
         found = self._shared.get(key)
@@ -64,7 +64,7 @@ class StreamPool:
         return found
 
     def close(self, one: OpenStream) -> None:
-        """Let go of a stream; the last page closes it."""
+        """Release a stream; the last page closes it."""
         one.users -= 1
         if not one.users:
             self._shared = {key: other for key, other in self._shared.items() if other is not one}

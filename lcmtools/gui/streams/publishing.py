@@ -1,4 +1,4 @@
-"""Publishing what a page's form says: once, or again and again while a stream is open."""
+"""Publishing the message in a page's form once, or repeatedly while a stream is open."""
 
 import threading
 import time
@@ -16,12 +16,12 @@ _LOWEST, _HIGHEST = 0.01, 200.0  # [Hz]
 
 
 class FilledForm:
-    """A message of a form, ready to be published on its topic.
+    """A message from a form, ready to be published on its topic.
 
     Raises:
         UnknownType: There is no such type.
         ValueMismatch: A value does not fit its field.
-        UsageError: The topic's name is empty, or no name.
+        UsageError: The topic's name is empty or invalid.
         LcmtoolsError: Nothing can be published here.
     """
 
@@ -33,10 +33,10 @@ class FilledForm:
         self._template = filled_in(parameters)
 
     def send(self) -> None:
-        """Publish it; times that are to be the moment of sending are set.
+        """Publish it, after setting the times that must be the time of sending.
 
         Raises:
-            BusError: The bus cannot be reached, or does not take it.
+            BusError: The bus cannot be reached, or does not accept it.
         """
         payload = self._template.payload(time.time_ns())
         self._publishers.publish(self._topic, type(self._template.message), payload)
@@ -49,7 +49,7 @@ def publish(source: Source, parameters: Parameters) -> Json:
 
 
 def _channel(source: Source, topic: str) -> str:
-    """A topic by its name as it is where it is on the bus, else by the rules of ROS."""
+    """Return a topic's name unchanged if it is on the bus, else resolved by ROS's rules."""
     is_known = any(row.channel == topic for row in source.latest.rows)
     check_topic(topic, literal=is_known)
     return topic if is_known else resolve(topic)
@@ -72,7 +72,7 @@ class RepeatedForm(PageStream):
         threading.Thread(target=self._publish, name="publishing", daemon=True).start()
 
     def update(self) -> Update | None:
-        """Return how many have been published."""
+        """Return the number of published messages."""
         if self._count == self._said:
             return None
         self._said = self._count
@@ -89,7 +89,7 @@ class RepeatedForm(PageStream):
             self._count += not self._fault
 
     def _send(self) -> str:
-        """Publish once; return why it was not, "" if it was."""
+        """Publish once; return the reason if that failed, else ""."""
         try:
             self._form.send()
         except LcmtoolsError as error:

@@ -1,4 +1,4 @@
-"""The stream of a topic that is steered: its type, who obeys it, and who else commands it."""
+"""The stream of a steered topic: its type, the nodes that obey it, and others that command it."""
 
 import os
 
@@ -11,12 +11,12 @@ from lcmtools.gui.velocity import USUAL, commands_velocity
 from lcmtools.messages.registry import message_class
 from lcmtools.observe.senders import is_here
 
-_RECENT = 2_000_000_000  # [ns] since the last message of who commands
+_RECENT = 2_000_000_000  # [ns] since the last message of a commanding program
 _MOST_NAMED = 3  # topics in a hint
 
 
 class Steer(PageStream):
-    """A topic that commands a velocity."""
+    """The state of a topic that commands a velocity."""
 
     period = 0.25
     is_shared = True
@@ -26,7 +26,7 @@ class Steer(PageStream):
         self._steered = parameters.text("topic")
 
     def update(self) -> Update:
-        """Return what is known of the topic."""
+        """Return the known facts about the topic."""
         graph = self.source.latest.graph
         topic = graph.topic(self._steered)
         return Update(
@@ -39,7 +39,7 @@ class Steer(PageStream):
         )
 
     def problem(self) -> str:
-        """Return that it cannot be steered, or that nobody is known to obey."""
+        """Return why it cannot be steered, or that no program is known to obey."""
         if not self._steered:
             return "choose a topic"
         if mistake := self._mistake():
@@ -53,7 +53,7 @@ class Steer(PageStream):
         return missing if "did you mean" in missing else self._with_others("no node obeys")
 
     def _others(self, graph: Graph, topic: Topic) -> list[str]:
-        """Return who else has commanded the topic a moment ago."""
+        """Return the others that have recently commanded the topic."""
         nodes = {node.name: end for node, end in topic.publishers if not _is_own(node)}
         found = [name for name, end in nodes.items() if graph.time - end.last_time < _RECENT]
         if any(graph.time - one.last_time < _RECENT for one in topic.foreign):
@@ -74,7 +74,7 @@ class Steer(PageStream):
         return self._with_others(f"{kind} commands no velocity, and that is the type of")
 
     def _with_others(self, what: str) -> str:
-        """Return a sentence about the topic, with those that somebody obeys."""
+        """Return a sentence about the topic, with topics that some node obeys."""
         rows = self.source.latest.rows
         others = [one.channel for one in rows if one.listeners and is_velocity(*one.types[:1])]
         hint = f"; obeyed are {', '.join(others[:_MOST_NAMED])}" if others else ""
@@ -82,7 +82,7 @@ class Steer(PageStream):
 
 
 def is_velocity(kind: str = "") -> bool:
-    """Return whether a type, of this name, commands a velocity; not if it is unknown."""
+    """Return whether the type with this name commands a velocity; False if it is unknown."""
     try:
         return bool(kind) and commands_velocity(message_class(kind))
     except LcmtoolsError:
@@ -94,5 +94,5 @@ def _obeys(node: Node) -> bool:
 
 
 def _is_own(node: Node) -> bool:
-    """True for the node that publishes for this server's pages."""
+    """Return True for the node that publishes for this server's pages."""
     return node.pid == os.getpid() and is_here(node)

@@ -7,7 +7,7 @@ from lcmtools.observe.channels import ChannelRow
 
 
 class Topics(PageStream):
-    """All topics of the source, hidden ones left out."""
+    """All topics of the source except hidden ones."""
 
     period = 0.25
     is_shared = True
@@ -17,7 +17,7 @@ class Topics(PageStream):
         self.until_closed(source.listen_to_all())
 
     def update(self) -> Update:
-        """Return the rows as they are now."""
+        """Return the current rows."""
         latest = self.source.latest
         return Update(
             {
@@ -28,7 +28,7 @@ class Topics(PageStream):
         )
 
     def problem(self) -> str:
-        """Return that there are no topics yet."""
+        """Return a sentence if there are no topics yet."""
         return "" if self.source.latest.rows else "there are no topics on the bus"
 
 

@@ -1,6 +1,6 @@
-"""The streams of the world: what can be drawn, frames, markers, and the newest of any other topic.
+"""The streams of the world: drawable topics, frames, markers, and others' newest messages.
 
-Each takes a ``topic``, but for the first one. What a message looks like to a page is in
+Each has a ``topic``, except the first one. The form in which a page gets messages is in
 ``gui.drawings``.
 """
 
@@ -22,8 +22,8 @@ from lcmtools.wire.packet import Packet
 
 _SIMULATOR = "sim_msgs/SetPose"
 """The type of service that only simulators offer."""
-_MOST_WAITING = 2000  # messages of frames between two updates
-_FASTEST = 20e6  # [bytes/s] of one stream's numbers, larger messages come less often
+_MOST_WAITING = 2000  # waiting messages between two updates
+_FASTEST = 20e6  # [bytes/s] of one stream's numbers; larger messages are sent less often
 
 
 class Drawable(PageStream):
@@ -33,7 +33,7 @@ class Drawable(PageStream):
     is_shared = True
 
     def update(self) -> Update:
-        """Return them as they are now."""
+        """Return the current ones."""
         latest = self.source.latest
         return Update(
             {
@@ -53,7 +53,7 @@ class Drawable(PageStream):
 
 
 class _Messages(PageStream):
-    """A topic's messages that wait for the next update, decoded then."""
+    """A topic's messages, which wait for the next update and are decoded then."""
 
     is_shared = True
     most_waiting: ClassVar[int] = 1
@@ -67,7 +67,7 @@ class _Messages(PageStream):
         self.follow(parameters.text("topic"), self._take)
 
     def problem(self) -> str:
-        """Return why nothing has been drawn; what is latched may be silent."""
+        """Return why nothing has been drawn; a latched topic may be silent."""
         return self._mistake or ("" if self._has_come else absence(self.source, self._topic))
 
     def _take(self, packet: Packet) -> None:
@@ -75,7 +75,7 @@ class _Messages(PageStream):
             self._waiting.append(packet)
 
     def taken(self, *kinds: type[Message]) -> list[tuple[Packet, Message]]:
-        """Take what waits, which has to be of one of these types."""
+        """Take the waiting messages, which must have one of these types."""
         with self._lock:
             packets = list(self._waiting)
             self._waiting.clear()
@@ -96,7 +96,7 @@ class _Messages(PageStream):
 
 
 class Frames(_Messages):
-    """The frames of a topic of tf2_msgs/TFMessage: all of them, each where it was last."""
+    """The frames of a topic of tf2_msgs/TFMessage: all of them, each at its latest pose."""
 
     period = 1 / 30
     most_waiting = _MOST_WAITING
@@ -106,7 +106,7 @@ class Frames(_Messages):
         self._poses = Poses()
 
     def update(self) -> Update | None:
-        """Return all frames, if any came."""
+        """Return all frames, if any messages came."""
         time = 0
         for packet, message in self.taken(TFMessage):
             assert isinstance(message, TFMessage), "it was taken as one"
@@ -116,7 +116,7 @@ class Frames(_Messages):
 
 
 class Markers(_Messages):
-    """The markers of a topic that are there at the time."""
+    """The markers of a topic that exist at the time."""
 
     period = 0.1
     most_waiting = 100
@@ -129,14 +129,14 @@ class Markers(_Messages):
     def update(self) -> Update | None:
         """Return all markers, if they have changed."""
         for packet, message in self.taken(Marker, MarkerArray):
-            if packet.payload != self._last:  # latched ones come again and again
+            if packet.payload != self._last:  # latched ones come repeatedly
                 self._scene.take(message, time.monotonic())
                 self._last = packet.payload
         return self._scene.drawing(time.monotonic())
 
 
 class Newest(_Messages):
-    """The newest message of a topic of one of the types in ``drawings.DRAWINGS``."""
+    """The newest message of a topic with one of the types in ``drawings.DRAWINGS``."""
 
     period = 1 / 30
 
@@ -145,7 +145,7 @@ class Newest(_Messages):
         self._not_before = 0.0
 
     def update(self) -> Update | None:
-        """Return the newest message, if it has not been returned."""
+        """Return the newest message, if it has not been returned yet."""
         if time.monotonic() < self._not_before:
             return None
         for packet, message in self.taken(*DRAWINGS):

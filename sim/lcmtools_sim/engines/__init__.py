@@ -10,7 +10,7 @@ from lcmtools.names import did_you_mean
 from lcmtools_sim.engines.engine import Engine
 from lcmtools_sim.engines.native import suppressed_output
 
-ENGINES = ("bullet", "mujoco")  # in the order of preference
+ENGINES = ("bullet", "mujoco")  # in order of preference
 VARIABLE = "LCMTOOLS_ENGINE"
 
 _PACKAGES = {"bullet": "pybullet", "mujoco": "mujoco"}
@@ -18,12 +18,12 @@ _HINT = extra_hint("sim")
 
 
 def chosen_engine(wanted: str = "") -> str:
-    """The name of the engine to take: the one wanted, that of $LCMTOOLS_ENGINE, or the first there.
+    """Return the engine to use: ``wanted``, $LCMTOOLS_ENGINE, or the first one installed.
 
-    Nothing is imported.
+    Imports nothing.
 
     Raises:
-        UsageError: No engine is called that.
+        UsageError: There is no engine with this name.
         MissingExtra: It is not installed, or numpy or Pillow is not.
     """
     name, source = wanted or os.environ.get(VARIABLE, ""), "--engine" if wanted else VARIABLE
@@ -43,29 +43,29 @@ def chosen_engine(wanted: str = "") -> str:
 
 
 def _has_bullet_wheel() -> bool:
-    """Return if there is a wheel of pybullet here, by the markers of the extra ``sim``."""
+    """Return whether pybullet has a wheel for this system, by the markers of the extra ``sim``."""
     is_usual = sys.platform == "linux" and platform.machine() == "x86_64"
     return is_usual and sys.version_info < (3, 12)
 
 
 def is_installed(name: str) -> bool:
-    """Return if an engine's package is there, without importing it."""
+    """Return whether an engine's package is installed, without importing it."""
     return find_spec(_PACKAGES[name]) is not None
 
 
 def engine_version(name: str) -> str:
-    """An engine's name and version, for people ("pybullet 3.2.7")."""
+    """Return an engine's name and version, as text ("pybullet 3.2.7")."""
     from importlib.metadata import PackageNotFoundError, version
 
     package = _PACKAGES[name]
     try:
         return f"{package} {version(package)}"
     except PackageNotFoundError:
-        return f"{package} {version(f'{package}-core')}"  # MuJoCo's engine alone
+        return f"{package} {version(f'{package}-core')}"  # MuJoCo's engine only
 
 
 def start_engine(name: str) -> Engine:
-    """An empty world of an engine; MissingExtra if that is not installed."""
+    """Return an empty world of an engine; MissingExtra if it is not installed."""
     try:
         if name == "bullet":
             with suppressed_output():  # the import prints a line

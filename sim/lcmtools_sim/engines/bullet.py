@@ -1,4 +1,4 @@
-"""Bullet, by pybullet: its plain rigid bodies."""
+"""Bullet, through pybullet, with its simple rigid bodies."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,13 +14,13 @@ from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 
 _RECOVERY = 12.0
-"""[1/s] The rate at which bodies that overlap separate; a higher one shakes a pushed body aside."""
+"""[1/s] The rate at which overlapping bodies separate; a higher one shakes a pushed body aside."""
 _RIM = 0.002  # [m] length of the discs at a cylinder's ends
-_RECESS = 0.0002  # [m] by which the cylinder between them is thinner
+_RECESS = 0.0002  # [m] by which the cylinder between them is thinner than they are
 
 
 class Bullet:
-    """One world of Bullet (see engine.Engine)."""
+    """A Bullet world (see engine.Engine)."""
 
     def __init__(self) -> None:
         with suppressed_output():
@@ -28,7 +28,7 @@ class Bullet:
         self._client: int = self._bullet._client  # noqa: SLF001 - for what each step calls, unbound
 
     def begin(self, scene: Scene) -> None:
-        """Empty the world, and take on a scene's gravity, dt and ground."""
+        """Empty the world, and set a scene's gravity, dt and ground."""
         bullet = self._bullet
         with suppressed_output():
             bullet.resetSimulation()
@@ -43,7 +43,7 @@ class Bullet:
             warmStartingFactor=1.0,
         )
         self._shapes: dict[tuple[Part, ...], int] = {}
-        """Those made so far, shared by equal bodies: the engine cannot give one up again."""
+        """The shapes so far, shared by equal bodies, because the engine cannot free any."""
         plane = bullet.createCollisionShape(bullet.GEOM_PLANE)
         self.ground = self._make(0.0, plane, ZERO, IDENTITY)
         bullet.changeDynamics(self.ground, -1, lateralFriction=scene.ground.friction)
@@ -59,7 +59,7 @@ class Bullet:
             self._bullet.changeDynamics(
                 number,
                 -1,
-                mass=body.mass,  # without it the engine takes the mass away
+                mass=body.mass,  # without it the engine sets the mass to 0
                 localInertiaDiagonal=body.inertia,
                 linearDamping=0.0,
                 angularDamping=0.0,
@@ -75,14 +75,14 @@ class Bullet:
         self._bullet.removeBody(body)
 
     def disable(self, body: int) -> None:
-        """Leave a movable body out of what is simulated."""
+        """Exclude a movable body from the simulation."""
         self._bullet.setCollisionFilterGroupMask(body, -1, 0, 0)
         asleep = self._bullet.ACTIVATION_STATE_SLEEP
         self._bullet.changeDynamics(body, -1, activationState=asleep)
 
     def enable(self, body: int) -> None:
         """Undo ``disable``."""
-        self._bullet.setCollisionFilterGroupMask(body, -1, 1, -1)  # as the engine's default is
+        self._bullet.setCollisionFilterGroupMask(body, -1, 1, -1)  # as by the engine's default
         awake = self._bullet.ACTIVATION_STATE_DISABLE_SLEEPING
         self._bullet.changeDynamics(body, -1, activationState=awake)
 
@@ -91,12 +91,12 @@ class Bullet:
         pybullet.stepSimulation(self._client)
 
     def motion(self, body: int) -> Motion:
-        """The present motion of a body."""
+        """Return the current motion of a body."""
         place = pybullet.getBasePositionAndOrientation(body, self._client)
         return Motion._make(place + pybullet.getBaseVelocity(body, self._client))
 
     def motions(self, bodies: Sequence[int]) -> Motion:
-        """The present motions of bodies, as arrays."""
+        """Return the current motions of bodies, as arrays."""
         vectors = zip(*map(self.motion, bodies), strict=True)
         return Motion(*(tuple(np.array(vector).T) for vector in vectors))
 
@@ -112,17 +112,17 @@ class Bullet:
     def set_velocities(
         self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
     ) -> None:
-        """The same of several bodies, as arrays."""
+        """Do the same for several bodies, given as arrays."""
         rows = (np.array(vectors).T.tolist() for vectors in (velocities, angular_velocities))
         for body, velocity, turning in zip(bodies, *rows, strict=True):
             pybullet.resetBaseVelocity(body, velocity, turning, self._client)
 
     def detect_contacts(self) -> None:
-        """Find the contacts at the present poses, without a step."""
+        """Find the contacts at the current poses, without a step."""
         self._bullet.performCollisionDetection()
 
     def contacts(self, body: int) -> list[ContactPoint]:
-        """The contacts of a body, of the last step or ``detect_contacts``."""
+        """Return a body's contacts from the last step or ``detect_contacts``."""
         return [
             ContactPoint(point[2], point[5], point[7], point[9], -point[8])
             for point in self._bullet.getContactPoints(body)
@@ -145,7 +145,7 @@ class Bullet:
         return int(number)
 
     def _compound(self, parts: Sequence[Part]) -> int:
-        """The collision shape of several parts, in one frame."""
+        """Return the collision shape of several parts, in one frame."""
         bullet, shapes = self._bullet, [part.shape for part in parts]
         kinds = {
             Cuboid: bullet.GEOM_BOX,
@@ -164,10 +164,10 @@ class Bullet:
 
 
 def _with_rims(parts: Sequence[Part]) -> list[Part]:
-    """The parts with each cylinder as two discs and a thinner cylinder between them.
+    """Return the parts, with each cylinder as two discs and a thinner cylinder between them.
 
-    Of a whole one that lies the engine finds one end at a time, and leaves the other's contact
-    behind, which would drive it on.
+    On a whole cylinder that lies down, the engine finds only one end at a time and leaves the
+    other's contact behind, which would drive it on.
     """
     found = []
     for part in parts:

@@ -1,6 +1,6 @@
 """The protocol of a physics engine: rigid bodies with shapes, their motion, and contacts.
 
-Engines know shapes, masses and friction. Names of bodies, robots and sensors are the world's
+Engines know shapes, masses and friction. Names of bodies, robots and sensors belong to the world
 (world.py).
 """
 
@@ -14,7 +14,7 @@ from lcmtools_sim.shapes import Part
 
 
 class Motion(NamedTuple):
-    """The pose and velocity of a body in the world frame. A tuple, for it is made every step."""
+    """The pose and velocity of a body in the world frame. A tuple: each step creates one."""
 
     position: Vector  # of the centre of mass [m]
     rotation: Quaternion  # of the body
@@ -36,7 +36,7 @@ class ContactPoint(NamedTuple):
 class RigidBody:
     """A body to add. The origin of its frame is its centre of mass."""
 
-    parts: Sequence[Part]  # its shapes
+    parts: Sequence[Part]  # the body's shapes
     position: Vector  # in the world [m]
     rotation: Quaternion  # in the world
     mass: float = 0.0  # [kg]; 0 for an immovable body
@@ -51,7 +51,7 @@ class Engine(Protocol):
     ground: int  # the number of the plane z = 0
 
     def begin(self, scene: Scene) -> None:
-        """Empty the world, and take on a scene's gravity, dt and ground."""
+        """Empty the world, and set a scene's gravity, dt and ground."""
 
     def add(self, body: RigidBody) -> int:
         """Add a body and return its number, which no other body has had since ``begin``."""
@@ -60,19 +60,19 @@ class Engine(Protocol):
         """Remove a body."""
 
     def disable(self, body: int) -> None:
-        """Leave a movable body out of what is simulated: it neither moves nor touches anything."""
+        """Exclude a movable body from the simulation: it neither moves nor touches anything."""
 
     def enable(self, body: int) -> None:
-        """Undo ``disable``; ``place`` and ``set_velocity`` follow."""
+        """Undo ``disable``; the caller then calls ``place`` and ``set_velocity``."""
 
     def step(self) -> None:
         """Simulate one dt."""
 
     def motion(self, body: int) -> Motion:
-        """The present motion of a body."""
+        """Return the current motion of a body."""
 
     def motions(self, bodies: Sequence[int]) -> Motion:
-        """The present motions of movable bodies: each number is an array of theirs."""
+        """Return the current motions of movable bodies: each number is an array over them."""
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a movable body's centre of mass at a pose, at rest."""
@@ -83,16 +83,16 @@ class Engine(Protocol):
     def set_velocities(
         self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
     ) -> None:
-        """The same of several bodies: each number is an array of theirs."""
+        """Do the same for several bodies: each number is an array over them."""
 
     def detect_contacts(self) -> None:
-        """Find the contacts at the present poses, without a step."""
+        """Find the contacts at the current poses, without a step."""
 
     def contacts(self, body: int) -> list[ContactPoint]:
-        """The contacts of a body, of the last step or ``detect_contacts``."""
+        """Return a body's contacts from the last step or ``detect_contacts``."""
 
     def warnings(self) -> list[str]:
-        """The engine's warnings since the last call; of each kind the first one only."""
+        """Return the engine's warnings since the last call, only the first of each kind."""
 
     def close(self) -> None:
-        """Give the world up; more than once too."""
+        """Free the world; may be called more than once."""

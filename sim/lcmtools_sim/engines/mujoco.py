@@ -1,9 +1,9 @@
-"""MuJoCo, by its own Python package.
+"""MuJoCo, through its own Python package.
 
-Its contacts are soft and convex: what follows keeps them as hard, and what slides as low, as the
-rigid bodies of a textbook. A step calls the stages of mj_step one by one, because friction is set
-between collisions and constraints. Names of stages and fields are MuJoCo's (see "Computation" in
-its documentation).
+Its contacts are soft and convex: the settings here keep contacts as hard, and sliding bodies as
+low, as textbook rigid bodies. A step calls the stages of mj_step one by one, because friction is
+set between collisions and constraints. Names of stages and fields are MuJoCo's (see "Computation"
+in its documentation).
 """
 
 import math
@@ -21,28 +21,28 @@ from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Shape, Sphere
 
 _IMPEDANCE = (0.99, 0.999)
-"""Share of a contact's acceleration that the constraint sets, at the surface and below it."""
+"""The share of a contact's acceleration set by the constraint, at the surface and below it."""
 _STEPS = 2  # time constant of contacts, in steps. MuJoCo allows no less than 2.
 _DAMPING = 2.0
-"""Damping ratio of contacts: what collides comes apart at 6 % of its speed; with 1, at 16 %."""
-_BRAKING = 20.0  # [m/s^2] most that friction's reference asks for: see _set_friction
-_LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo takes no less
+"""Damping ratio of contacts: colliding bodies separate at 6 % of their speed; with 1, at 16 %."""
+_BRAKING = 20.0  # [m/s^2] the most that friction's reference demands: see _set_friction
+_LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo allows no less
 _LEAST_MASS = 1e-14  # [kg, kg m^2] above mjMINVAL, likewise
 _ROUGH, _SMOOTH = 3, 1
-"""condim: contacts with friction, and without; the higher one of two shapes holds."""
+"""condim: contacts with friction, and without; the higher value of two shapes applies."""
 _CONTACTS: dict[type[Shape], int] = {Cuboid: 4, Cylinder: 2, Sphere: 1}
 """The number of points on which an object of one shape rests."""
-_FEET = 4  # the same of a robot
+_FEET = 4  # the same for a robot
 
 _Array = npt.NDArray[np.float64]
 _Places = npt.NDArray[np.intp]
 
 
 class Mujoco:
-    """One world of MuJoCo (see engine.Engine).
+    """A MuJoCo world (see engine.Engine).
 
-    Bodies that are added or removed are compiled into the model when it is next looked at, so that
-    a fleet costs one compilation.
+    Added and removed bodies are compiled into the model when it is next used, so that a fleet costs
+    one compilation.
     """
 
     ground = 0
@@ -50,11 +50,11 @@ class Mujoco:
     def __init__(self) -> None:
         self._warnings: list[str] = []
         self._warned: set[str] = set()
-        # Its own way with a warning is a file in the working directory.
+        # By default, it writes a warning into a file in the working directory.
         mujoco.set_mju_user_warning(self._warnings.append)
 
     def begin(self, scene: Scene) -> None:
-        """Empty the world, and take on a scene's gravity, dt and ground."""
+        """Empty the world, and set a scene's gravity, dt and ground."""
         self._dt = scene.dt
         spec = self._spec = mujoco.MjSpec()
         option, geom = spec.option, spec.default.geom
@@ -66,8 +66,9 @@ class Mujoco:
         spec.compiler.boundmass = spec.compiler.boundinertia = _LEAST_MASS
         geom.solref = [_STEPS * scene.dt, _DAMPING]
         geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
-        # A body of one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
-        # A margin of it has the contact carry the weight at depth 0, so that bodies start at rest.
+        # A body on one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
+        # With it as margin, the contact carries the weight at depth 0, so that bodies start at
+        # rest.
         low, high = _IMPEDANCE
         self._rest = (1 - low) / low * scene.gravity * (high * _STEPS * scene.dt * _DAMPING) ** 2
         kind = mujoco.mjtGeom.mjGEOM_PLANE
@@ -77,7 +78,7 @@ class Mujoco:
         self._disabled: set[int] = set()
         self._handles: dict[int, Any] = {}
         self._free: dict[int, tuple[slice, slice]] = {}
-        """The places of compiled bodies' poses and velocities in qpos and qvel."""
+        """The ranges of compiled bodies' poses and velocities in qpos and qvel."""
         self._last = self.ground
         self._model: Any = None
         self._is_compiled = False
@@ -119,7 +120,7 @@ class Mujoco:
         self._is_compiled = False
 
     def disable(self, body: int) -> None:
-        """Leave a movable body out of what is simulated."""
+        """Exclude a movable body from the simulation."""
         self._compile()
         self._disabled.add(body)
         self._set_enabled(body, is_enabled=False)
@@ -145,7 +146,7 @@ class Mujoco:
         mujoco.mj_Euler(model, data)
 
     def motion(self, body: int) -> Motion:
-        """The present motion of a body."""
+        """Return the current motion of a body."""
         if body not in self._free:  # not compiled yet, or immovable
             return Motion(self._bodies[body].position, self._bodies[body].rotation)
         pose, velocity = self._free[body]
@@ -155,7 +156,7 @@ class Mujoco:
         return Motion((x, y, z), rotation, (vx, vy, vz), rotate((wx, wy, wz), rotation))
 
     def motions(self, bodies: Sequence[int]) -> Motion:
-        """The present motions of movable bodies, as arrays."""
+        """Return the current motions of movable bodies, as arrays."""
         self._compile()
         poses, velocities = self._addresses_of(bodies)
         x, y, z, qw, qx, qy, qz = self._qpos[poses]
@@ -180,14 +181,14 @@ class Mujoco:
     def set_velocities(
         self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
     ) -> None:
-        """The same of several bodies, as arrays."""
+        """Do the same for several bodies, given as arrays."""
         self._compile()
         poses, places = self._addresses_of(bodies)
         qw, qx, qy, qz = self._qpos[poses[3:]]
         self._qvel[places] = (*velocities, *components(angular_velocities, axes((qx, qy, qz, qw))))
 
     def detect_contacts(self) -> None:
-        """Find the contacts at the present poses, without a step."""
+        """Find the contacts at the current poses, without a step."""
         self._compile()
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
@@ -199,7 +200,7 @@ class Mujoco:
             self.detect_contacts()
 
     def contacts(self, body: int) -> list[ContactPoint]:
-        """The contacts of a body, of the last step or ``detect_contacts``."""
+        """Return a body's contacts from the last step or ``detect_contacts``."""
         contact, own = self._data.contact, self._model.body(str(body)).id
         bodies = self._model.geom_bodyid
         first, second = bodies[contact.geom1], bodies[contact.geom2]
@@ -220,9 +221,9 @@ class Mujoco:
         return found
 
     def warnings(self) -> list[str]:
-        """The engine's warnings since the last call; of each kind the first one only.
+        """Return the engine's warnings since the last call, only the first of each kind.
 
-        Not of memory, which grows.
+        Warnings about memory are left out, because it grows.
         """
         kinds = {re.sub(r"\d[\d.e+-]*", "", text): text for text in reversed(self._warnings)}
         new = {kind: text for kind, text in kinds.items() if kind not in self._warned}
@@ -231,10 +232,10 @@ class Mujoco:
         return [f"MuJoCo: {text.strip()}" for text in new.values() if "arena" not in text]
 
     def close(self) -> None:
-        """Do nothing: memory is all that it has."""
+        """Do nothing: there is only memory, which Python frees."""
 
     def _compile(self) -> None:
-        """Bring the model up to date, and keep the motion of all bodies."""
+        """Update the model, and keep the motion of all bodies."""
         if self._is_compiled:
             return
         if self._model is None:
@@ -243,7 +244,7 @@ class Mujoco:
         else:
             self._model, self._data = self._spec.recompile(self._model, self._data)
         model = self._model
-        # It scales the solver's tolerance: a robot's motion shall not depend on other bodies.
+        # It scales the solver's tolerance: a robot's motion must not depend on other bodies.
         model.stat.meaninertia = 1.0
         self._qpos, self._qvel = self._data.qpos, self._data.qvel
         kinds = mujoco.mjtWarning
@@ -259,7 +260,7 @@ class Mujoco:
                 self._free[number] = slice(pose, pose + 7), slice(velocity, velocity + 6)
         adr = np.where(model.body_dofnum > 0, model.body_dofadr, model.nv)[model.geom_bodyid]
         self._speeds = adr[:, None] + np.arange(3)
-        """The places of each shape's velocity in qvel with three zeros behind it."""
+        """The indices of each shape's velocity in qvel with three zeros appended."""
         self._friction = model.geom_friction[:, 0].copy()
         self._pairs: bytes | None = None  # the shapes of each contact of the last step
         self._objects = [
@@ -280,9 +281,9 @@ class Mujoco:
             self._constrain()
 
     def _grows(self) -> bool:
-        """Double the memory for contacts if more than half of it has been used; return if so.
+        """Double the memory for contacts if more than half of it is used; return whether it did.
 
-        MuJoCo's own size goes by the bodies, and would not do for those with many shapes.
+        MuJoCo's own size depends on the number of bodies: too small for many shapes.
         """
         size = self._model.narena
         if self._data.maxuse_arena <= size // 2 and not any(full.number for full in self._full):
@@ -293,7 +294,7 @@ class Mujoco:
         return True
 
     def _addresses_of(self, bodies: Sequence[int]) -> tuple[_Places, _Places]:
-        """The places of movable bodies' poses (7, n) and velocities (6, n) in qpos and qvel."""
+        """Return indices of movable bodies' poses (7, n) and velocities (6, n) in qpos and qvel."""
         key = tuple(bodies)
         if key not in self._addresses:
             poses, velocities = zip(*(self._free[body] for body in key), strict=True)
@@ -304,7 +305,7 @@ class Mujoco:
         return self._addresses[key]
 
     def _set_enabled(self, body: int, *, is_enabled: bool) -> None:
-        """Let a body collide and fall, or not."""
+        """Let a body collide and fall, or not collide and float."""
         model, number = self._model, self._model.body(str(body)).id
         first = int(model.body_geomadr[number])
         shapes = slice(first, first + int(model.body_geomnum[number]))
@@ -316,15 +317,15 @@ class Mujoco:
     def _set_friction(self) -> None:
         """Give each contact the product of its shapes' friction.
 
-        A convex contact (Anitescu 2006) lifts what slides, by about friction x speed x the time in
-        which it is to stop. So this time is short where a body sticks, and grows with its speed, so
-        that the reference never asks for more than _BRAKING. The centres' speed stands for the
-        speed of the contact: what rolls loses nothing by it.
+        A convex contact (Anitescu 2006) lifts a sliding body, by about friction x speed x the time
+        in which it should stop. So this time is short where a body sticks and grows with its speed,
+        so that the reference never demands more than _BRAKING. The speed of the centres stands for
+        that of the contact: for rolling bodies this does no harm.
         """
         if not self._objects:
             return
         contact, speeds = self._data.contact, np.concatenate((self._qvel, (0.0, 0.0, 0.0)))
-        if (pairs := contact.geom.tobytes()) != self._pairs:  # mostly they are the same again
+        if (pairs := contact.geom.tobytes()) != self._pairs:  # mostly they are unchanged
             self._pairs, self._rough = pairs, np.flatnonzero(contact.dim == _ROUGH)
             first, second = contact.geom[self._rough].T
             friction = self._friction[first] * self._friction[second]
@@ -340,9 +341,9 @@ class Mujoco:
             reference[self._rough[is_slow], 1] = 1.0
 
     def _stop_at_walls(self) -> None:
-        """Put an object that would pass through something in this step before it, without bounce.
+        """Put an object that would pass through something in this step before it, without a bounce.
 
-        MuJoCo looks at poses alone, and would find it before a wall and then behind it.
+        MuJoCo looks only at poses, and would find it first before a wall and then behind it.
         """
         for number, radius in self._objects:
             pose, velocity = self._free[number]
@@ -362,7 +363,7 @@ class Mujoco:
 
 
 def _geom(shape: Shape) -> tuple[Any, Sequence[float]]:
-    """A shape's kind and size, in MuJoCo's terms."""
+    """Return a shape's kind and size, in MuJoCo's terms."""
     kinds = mujoco.mjtGeom
     if isinstance(shape, Cuboid):
         return kinds.mjGEOM_BOX, [side / 2 for side in shape.size]
@@ -372,7 +373,7 @@ def _geom(shape: Shape) -> tuple[Any, Sequence[float]]:
 
 
 def _wxyz(rotation: Quaternion) -> Quaternion:
-    """MuJoCo's order of a quaternion."""
+    """Return a quaternion in MuJoCo's order."""
     x, y, z, w = rotation
     return w, x, y, z
 

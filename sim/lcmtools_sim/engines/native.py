@@ -1,4 +1,4 @@
-"""The danger of pybullet's C code: it prints."""
+"""Suppressing the output of pybullet's C code."""
 
 import ctypes
 import fcntl
@@ -10,9 +10,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def suppressed_output() -> Iterator[None]:
-    """Redirect file descriptors 1 and 2 to /dev/null: sys.stdout has no effect on C.
+    """Redirect file descriptors 1 and 2 to /dev/null: C does not use sys.stdout.
 
-    Other threads of the process are silent too, so this is for the start and the end of a program.
+    This also silences other threads, so use it only at the start and end of a program.
     """
     _flush()
     copies = {descriptor: _copy(descriptor) for descriptor in (1, 2)}
@@ -34,7 +34,7 @@ def suppressed_output() -> Iterator[None]:
 
 
 def _copy(descriptor: int) -> int | None:
-    """A copy of a descriptor above the standard ones; None if the program started without it."""
+    """Return a copy of a descriptor above the standard ones; None if it was closed at the start."""
     try:
         return fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, 3)
     except OSError:

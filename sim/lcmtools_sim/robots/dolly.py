@@ -1,8 +1,9 @@
 """Dolly, the sheep that follows: a small cart with a laser in front.
 
-All numbers are those of its public model (chapulina/dolly, dolly_gazebo/models/dolly/model.sdf).
-Its Gazebo plugin has a wheel separation of 1.25 m, but the wheels are 0.6 m apart, so that there it
-turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world file restores that.
+All numbers are from its public model (chapulina/dolly, dolly_gazebo/models/dolly/model.sdf).
+Its Gazebo plugin has a wheel separation of 1.25 m, but the wheels are 0.6 m apart, so that in
+Gazebo it turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world file
+restores this.
 """
 
 from dataclasses import replace
@@ -28,9 +29,9 @@ WHEEL_RADIUS = 0.15
 TRACK = 0.6
 
 _GAZEBO_TRACK = 1.25
-_PLUGIN_RATE = 100.0  # [Hz] the default of Gazebo's differential drive
+_PLUGIN_RATE = 100.0  # [Hz] default of Gazebo's differential drive plugin
 _HEIGHT = 0.225  # [m] of the middle of the chassis, and of base_link, which is above the axle
-_AXLE = 0.3  # [m] the distance of the wheels in front of the middle of the chassis
+_AXLE = 0.3  # [m] distance of the wheels in front of the middle of the chassis
 _CHASSIS = (1.0, 0.5, 0.15)
 _MASS = 2.0  # [kg] chassis and two wheels
 _INERTIA = (0.06, 0.13, 0.19)  # [kg m^2] a box of 1 kg with two wheels of 0.5 kg beside it

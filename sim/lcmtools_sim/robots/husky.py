@@ -1,6 +1,6 @@
 """Clearpath's Husky A200.
 
-Dimensions, masses, limits and the wheel_separation_multiplier are those of the public ROS
+Dimensions, masses, limits and the wheel_separation_multiplier are from the public ROS
 packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, control.yaml).
 """
 
@@ -24,7 +24,7 @@ WHEEL_WIDTH = 0.1143
 WHEELBASE = 0.5120
 TRACK = 0.5708
 TRACK_MULTIPLIER = 1.875
-"""A skid-steered robot turns slower than its wheels, as if they were this much wider apart."""
+"""A skid-steered robot turns more slowly than its wheels suggest, as if this much wider."""
 
 _BASE_HEIGHT = 0.13228
 _CHASSIS = (0.9874, 0.5709, 0.2475)
@@ -33,7 +33,7 @@ _CHASSIS_INERTIA = (0.6022, 1.7386, 2.0296)
 _WHEEL_MASS = 2.637
 _WHEEL_INERTIA = (0.02467, 0.04411, 0.02467)
 _CENTRE_OF_MASS = 0.19  # of chassis and wheels together
-_GROUND_CLEARANCE = 0.03  # of the wheels' collision boxes; the feet reach the ground
+_GROUND_CLEARANCE = 0.03  # of the wheels' collision boxes; only the feet reach the ground
 
 _YELLOW: Color = (0.8, 0.8, 0.1)
 _BLACK: Color = (0.2, 0.2, 0.2)
@@ -44,7 +44,7 @@ _CORNERS = tuple((x * WHEELBASE / 2, y * TRACK / 2) for x in (1, -1) for y in (1
 
 
 def _inertia() -> tuple[float, float, float]:
-    """Chassis and four wheels about their common centre, by the parallel axis theorem."""
+    """The inertia of chassis and wheels about their common centre (parallel axis theorem)."""
     a, b = WHEELBASE / 2, TRACK / 2
     offsets = (b * b, a * a, a * a + b * b)
     x, y, z = (
@@ -55,7 +55,7 @@ def _inertia() -> tuple[float, float, float]:
 
 
 def _wheels(side: int) -> Part:
-    """The box around the two wheels of a side (left 1, right -1)."""
+    """Return the box around the two wheels of a side (left 1, right -1)."""
     height = 2 * (WHEEL_RADIUS - _GROUND_CLEARANCE)
     length = WHEELBASE + 2 * WHEEL_RADIUS
     box = Cuboid((length, WHEEL_WIDTH, height))

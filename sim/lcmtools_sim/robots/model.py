@@ -1,6 +1,6 @@
 """Robot models: body, wheels, limits and sensors, as frozen values.
 
-All positions are given in base_footprint: on the ground, in the middle between the wheels, x
+All positions are given in base_footprint: on the ground, midway between the wheels, x
 forward, y left, z up.
 """
 
@@ -14,17 +14,17 @@ from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 BLACK: Color = (0.15, 0.15, 0.15)
 LIGHT: Color = (0.93, 0.93, 0.9)
 ACROSS: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
-"""A cylinder's along y, as a wheel's."""
-ALONG: Quaternion = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)  # a cylinder's along x
+"""The rotation of a cylinder along y, such as a wheel."""
+ALONG: Quaternion = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)  # the same along x
 
 
 def wheel(radius: float, width: float, track: float) -> Part:
-    """The shape of a wheel [m], a little above the ground; on the right with a track below 0."""
+    """A wheel's shape [m], slightly above the ground; on the right if the track is below 0."""
     return Part(Cylinder(radius - 0.005, width), (0.0, track / 2, radius), ACROSS, BLACK)
 
 
 def detailed_wheel(radius: float, width: float, centre: Vector, hub: Color) -> "Wheel":
-    """A tyre with a hub and spokes of this colour, which show that it turns."""
+    """Return a tyre with a hub and spokes of this colour, which show its rotation."""
     tyre = Part(Cylinder(radius, width), rotation=ACROSS, color=BLACK)
     disc = Part(Cylinder(0.6 * radius, width + 0.008), rotation=ACROSS, color=hub)
     cap = Part(Cylinder(0.2 * radius, width + 0.024), rotation=ACROSS, color=BLACK)
@@ -41,9 +41,9 @@ def detailed_wheel(radius: float, width: float, centre: Vector, hub: Color) -> "
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A wheel as viewers show it: its centre in base_footprint, and its parts about the centre.
+    """A wheel for viewers: its centre in base_footprint, and its parts relative to the centre.
 
-    It turns about its y axis, by the angle of the side that it is on.
+    It turns about its y axis, by its side's angle.
     """
 
     centre: Vector
@@ -64,10 +64,10 @@ class Body:
 
     mass: float  # [kg], wheels included
     inertia: Vector  # about x, y, z through the centre of mass [kg m^2]
-    centre_of_mass: float  # height above the ground [m], in the middle between the wheels
+    centre_of_mass: float  # height above the ground [m], midway between the wheels
     base_height: float  # of base_link above the ground [m]
     parts: tuple[Part, ...]  # the shapes that collide and that sensors see
-    feet: tuple[tuple[float, float], ...]  # (x, y) of the points that it stands on [m]
+    feet: tuple[tuple[float, float], ...]  # (x, y) of the points on which it stands [m]
     foot_radius: float  # [m]
     look: Look = Look()  # shown by viewers instead of the parts, unless it has none
 
@@ -77,7 +77,7 @@ class Drive:
     """Two driven sides, their motors and their tyres."""
 
     wheel_radius: float  # [m]
-    track: float  # distance at which two ideal wheels would turn the robot as its own do [m]
+    track: float  # distance of two ideal wheels that would turn the robot as its own wheels do [m]
     full_speed: float  # ground speed of a side at effort 1 [m/s]
     max_speed: float  # highest forward speed of a command [m/s]
     max_turn_rate: float  # highest turn rate of a command [rad/s]
@@ -88,14 +88,14 @@ class Drive:
     believed_track: float = 0.0
     # (x, y) of the contacts of wheels that skid when it turns [m].
     wheels: tuple[tuple[float, float], ...] = ()
-    # Turn by skidding on these wheels, as a real one does, instead of as two ideal wheels at the
-    # track would.
+    # Turn by skidding on these wheels, like a real robot, instead of as with two ideal wheels at
+    # the track.
     skids: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class CommandTopic:
-    """A topic that steers a robot; it is declared as Twist or as JointState, and takes both."""
+    """A topic that steers a robot; it is declared as Twist or JointState, and accepts both."""
 
     name: str
     is_twist: bool = False
@@ -119,8 +119,8 @@ class RobotModel:
     drive: Drive  # its motors and tyres
     # Names that commands may use for the left side, the usual one first.
     left_wheels: tuple[str, ...]
-    right_wheels: tuple[str, ...]  # names for the right side, in the same order
-    sensors: tuple[SensorMount, ...]  # in their order
+    right_wheels: tuple[str, ...]  # the same for the right side, in the same order
+    sensors: tuple[SensorMount, ...]  # in order
     # ``wtf`` names the first one if nobody publishes any.
     commands: tuple[CommandTopic, ...] = COMMANDS
-    gazebo_drive: Drive | None = None  # the drive as it was in Gazebo, if that is known to be wrong
+    gazebo_drive: Drive | None = None  # the drive as in Gazebo, if that is known to be wrong

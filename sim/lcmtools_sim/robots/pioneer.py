@@ -1,8 +1,8 @@
 """MobileRobots' Pioneer 3-DX with a Kinect on top.
 
-Size, wheels and speeds are those of the maker's data sheet; the caster's place is that of
-MobileRobots' own model of the robot (amr-ros-config, pioneer3dx.urdf). Topics have the names of
-the robot's ROS driver (RosAria) and of the Kinect's (openni).
+Size, wheels and speeds are from the maker's data sheet; the caster's position is from MobileRobots'
+own model of the robot (amr-ros-config, pioneer3dx.urdf). Topics have the names used by the robot's
+ROS driver (RosAria) and the Kinect's (openni).
 """
 
 from lcmtools_sim.geometry import Pose

@@ -11,7 +11,7 @@ from lcmtools_sim.sensors.sensor import Contact, RobotState, SensorContext, Sens
 
 
 class BumperSensor:
-    """gazebo_msgs/ContactsState in base_link: one state for each body that is touched.
+    """gazebo_msgs/ContactsState in base_link: one state for each touched body.
 
     The ground is not counted. Forces are those of the last step, without torque.
     """
@@ -24,7 +24,7 @@ class BumperSensor:
         self._frame = context.frame("base_link")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The contacts after one step."""
+        """Return the contacts after one step."""
         del wanted
         message = ContactsState()
         fill_header(message.header, state.time, self._frame)
@@ -35,7 +35,7 @@ class BumperSensor:
         return {"": encode(message)}
 
     def _state(self, name: str, contacts: Sequence[Contact], state: RobotState) -> ContactState:
-        """All contacts with one body."""
+        """Return all contacts with one body."""
         frame = axes(state.rotation)
         message = ContactState()
         message.collision1_name, message.collision2_name = self._context.namespace, name

@@ -1,4 +1,4 @@
-"""A colour camera, and a depth camera with a colour camera in the same place, as the Kinect is."""
+"""A colour camera, and a depth camera with a colour camera in the same place, like the Kinect."""
 
 import math
 from collections.abc import Callable, Collection, Mapping
@@ -40,12 +40,12 @@ COLOR_COMPRESSED = "rgb/image_raw/compressed"
 COLOR_INFO = "rgb/camera_info"
 
 BULKY = frozenset((DEPTH_METRES, POINTS))
-"""The same as other outputs in five times the bytes: megabytes, thirty times a second."""
+"""The same data as other outputs in five times the size: megabytes, thirty times a second."""
 
 _COLORED = {COLOR_RAW, COLOR_COMPRESSED, POINTS}
 _PICTURES = _COLORED | {DEPTH_RAW, DEPTH_METRES, DEPTH_COMPRESSED}
 _Makers = dict[str, Callable[[], Image | CompressedImage | CameraInfo | PointCloud2]]
-"""Functions that make the message of each output, by its name."""
+"""The functions that create the message of each output, by its name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +79,10 @@ class _MountedCamera:
         self._context = context
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
-        keep_freed_memory()  # the arrays of a picture are as large as those of the one before
+        keep_freed_memory()  # a picture's arrays are as large as the previous picture's
 
     def view(self, state: RobotState, *, only_depth: bool = False) -> Rendering:
-        """The view after one step."""
+        """Return the view after one step."""
         position, rotation = state.sensor_frame(self._pose)
         view = optical(rotation)
         return render(self._solids(), self.camera, position, view, only_depth=only_depth)
@@ -90,14 +90,14 @@ class _MountedCamera:
     def encoded(
         self, makers: _Makers, wanted: Collection[str], state: RobotState
     ) -> dict[str, bytes]:
-        """The payloads of the messages that are wanted, with their headers."""
+        """Return the payloads of the wanted messages, with their headers."""
         made = {name: make() for name, make in makers.items() if name in wanted}
         for message in made.values():
             fill_header(message.header, state.time, self._frame)
         return {name: encode(message) for name, message in made.items()}
 
     def _solids(self) -> Solids:
-        """All shapes around; the immovable ones are prepared once."""
+        """Return all shapes except the robot's; the immovable ones are prepared once."""
         context, world = self._context, self._context.world
         parts = world.fixed_parts()
         if self._fixed is None or parts is not self._fixed_parts:
@@ -121,7 +121,7 @@ class CameraSensor:
         self._mounted = _MountedCamera(settings.camera, mount, context, "camera_optical_frame")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The pictures of one step."""
+        """Return the pictures of one step."""
         makers: _Makers = {INFO: self._mounted.camera.info}
         if RAW in wanted or COMPRESSED in wanted:
             picture = color_image(self._mounted.view(state))
@@ -138,13 +138,13 @@ class DepthCameraSettings(CameraSettings):
     far: float = number(8.0, 0.01, 1000.0)  # greatest depth that is measured [m]
     # Standard deviation of the depth at 1 m [m]; it grows with its square.
     noise: float = deviation()
-    # Distance of two neighbouring readings at 1 m [m]; it grows with its square.
+    # Distance between two neighbouring readings at 1 m [m]; it grows with its square.
     step: float = deviation()
     dropout: float = number(0.0, 0.0, 1.0)  # share of the pixels without a reading
 
 
 class DepthCameraSensor:
-    """Depth (16UC1 in mm and 32FC1 in m, REP-118), colour, and points, pixel by pixel the same.
+    """Depth (16UC1 in mm and 32FC1 in m, REP-118), colour, and points, registered pixel by pixel.
 
     Both cameras have one optical frame and one camera_info, which is exact for their pixels.
     """
@@ -174,7 +174,7 @@ class DepthCameraSensor:
         self._noise = context.noise(mount)
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The pictures of one step; the view that they share is rendered once."""
+        """Return the pictures of one step; their common view is rendered once."""
         makers: _Makers = {}
         if _PICTURES.intersection(wanted):
             is_colored = bool(_COLORED.intersection(wanted))

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 class LaserSettings(Settings):
     """The properties of a scanner."""
 
-    rays: int = number(360, 2, 20_000)  # their number, from the first angle to the last
+    rays: int = number(360, 2, 20_000)  # number of rays, from the first angle to the last
     # [rad] counter-clockwise, 0 along the sensor's x axis.
     first_angle: float = number(-np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
     last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)  # [rad]
@@ -67,7 +67,7 @@ class LaserSensor(SharedSensor):
         self._template = PayloadTemplate(message, "header.stamp", "ranges")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The scan of one step."""
+        """Return the scan of one step."""
         del wanted
         bodies = dict(self._world.moving_bodies())
         del bodies[self.body]
@@ -76,7 +76,7 @@ class LaserSensor(SharedSensor):
         return {"": self.payload(state, ranges)}
 
     def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """The function that measures these sensors at once, as SharedSensor has it."""
+        """Return the function that measures these sensors at once; see SharedSensor."""
         return partial(self._scans, sensors)
 
     def _scans(self, sensors: Sequence[tuple["Self", int]], state: RobotState) -> Iterator[bytes]:
@@ -95,7 +95,7 @@ class LaserSensor(SharedSensor):
             yield sensor.payload(state, ranges)
 
     def payload(self, state: RobotState, ranges: Floats) -> bytes:
-        """The message of these ranges [m], with noise, and inf as it has it."""
+        """Return the message of these ranges [m], with noise, and infinities as in REP-117."""
         settings = self._settings
         if settings.noise:
             ranges += self._noise.at(state.time).normal(0.0, settings.noise, len(ranges))

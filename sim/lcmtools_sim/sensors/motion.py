@@ -40,44 +40,44 @@ from lcmtools_sim.sensors.sensor import (
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control has it
+_DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as in Clearpath's husky_control
 COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 """Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
 
 
 class MotionSensor(SharedSensor):
-    """A sensor whose messages are numbers in a template, worked out of a robot's state alone."""
+    """A sensor whose messages are numbers in a template, computed only from a robot's state."""
 
     template: PayloadTemplate  # of its messages
-    is_noisy: bool  # its numbers are its own, drawn for each sample
+    is_noisy: bool  # True if it draws its own random numbers for each sample
 
     @property
     def is_shared(self) -> bool:
-        """True unless its numbers are its own."""
+        """True unless it draws its own random numbers."""
         return not self.is_noisy
 
     @property
     @abstractmethod
     def outputs(self) -> Mapping[str, type[Message]]:
-        """The type of its one output."""
+        """The type of its only output."""
 
     @abstractmethod
     def rows(self, state: RobotState) -> tuple[Row, ...]:
-        """The numbers for the template; arrays of a state's arrays, if it is not noisy."""
+        """The numbers for the template; arrays for a state with arrays, unless it is noisy."""
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The message of one step."""
+        """Return the message of one step."""
         del wanted
         return {"": self.template.fill(*self.rows(state))}
 
     def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """The function that measures these sensors at once, as SharedSensor has it."""
+        """Return the function that measures these sensors at once; see SharedSensor."""
         payloads = Payloads([(sensor.template, place) for sensor, place in sensors])
         return lambda state: payloads.fill(self.rows(state))
 
 
 def _planar_pose(state: RobotState) -> tuple[float, ...]:
-    """The pose by odometry as the seven numbers of a message: position and quaternion."""
+    """Return the odometry's pose as the seven numbers of a message: position and quaternion."""
     x, y, yaw = state.odometry_pose
     ops = arithmetic_of(yaw)
     return x, y, 0.0, 0.0, 0.0, ops.sin(yaw / 2), ops.cos(yaw / 2)
@@ -119,9 +119,9 @@ class WheelStatesSensor(MotionSensor):
 class OdometrySettings(Settings):
     """The errors of odometry."""
 
-    # Standard deviation of each side's measured distance after 1 m [m]; it grows with the root of
-    # the distance (K. Chong, L. Kleeman, Accurate Odometry and Error Modelling for a Mobile Robot,
-    # ICRA 1997). The pose drifts by it, and odom in /tf.
+    # Standard deviation of each side's measured distance after 1 m [m]; it grows with the square
+    # root of the distance (K. Chong, L. Kleeman, Accurate Odometry and Error Modelling for a Mobile
+    # Robot, ICRA 1997). The pose and odom in /tf drift by it.
     travel_noise: float = deviation()
     speed_noise: float = deviation()  # standard deviation of the twist's forward speed [m/s]
     turning_noise: float = deviation()  # standard deviation of the twist's turn rate [rad/s]
@@ -183,7 +183,7 @@ class TransformsSensor(MotionSensor):
 
 
 def transform_message(parent: str, child: str, frame: Frame) -> TransformStamped:
-    """The message of a frame in its parent, without a time."""
+    """Return the message of a frame in its parent, without a time."""
     message = TransformStamped()
     message.header.frame_id, message.child_frame_id = parent, child
     place, turn = message.transform.translation, message.transform.rotation
@@ -203,7 +203,7 @@ class ImuSettings(Settings):
 class ImuSensor(MotionSensor):
     """sensor_msgs/Imu by REP-145: at rest it measures +g along the axis that points up.
 
-    The orientation is the true one in the world; the other covariances are those of the noise,
+    The orientation is the true one in the world; the other covariances are the noise's,
     and all zero (unknown) without noise.
     """
 
@@ -243,9 +243,9 @@ class ImuSensor(MotionSensor):
         )
 
     def _proper_acceleration(self, state: RobotState) -> Vector:
-        """The proper acceleration of the sensor, in base_link [m/s^2].
+        """Return the proper acceleration of the sensor, in base_link [m/s^2].
 
-        That of base_link, of the lever that turns (Euler and centripetal), and minus gravity.
+        It is base_link's, plus the rotating lever's (Euler and centripetal), minus gravity.
         """
         lever = self._lever
         of_lever = add(
@@ -257,7 +257,7 @@ class ImuSensor(MotionSensor):
 
 
 def _covariance(noise: float) -> tuple[float, ...]:
-    """Row-major 3x3, with the variance of the noise on its diagonal."""
+    """Return a row-major 3x3 with the variance of the noise on its diagonal."""
     return tuple(noise**2 if i % 4 == 0 else 0.0 for i in range(9))
 
 
@@ -299,7 +299,7 @@ class GroundTruthSensor(MotionSensor):
         return state.stamp, place, turn, state.velocity, state.angular_velocity
 
     def _disturbed(self, state: RobotState) -> tuple[Vector, Quaternion]:
-        """The pose with noise: moved, and turned about the vertical."""
+        """Return the pose with noise: moved, and turned about the vertical axis."""
         settings = self._settings
         if not self.is_noisy:
             return state.position, state.rotation

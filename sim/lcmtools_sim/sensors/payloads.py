@@ -1,4 +1,4 @@
-"""The payloads of many robots' messages of one kind, filled by arrays."""
+"""The payloads of many robots' messages of one kind, filled from arrays."""
 
 import re
 import struct
@@ -10,13 +10,13 @@ import numpy.typing as npt
 from lcmtools.messages.payload_template import PayloadTemplate
 
 Row = Sequence[float]
-"""The numbers of one hole of a template; arrays, where they are many robots' (see ``Value``)."""
+"""The numbers of one hole in a template; arrays for many robots (see ``Value``)."""
 
 
 class Payloads:
     """Payloads of which only the numbers in the templates' holes change.
 
-    The templates are of one kind of message, each with its robot's place in the rows.
+    The templates are of one kind of message, each with its robot's index in the rows.
     """
 
     def __init__(self, templates: Sequence[tuple[PayloadTemplate, int]]) -> None:
@@ -28,7 +28,7 @@ class Payloads:
         self._count = len(templates)
 
     def fill(self, rows: Sequence[Row]) -> list[bytes]:
-        """The payloads with these numbers, a row for each hole."""
+        """Return the payloads with these numbers, a row for each hole."""
         payloads = [b""] * self._count
         for table in self._tables:
             for number, payload in table.filled(rows):
@@ -37,7 +37,7 @@ class Payloads:
 
 
 class _Table:
-    """Payloads with holes at the same places, one a row, of templates by their numbers."""
+    """Payloads with holes at the same offsets, one per row, for the templates of these numbers."""
 
     def __init__(
         self, numbers: Sequence[int], templates: Sequence[tuple[PayloadTemplate, int]]
@@ -48,11 +48,11 @@ class _Table:
         self._columns = [list(self._of_hole(*hole)) for hole in chosen[0][0].holes]
         places = [place for _, place in chosen]
         run = range(places[0], places[0] + len(places))
-        # a view is faster than a choice
+        # a slice, which is a view, is faster than indices
         self._robots = slice(run.start, run.stop) if places == list(run) else np.array(places)
 
     def filled(self, rows: Sequence[Row]) -> Iterator[tuple[int, bytes]]:
-        """The payloads with these numbers of all robots in the holes; each with its own number."""
+        """Yield the payloads filled with all robots' numbers, each with its template's number."""
         for columns, row in zip(self._columns, rows, strict=True):
             for column, values in zip(columns, row, strict=True):
                 is_one = isinstance(values, (int, float))
@@ -61,7 +61,7 @@ class _Table:
         return zip(self._numbers, payloads.tolist(), strict=True)
 
     def _of_hole(self, start: int, codes: str) -> Iterator[npt.NDArray[np.generic]]:
-        """The numbers of a hole in all payloads, as views of their bytes."""
+        """Yield the numbers of a hole in all payloads, as views of their bytes."""
         count, size = self._bytes.shape
         for times, code in re.findall(r"(\d+)(\D)", codes):
             for _ in range(int(times)):

@@ -1,8 +1,8 @@
-"""The interface of sensors: how one is mounted and set, what it is given and what it returns.
+"""The interface of sensors: mounting, settings, input and output.
 
-A sensor turns the state of one robot after one step, and its view of the world, into encoded
-messages; frequent ones fill a template instead of encoding a message each time. Sensors know no
-bus, no engine and no schedule.
+A sensor turns the state of one robot after a step, and its view of the world, into encoded
+messages; frequent messages are filled templates instead of being encoded each time. Sensors know no
+bus, engine or schedule.
 """
 
 import zlib
@@ -27,22 +27,22 @@ Number = TypeVar("Number", int, float)
 
 
 class Settings:
-    """The base of every kind's settings: a frozen dataclass, whose fields a world file may set."""
+    """Base of all sensors' settings: frozen dataclasses whose fields a world file may set."""
 
     __slots__ = ()
 
 
 def number(default: Number, lowest: float, highest: float, *, angle: bool = False) -> Number:
-    """A setting that is a number within bounds; an angle [rad] may be written as "90 deg".
+    """Return a setting that is a number within bounds; an angle [rad] may be written as "90 deg".
 
-    Whole if the default is whole.
+    It is an integer if the default is one.
     """
     bounds = {"lowest": lowest, "highest": highest, "angle": angle}
     return field(default=default, metadata=bounds)
 
 
 def deviation() -> float:
-    """A setting that is the standard deviation of a noise, in the unit of the disturbed value."""
+    """Return a setting for the standard deviation of noise, in the disturbed value's unit."""
     return number(0.0, 0.0, 1e3)
 
 
@@ -54,11 +54,11 @@ class SensorMount:
     # Its topic, or the prefix of its several topics; relative to the robot's namespace, or
     # absolute.
     topic: str
-    rate: float  # [Hz], at most one measurement a step
+    rate: float  # [Hz], at most one measurement per step
     pose: Pose = ORIGIN  # of the sensor in base_link; unused by sensors of the whole robot
     frame: str = ""  # the name of its frame without the namespace; "" for the kind's usual one
     settings: Settings | None = None  # None for the kind's defaults
-    always: bool = False  # measure also without any subscriber
+    always: bool = False  # measure even without subscribers
 
 
 class Sides(NamedTuple):
@@ -69,25 +69,25 @@ class Sides(NamedTuple):
 
 
 class RobotState(NamedTuple):
-    """The state of a robot after a step. A tuple, for many are made."""
+    """The state of a robot after a step. A tuple, because many are created."""
 
     time: int  # simulated nanoseconds since the start
-    stamp: tuple[int, int]  # the same in seconds and nanoseconds
+    stamp: tuple[int, int]  # the same as seconds and nanoseconds
     position: Vector  # of base_link in the world [m]
     rotation: Quaternion  # of base_link in the world
     velocity: Vector  # of base_link, in its own frame [m/s]
     angular_velocity: Vector  # in its own frame [rad/s]
     acceleration: Vector  # of base_link, in its own frame, without gravity [m/s^2]
     angular_acceleration: Vector  # in its own frame [rad/s^2]
-    wheel_angles: Sides  # since the start [rad]
+    wheel_angles: Sides  # angles since the start [rad]
     wheel_speeds: Sides  # [rad/s]
     efforts: Sides  # the motors' commands, as fractions of full power
-    odometry_pose: Vector  # x, y [m] and yaw [rad] by the wheels' encoders, relative to the start
-    # Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
+    odometry_pose: Vector  # x, y [m] and yaw [rad] from the wheels' encoders, relative to the start
+    # Forward speed [m/s] and turn rate [rad/s] from the wheels' encoders.
     odometry_speed: tuple[float, float]
 
     def sensor_frame(self, pose: Pose) -> Frame:
-        """The frame in the world of a sensor with this pose in base_link."""
+        """Return the frame in the world of a sensor with this pose in base_link."""
         return Frame(self.position, self.rotation).place(pose.frame)
 
 
@@ -103,42 +103,42 @@ class Contact:
 
 
 class WorldView(Protocol):
-    """The world as sensors may see it; see lcmtools_sim.world."""
+    """The part of the world that sensors may see; see lcmtools_sim.world."""
 
     def fixed_parts(self) -> tuple[Part, ...]:
         """The immovable shapes, in the world; the same object until one is added."""
 
     def moving_parts(self, but: int) -> list[Part]:
-        """The movable shapes but for one body's, in the world."""
+        """Return the movable shapes except one body's, in the world."""
 
     def fixed_solids(self) -> Solids:
         """The immovable shapes as arrays; the same object until one is added."""
 
     def moving_bodies(self) -> Mapping[int, PlacedSolids]:
-        """The movable bodies by their numbers.
+        """Return the movable bodies by their numbers.
 
         The shapes of a body are the same object as long as it exists.
         """
 
     def contacts(self, body: int) -> list[Contact]:
-        """The contacts of a body with anything but the ground."""
+        """Return the contacts of a body with anything except the ground."""
 
 
 class Noise:
-    """The random numbers of a sensor's noise, by the world's seed, its name and the sample's time.
+    """The random numbers of a sensor's noise, from the world's seed, its name and sample times.
 
-    They do not depend on the samples before, and so not on when somebody began to listen.
+    They do not depend on earlier samples, and thus not on when a program began to subscribe.
     """
 
     def __init__(self, seed: int, name: str) -> None:
-        # Philox (J. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, 2011) can begin
-        # anywhere at once; a new generator for each sample would take ten times as long.
+        # Philox (J. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, 2011) can start at
+        # any position; a new generator for each sample would take ten times as long.
         self._bits = np.random.Philox(key=[seed, zlib.crc32(name.encode())])
         self._state = self._bits.state
         self._generator = np.random.Generator(self._bits)
 
     def at(self, time: int, stream: int = 0) -> np.random.Generator:
-        """The random numbers of the sample at a time [ns]; each stream has others."""
+        """Return the random numbers of the sample at a time [ns]; they differ between streams."""
         self._state["state"]["counter"][:] = 0, time, stream, 0
         self._bits.state = self._state
         return self._generator
@@ -146,7 +146,7 @@ class Noise:
     def added_to(
         self, values: Sequence[float], deviation: float, time: int, stream: int = 0
     ) -> Sequence[float]:
-        """The values with white noise of this standard deviation."""
+        """Return the values with white noise of this standard deviation."""
         if not deviation:
             return values
         disturbed: list[float] = self.at(time, stream).normal(values, deviation).tolist()
@@ -155,27 +155,27 @@ class Noise:
 
 @dataclass(frozen=True, slots=True)
 class SensorContext:
-    """The robot that carries a sensor, as far as sensors need to know it."""
+    """The robot that carries a sensor, as far as sensors need to know about it."""
 
-    namespace: str  # the robot's, which prefixes frames and topics
+    namespace: str  # the robot's namespace, which prefixes frames and topics
     body: int  # the robot's body in the world
     world: WorldView  # the view of the world
     ground_color: Color  # the colour of the plane z = 0
     lines: tuple[Line, ...]  # painted on it
     gravity: float  # [m/s^2]
-    seed: int  # the world's
+    seed: int  # the world's seed
     # The frames in base_link of the sensors mounted so far, by their prefixed names.
     frames: dict[str, Frame] = field(default_factory=dict)
 
     def frame(self, name: str) -> str:
-        """A frame's id with the robot's prefix and no leading slash ("husky0/odom")."""
+        """Return a frame's id with the robot's prefix and no leading slash ("husky0/odom")."""
         return f"{self.namespace}/{name}".lstrip("/")
 
     def add_frame(self, mount: SensorMount, usual: str, rotation: Quaternion) -> str:
         """Register a sensor's frame, by its rotation in base_link; return its id.
 
-        A frame is at one place only: if another sensor has the usual name, the topic prefixes it.
-        The usual name is for a mount that has none.
+        A frame has only one pose: if another sensor already has the usual name, the topic prefixes
+        it. The usual name is used for a mount without one.
         """
         frame = Frame(mount.pose.position, rotation)
         name = self.frame(mount.frame or usual)
@@ -185,14 +185,14 @@ class SensorContext:
         return name
 
     def noise(self, mount: SensorMount) -> Noise:
-        """The noise of one sensor."""
+        """Return the noise of one sensor."""
         return Noise(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
 Together = Callable[[RobotState], Iterable[bytes]]
-"""Measures several robots' sensors of one kind: the payloads of one step, in the sensors' order.
+"""Measures several robots' sensors of one kind; returns payloads of one step in the sensors' order.
 
-The state is that of all the robots, as arrays.
+The argument is the state of all the robots, as arrays.
 """
 
 
@@ -201,30 +201,30 @@ class Sensor(Protocol):
 
     @property
     def outputs(self) -> Mapping[str, type[Message]]:
-        """The type of each output, by its name below the mount's topic ("" for that itself)."""
+        """The type of each output, by its name below the mount's topic ("" for that topic)."""
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The payloads of one step, of the wanted outputs."""
+        """Return the payloads of the wanted outputs for one step."""
 
 
 class SharedSensor(ABC):
-    """A sensor that can be measured together with those of other robots that are mounted alike."""
+    """A sensor that can be measured together with identically mounted ones on other robots."""
 
     @property
     def is_shared(self) -> bool:
-        """False for one with settings that make it an exception."""
+        """False if its settings make it an exception."""
         return True
 
     @abstractmethod
     def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """The function for these sensors, which may be shared; each with its robot's place."""
+        """Return the function for these shared sensors, each given with its robot's index."""
 
 
 @dataclass(frozen=True, slots=True)
 class SensorKind:
     """A kind of sensor, as robot models and world files may mount it."""
 
-    make: Callable[[SensorMount, SensorContext], Sensor]  # makes one for a mount on a robot
+    make: Callable[[SensorMount, SensorContext], Sensor]  # creates one for a mount on a robot
     settings: type[Settings] | None = None  # the class of its settings; None for a kind without any
     rate: float = 50.0  # the default rate in world files [Hz]
     topic: str = ""  # the default topic in world files
@@ -233,7 +233,7 @@ class SensorKind:
 
 
 def random_numbers(seed: int, name: str) -> np.random.Generator:
-    """The random numbers of the noise with this name, the same in each run with the same seed."""
+    """Return random numbers for the noise of this name, the same in each run with the same seed."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 

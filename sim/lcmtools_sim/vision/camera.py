@@ -17,10 +17,10 @@ from lcmtools_sim.vision.solids import SPHERE, Floats, Solids
 
 OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
 """The optical frame in a camera's own frame (x forward, y left, z up; REP-103)."""
-_SLACK = 1e-3  # [pixels] for what rounding may have shifted
+_SLACK = 1e-3  # [pixels] tolerance for rounding
 _CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not i & step])
-"""The corners of a cube, and the places among them of the two ends of each edge."""
+"""For each edge of a cube, the indices of its two corners."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Camera:
 
     @property
     def focal_length(self) -> float:
-        """[pixels], of columns and of rows."""
+        """The focal length [pixels], for columns and rows."""
         return self.width / 2 / math.tan(self.field_of_view / 2)
 
     @property
@@ -53,7 +53,7 @@ class Camera:
         return (self.width - 1) / 2, (self.height - 1) / 2
 
     def slopes(self) -> tuple[Floats, Floats]:
-        """The rays: pixel (i, j) looks along (x[i], y[j], 1). Of shapes (width,), (height,)."""
+        """The rays: pixel (i, j) looks along (x[i], y[j], 1). Shapes (width,), (height,)."""
         column, row = self.centre
         return (
             (np.arange(self.width, dtype=np.float64) - column) / self.focal_length,
@@ -61,7 +61,7 @@ class Camera:
         )
 
     def info(self) -> CameraInfo:
-        """The sensor_msgs/CameraInfo of every picture; its header is empty."""
+        """Return the sensor_msgs/CameraInfo of every picture, with an empty header."""
         focal, (column, row) = self.focal_length, self.centre
         message = CameraInfo()
         message.width, message.height = self.width, self.height
@@ -78,14 +78,14 @@ def _row_major(*rows: Sequence[float]) -> list[float]:
 
 
 def optical(rotation: Quaternion) -> Quaternion:
-    """The rotation of the optical frame of a camera whose own frame has this rotation."""
+    """Return the rotation of a camera's optical frame from that of its own frame."""
     return multiply(rotation, OPTICAL)
 
 
 class PixelBounds(NamedTuple):
     """The pixels that a solid can cover: rows top..bottom-1, columns left..right-1."""
 
-    number: int  # of the solid in its group
+    number: int  # number of the solid in its group
     nearest: float  # least depth of its bounding box [m]; 0 or less behind the camera
     left: int
     right: int
@@ -94,9 +94,9 @@ class PixelBounds(NamedTuple):
 
 
 def pixel_bounds(solids: Solids, camera: Camera) -> list[PixelBounds]:
-    """The bounds of all solids (in the optical frame) in view, the nearest first.
+    """Return the bounds of all solids (in the optical frame) in view, the nearest first.
 
-    Solids behind the camera or beside the picture have none.
+    Solids behind the camera or outside the picture have none.
     """
     corners = corners_of(solids)
     depths = corners[:, :, 2]
@@ -106,7 +106,7 @@ def pixel_bounds(solids: Solids, camera: Camera) -> list[PixelBounds]:
     ends = np.array((camera.width, camera.height))
     first = np.ceil(np.clip(lowest * camera.focal_length + centre - _SLACK, 0, ends))
     last = np.floor(np.clip(highest * camera.focal_length + centre + _SLACK, -1, ends - 1))
-    # A body that the engine has lost (NaN) fails these comparisons, too.
+    # A body that the engine has lost (NaN) also fails these comparisons.
     in_view = (furthest > 0) & (first <= last).all(axis=1)
     numbers = np.flatnonzero(in_view)
     numbers = numbers[np.argsort(nearest[numbers], kind="stable")]
@@ -124,10 +124,10 @@ def corners_of(solids: Solids) -> Floats:
 
 
 def _slope_ranges(corners: Floats) -> tuple[Floats, Floats]:
-    """Least and greatest x/z and y/z of the part of each box before the camera, (n, 2) each.
+    """Return least and greatest x/z and y/z of each box's part before the camera, (n, 2) each.
 
-    Over a convex body x/z has its extremes at a corner; if the plane z = 0 cuts the body, on that
-    cut, where x/z is infinite with the sign of x.
+    On a convex body, the extremes of x/z are at corners; if the plane z = 0 cuts the body, they are
+    on that cut, where x/z is infinite with the sign of x.
     """
     depths = corners[:, :, 2:]
     ahead = depths > 0

@@ -1,7 +1,7 @@
-"""The picture of a colour camera: the solids' colours in plain light, registered with the depth.
+"""The picture of a colour camera: the solids' colours in simple light, registered with the depth.
 
 The light is a sun with a fixed direction, without shadows. Shading is Lambert's, wrapped round so
-that faces in the shade still differ from each other (J. Mitchell et al., Shading in Valve's Source
+that faces in shade still differ from each other (J. Mitchell et al., Shading in Valve's Source
 Engine, SIGGRAPH 2006: half Lambert).
 """
 
@@ -20,13 +20,13 @@ Pixels = npt.NDArray[np.uint8]
 SKY_COLOR: Color = (0.68, 0.80, 0.92)
 SUN = np.array((-0.4, -0.6, 1.0)) / np.linalg.norm((-0.4, -0.6, 1.0))
 """Direction towards the sun, in the world."""
-AMBIENT = 0.35  # brightness of faces away from the sun; those towards it have 1
+AMBIENT = 0.35  # brightness of faces away from the sun; faces towards it have 1
 _UP = np.array((0.0, 0.0, 1.0))
 _ON_CAP = 1 + 1e-5  # a pixel is on a cap whose inverse depth is at most this many times its own
 
 
 def color_image(view: Rendering) -> Pixels:
-    """The picture: (height, width, 3) uint8, red, green, blue."""
+    """Return the picture: (height, width, 3) uint8, red, green, blue."""
     picture = np.empty((*view.depth.shape, 4), np.uint8)
     packed = picture.view(np.uint32)[:, :, 0]
     floor = _lit(np.array(view.solids.ground or SKY_COLOR), _UP)
@@ -46,7 +46,7 @@ def color_image(view: Rendering) -> Pixels:
 
 
 def _draw_lines(packed: npt.NDArray[np.uint32], view: Rendering, lines: Marks) -> None:
-    """Give the ground's pixels that see a line its colour."""
+    """Give the pixels of lines on the ground their colours."""
     rows, columns = np.nonzero(view.solid == GROUND)
     x, y = view.camera.slopes()
     rays = np.stack((x[columns], y[rows], np.ones(len(rows))), axis=-1)
@@ -59,9 +59,9 @@ def _draw_lines(packed: npt.NDArray[np.uint32], view: Rendering, lines: Marks) -
 
 
 def _cuboid(view: Rendering, bounds: PixelBounds) -> npt.NDArray[np.uint32]:
-    """A cuboid's packed colours all over its bounds: those of its nearest face."""
+    """Return a cuboid's packed colours within its bounds: those of its nearest face."""
     seen = surfaces(view.solids, bounds.number)
-    assert seen is not None  # for it is in the picture
+    assert seen is not None  # because it is in the picture
     color = view.solids.colors[bounds.number]
     x, y = _slopes(view, bounds)
     colors = np.full((len(y), len(x)), _packed(_lit(color, _normal(view, seen.front[0]))))
@@ -75,7 +75,7 @@ def _cuboid(view: Rendering, bounds: PixelBounds) -> npt.NDArray[np.uint32]:
 
 
 def _round(view: Rendering, bounds: PixelBounds, mask: npt.NDArray[np.bool_]) -> Floats:
-    """The colours of the pixels of a sphere or cylinder, (n, 3)."""
+    """Return the colours of the pixels of a sphere or cylinder, (n, 3)."""
     solids, number = view.solids, bounds.number
     x, y = _slopes(view, bounds)
     rows, columns = np.nonzero(mask)
@@ -98,24 +98,24 @@ def _slopes(view: Rendering, bounds: PixelBounds) -> tuple[Floats, Floats]:
 
 
 def _normal(view: Rendering, form: Floats) -> Floats:
-    """The normal, in the world, of the plane of a face; it points towards the eye."""
+    """Return the normal of a face's plane, in the world, pointing towards the eye."""
     normal: Floats = -view.turn @ form
     return normal / np.linalg.norm(normal)
 
 
 def _lit(color: Floats, normals: Floats) -> Floats:
-    """A colour on surfaces with these normals (..., 3) in the world."""
+    """Return a colour on surfaces with these normals (..., 3) in the world."""
     facing = (1 + normals @ SUN) / 2
     lit: Floats = (AMBIENT + (1 - AMBIENT) * facing)[..., None] * color
     return lit
 
 
 def _bytes(colors: Floats) -> Pixels:
-    """Colours (..., 3) from 0 to 1 as (..., 4) bytes, the last one unused."""
+    """Return colours (..., 3) from 0 to 1 as (..., 4) bytes, the last one unused."""
     levels = np.rint(np.clip(colors, 0, 1) * 255).astype(np.uint8)
     return np.concatenate((levels, np.zeros((*levels.shape[:-1], 1), np.uint8)), axis=-1)
 
 
 def _packed(color: Floats) -> np.uint32:
-    """A colour's four bytes as one number, in memory order."""
+    """Return a colour's four bytes as one number, in memory order."""
     return np.uint32(_bytes(color).view(np.uint32)[0])

@@ -1,4 +1,4 @@
-"""Lines on the ground in colour pictures, looked up on a map of small cells for each pixel."""
+"""Lines on the ground in colour pictures, looked up for each pixel in a map of small cells."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -9,7 +9,7 @@ import numpy.typing as npt
 from lcmtools_sim.shapes import Line
 from lcmtools_sim.vision.solids import Floats
 
-_CELL, _MOST_CELLS = 0.01, 2000  # [m], and of a side
+_CELL, _MOST_CELLS = 0.01, 2000  # size of a cell [m], and most cells per side
 NOTHING = -1
 
 
@@ -17,7 +17,7 @@ class Marks:
     """A map of lines on the plane z = 0."""
 
     def __init__(self, lines: Sequence[Line]) -> None:
-        self.colors = np.array([line.color for line in lines])  # (n, 3) of the lines
+        self.colors = np.array([line.color for line in lines])  # (n, 3), the lines' colours
         widest = max(line.width for line in lines)
         points = np.concatenate([line.points for line in lines])
         self._low = points.min(axis=0) - widest
@@ -28,7 +28,7 @@ class Marks:
             self._map[tuple(self._cells(_brush(line, self._cell)).T)] = number
 
     def at(self, places: Floats) -> npt.NDArray[np.int16]:
-        """The number of the line at each place (n, 2) [m], or NOTHING."""
+        """Return the number of the line at each place (n, 2) [m], or NOTHING."""
         cells = self._cells(places)
         inside = ((cells >= 0) & (cells < self._map.shape)).all(axis=1)
         found = np.full(len(places), NOTHING, np.int16)
@@ -42,12 +42,12 @@ class Marks:
 
 @lru_cache
 def marks_of(lines: tuple[Line, ...]) -> Marks | None:
-    """The map of some lines; None without any."""
+    """Return the map of some lines; None without any."""
     return Marks(lines) if lines else None
 
 
 def _brush(line: Line, step: float) -> Floats:
-    """Places (n, 2) that cover a line, no farther from each other than a step."""
+    """Return places (n, 2) that cover a line, at most a step apart."""
     points = np.array(line.points)
     lengths = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     along = np.arange(0.0, lengths[-1] + step / 2, step / 2)

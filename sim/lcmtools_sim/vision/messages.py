@@ -1,7 +1,7 @@
-"""Pictures as messages, their headers left empty: images, PNG files and point clouds.
+"""Pictures as messages, with empty headers: images, PNG files and point clouds.
 
 Depth follows REP-118 (https://ros.org/reps/rep-0118.html): 32FC1 is metres, NaN for no reading;
-16UC1 is millimetres, 0 for no reading. Depth out of the sensor's range is no reading. Numbers are
+16UC1 is millimetres, 0 for no reading. Depth out of range is no reading. Numbers are
 little-endian. Points are in the optical frame, in the picture's rows and columns. Their colour is
 packed as PCL reads it: the field ``rgb`` is a float32 whose bits are 0x00RRGGBB.
 """
@@ -19,36 +19,36 @@ from lcmtools_sim.vision.surfaces import Floats32
 
 METRES, MILLIMETRES = "32FC1", "16UC1"
 _MOST_MILLIMETRES = 65.535  # [m]
-_ROUNDING = 1e-6  # relative, of float32: a wall at the very limit is measured
+_ROUNDING = 1e-6  # relative, for float32: a wall exactly at the limit is measured
 _FASTEST = {"compress_level": 1, "compress_type": zlib.Z_RLE}
-"""Other levels take longer (6: five times as long for noisy depth) for a few percent."""
+"""Higher levels take longer (6: five times as long for noisy depth) and save a few percent."""
 
 
 def in_metres(depth: Floats32, near: float, far: float) -> Floats32:
-    """Depth [m] with NaN for all that is not from ``near`` to ``far`` [m]."""
+    """Return depth [m], with NaN outside of ``near`` to ``far`` [m]."""
     return np.where(_valid(depth, near, far), depth, np.float32(np.nan))
 
 
 def in_millimetres(depth: Floats32, near: float, far: float) -> npt.NDArray[np.uint16]:
-    """Depth [m] as the nearest millimetre, 0 for all that is not from ``near`` to ``far`` [m].
+    """Return depth [m] rounded to millimetres, with 0 outside of ``near`` to ``far`` [m].
 
-    Depth that 16 bits cannot hold, above 65.535 m, is 0 too.
+    Depth that does not fit into 16 bits, above 65.535 m, is also 0.
     """
     metric = depth * np.float32(1000)
-    with np.errstate(invalid="ignore"):  # what is out of range becomes 0 below
+    with np.errstate(invalid="ignore"):  # values out of range become 0 below
         millimetres: npt.NDArray[np.uint16] = np.rint(metric, out=metric).astype(np.uint16)
     millimetres *= _valid(depth, near, min(far, _MOST_MILLIMETRES))
     return millimetres
 
 
 def depth_message(depth: Floats32, encoding: str, near: float, far: float) -> Image:
-    """A depth picture (height, width) [m] as sensor_msgs/Image.
+    """Return a depth picture (height, width) [m] as sensor_msgs/Image.
 
-    Inf and NaN are no reading. The encoding is METRES or MILLIMETRES; the sensor measures depths
+    Inf and NaN mean no reading. The encoding is METRES or MILLIMETRES; the sensor measures depths
     from near to far [m].
 
     Raises:
-        ValueError: The encoding is another one.
+        ValueError: The encoding is neither of these.
     """
     if encoding == METRES:
         return _image(in_metres(depth, near, far).astype("<f4", copy=False), encoding)
@@ -58,12 +58,12 @@ def depth_message(depth: Floats32, encoding: str, near: float, far: float) -> Im
 
 
 def color_message(picture: Pixels) -> Image:
-    """A colour picture (height, width, 3) as sensor_msgs/Image, rgb8."""
+    """Return a colour picture (height, width, 3) as sensor_msgs/Image, rgb8."""
     return _image(picture, "rgb8")
 
 
 def compressed_message(picture: Pixels | npt.NDArray[np.uint16]) -> CompressedImage:
-    """A colour picture, or depth in millimetres, as a PNG file in sensor_msgs/CompressedImage."""
+    """Return a colour picture, or depth in millimetres, as PNG in sensor_msgs/CompressedImage."""
     message = CompressedImage()
     message.format = "png"
     message.data = png_file(picture)
@@ -72,7 +72,7 @@ def compressed_message(picture: Pixels | npt.NDArray[np.uint16]) -> CompressedIm
 
 
 def png_file(picture: Pixels | npt.NDArray[np.uint16]) -> bytes:
-    """The content of a PNG file: (height, width, 3) uint8, or (height, width) uint16."""
+    """Return the content of a PNG file: (height, width, 3) uint8, or (height, width) uint16."""
     from PIL import Image as PillowImage
 
     file = BytesIO()
@@ -83,10 +83,10 @@ def png_file(picture: Pixels | npt.NDArray[np.uint16]) -> bytes:
 def cloud_message(
     depth: Floats32, camera: Camera, near: float, far: float, color: Pixels | None = None
 ) -> PointCloud2:
-    """A depth picture (height, width) [m] of a camera as an organised sensor_msgs/PointCloud2.
+    """Return a camera's depth picture (height, width) [m] as an organized sensor_msgs/PointCloud2.
 
-    Inf and NaN are no reading; the sensor measures depths from near to far [m]. ``color`` has
-    (height, width, 3) of the same pixels; without it the points have none.
+    Inf and NaN mean no reading; the sensor measures depths from near to far [m]. ``color`` has
+    the same pixels, (height, width, 3); without it, the points have no colour.
     """
     names = ("x", "y", "z") if color is None else ("x", "y", "z", "rgb")
     data = np.empty((*depth.shape, len(names)), "<f4")

@@ -18,18 +18,18 @@ def noisy(
     step: float = 0.0,
     dropout: float = 0.0,
 ) -> Floats32:
-    """Depth [m] with the errors; inf stays inf, a dropped reading is NaN.
+    """Return depth [m] with the errors; inf stays inf, a dropped reading is NaN.
 
-    The count of random numbers depends on the picture's size only, so that runs are repeatable.
+    The number of random numbers depends only on the picture's size, so that runs are repeatable.
 
     Args:
-        depth: Exact [m].
+        depth: Exact depth [m].
         random: The random numbers.
-        spread: Standard deviation at 1 m [m]; at z metres it is z^2 times that.
-        step: Distance of two neighbouring readings at 1 m [m]; at z metres it is z^2 times that,
-            for the sensor counts steps of disparity, which is 1/z. With 0 depth is continuous, and
-            16UC1 rounds it to millimetres. The spread was measured with the steps in it: to have
-            both adds z^2 step / sqrt(12) to it, in quadrature.
+        spread: Standard deviation at 1 m [m]; at z metres it is z^2 times this.
+        step: Distance between two neighbouring readings at 1 m [m]; at z metres it is z^2 times
+            this, because the sensor counts steps of disparity, which is 1/z. With 0, depth is
+            continuous, and 16UC1 rounds it to millimetres. The spread was measured including the
+            steps: using both adds z^2 step / sqrt(12) to it, in quadrature.
         dropout: Share of the pixels without a reading, 0 to 1.
     """
     if spread:

@@ -31,12 +31,12 @@ class Rendering:
     turn: Floats  # rotation matrix of the optical frame in the world
     depth: Floats32  # (height, width) float32 along the optical axis [m]; inf for the sky
     # (height, width) int16, the number of the visible solid, GROUND or SKY; empty if only the depth
-    # was wanted.
+    # was requested.
     solid: npt.NDArray[np.int16]
-    eye: Vector  # the position of the camera in the world [m]
+    eye: Vector  # position of the camera in the world [m]
 
 
-# Rays that miss a round side make NaN, and so does a body that the engine has lost.
+# Rays that miss a round side give NaN, and so does a body that the engine has lost.
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")
 def render(
     solids: Solids,
@@ -49,11 +49,11 @@ def render(
     """Render solids and the ground.
 
     Args:
-        solids: In the world; those around the eye are not seen.
-        camera: Its intrinsics.
-        position: Of the optical frame in the world [m].
-        rotation: Of the optical frame in the world (see ``camera.optical``).
-        only_depth: Leave out which solid is visible.
+        solids: Solids in the world; those around the eye are invisible.
+        camera: The camera's intrinsics.
+        position: Position of the optical frame in the world [m].
+        rotation: Rotation of the optical frame in the world (see ``camera.optical``).
+        only_depth: Do not determine which solid is visible.
     """
     local, turn = solids.seen_from(position, rotation), matrix(rotation)
     picture = _DepthBuffer(camera, only_depth=only_depth)
@@ -74,7 +74,7 @@ class _DepthBuffer:
     def __init__(self, camera: Camera, *, only_depth: bool) -> None:
         shape = camera.height, camera.width
         self._x, self._y = camera.slopes()
-        self._inverse_depth = np.zeros(shape, np.float32)  # as the sky has
+        self._inverse_depth = np.zeros(shape, np.float32)  # as for the sky
         self.solid = np.full((0, 0) if only_depth else shape, SKY, np.int16)
         self._buffers = [np.empty(max(_STRIP, camera.width), np.float32) for _ in range(4)]
 
@@ -86,11 +86,11 @@ class _DepthBuffer:
             rows = slice(numbers[0], numbers[-1] + 1)
             inverse_depth = evaluate(form, self._x, self._y[rows], self._inverse_depth[rows])
             np.maximum(inverse_depth, 0, out=inverse_depth)
-            if self.solid.size:  # a sum, for to assign by a mask takes far longer
+            if self.solid.size:  # a sum, because assigning by a mask takes far longer
                 np.add(inverse_depth > 0, np.int16(SKY), out=self.solid[rows])
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
-        """Draw a solid in front of what is behind it."""
+        """Draw a solid in front of more distant surfaces."""
         for rows, columns in _strips(bounds):
             upper, lower = self._interval(seen, self._x[columns], self._y[rows])
             behind = self._inverse_depth[rows, columns]
@@ -101,11 +101,11 @@ class _DepthBuffer:
                 np.copyto(self.solid[rows, columns], np.int16(bounds.number), where=visible)
 
     def depth(self) -> Floats32:
-        """The depth [m]; it takes the buffer's place."""
+        """Return the depth [m]; it overwrites the buffer."""
         return np.divide(np.float32(1), self._inverse_depth, out=self._inverse_depth)
 
     def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:
-        """The inverse depth of entering and leaving a solid; for a miss entering is less or NaN."""
+        """The inverse depths of entering and leaving a solid; entering is less or NaN if missed."""
         upper, lower, spare, other = (
             buffer[: len(y) * len(x)].reshape(len(y), len(x)) for buffer in self._buffers
         )
@@ -127,7 +127,7 @@ class _DepthBuffer:
 
 
 def _root(side: Floats, x: Floats, y: Floats, out: tuple[Floats32, Floats32]) -> Floats32:
-    """Half the difference of entering and leaving a round side, NaN beside it."""
+    """Return half the difference between entering and leaving a round side, NaN beside it."""
     root, spare = out
     evaluate(side[1], x, y, root)
     np.multiply(root, evaluate(side[2], x, y, spare), out=root)
@@ -138,7 +138,7 @@ def _root(side: Floats, x: Floats, y: Floats, out: tuple[Floats32, Floats32]) ->
 
 
 def _strips(bounds: PixelBounds) -> Iterator[tuple[slice, slice]]:
-    """Rows and columns within the bounds, some rows at a time."""
+    """Yield rows and columns within the bounds, some rows at a time."""
     columns = slice(bounds.left, bounds.right)
     height = max(1, _STRIP // (bounds.right - bounds.left))
     for top in range(bounds.top, bounds.bottom, height):

@@ -1,8 +1,8 @@
 """The ranges of a laser scanner: rays from one point, all in one plane.
 
 The bounding sphere of a solid cuts the scan's plane in a circle. A solid is tested only with the
-rays towards its circle, and all such pairs of a ray and a solid are tested at once, by the
-textbook's intersections (A. Glassner, An Introduction to Ray Tracing, chapter 2): a box is three
+rays towards its circle, and all such pairs of a ray and a solid are tested at once, by textbook
+intersections (A. Glassner, An Introduction to Ray Tracing, chapter 2): a box is three
 slabs, a cylinder or a sphere a quadratic equation. bench/vision.py shows what the circles save.
 The pairs of many scanners are tested at once, too.
 """
@@ -26,12 +26,12 @@ from lcmtools_sim.vision.solids import (
     solids_of,
 )
 
-_TOUCH = 1e-9  # [m]; an eye so near to a surface is inside it
-_TINY = 1e-300  # in place of 0, to divide by
-_EDGE = 1 + 1e-12  # a ray through an edge leaves where it enters, but for rounding
-_MARGIN = 1e-9  # [rad] by which the arcs are too wide
+_TOUCH = 1e-9  # [m]; an eye this close to a surface counts as inside
+_TINY = 1e-300  # in place of 0 as a divisor
+_EDGE = 1 + 1e-12  # a ray through an edge leaves where it enters, except for rounding
+_MARGIN = 1e-9  # [rad] by which arcs are widened
 _BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
-"""By kind: the half sizes whose squares add up to that of the bounding sphere's radius."""
+"""By kind, the half sizes whose squares add up to the square of the bounding sphere's radius."""
 
 Numbers = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
@@ -51,16 +51,16 @@ class Scanner:
         self._angles = angles[::-1].copy() if self._is_falling else angles
         self._cosines, self._sines = np.cos(self._angles), np.sin(self._angles)
         first, last = self._angles[0] / math.tau, self._angles[-1] / math.tau
-        # Arcs are within a turn of 0, either way; rays can be in them some turns further.
+        # Arcs are within one turn of 0 in both directions; rays may lie in them some turns further.
         turns = math.tau * np.arange(math.ceil(first) - 1, math.floor(last) + 2)
         self._turns = np.array((turns - _MARGIN, turns + _MARGIN))[:, None]
         self._groups: tuple[Solids, ...] = ()
         self._targets = _targets(())
 
     def scan(self, eye: Vector, rotation: Quaternion, bodies: Sequence[PlacedSolids]) -> Floats:
-        """The ranges from an eye [m], inf for nothing within the longest.
+        """Return the ranges from an eye [m], inf if nothing is within the longest.
 
-        A solid around the eye is not seen. The plane z = 0 is the ground.
+        A solid around the eye is invisible. The plane z = 0 is the ground.
         """
         forward, left, _ = axes(rotation)
         ranges = np.full(len(self._angles), np.inf)
@@ -75,15 +75,15 @@ class Scanner:
         ranges[ranges > self._longest] = np.inf
         return ranges[::-1] if self._is_falling else ranges
 
-    # A body that the engine has lost, at NaN or farther than numbers go, is near to nothing.
+    # A body that the engine has lost, at NaN or beyond the range of numbers, is near nothing.
     @np.errstate(invalid="ignore", over="ignore")
     def scan_together(
         self, eyes: Floats, rotations: Floats, bodies: Sequence[PlacedSolids], own: Numbers
     ) -> Floats:
-        """The ranges (k, n) of several such scanners, to the bit as ``scan`` returns each.
+        """Return the ranges (k, n) of several such scanners, bit for bit as from ``scan``.
 
-        They are at eyes (3, k) [m] with rotations (4, k); ``own`` (k,) is the place among the
-        bodies of the one that a scanner does not see.
+        They are at eyes (3, k) [m] with rotations (4, k); ``own`` (k,) is, for each scanner, the
+        index among the bodies of the one that it does not see.
         """
         groups, positions, turns = zip(*bodies, strict=True)
         targets, around = self._prepared(groups), _around(groups, positions, turns)
@@ -104,15 +104,15 @@ class Scanner:
         return ranges[:, ::-1] if self._is_falling else ranges
 
     def _prepared(self, groups: tuple[Solids, ...]) -> "_Targets":
-        """These groups prepared; mostly they are those of the last scan."""
+        """Return these groups prepared; mostly they are the last scan's."""
         if groups != self._groups:
             self._groups, self._targets = groups, _targets(groups)
         return self._targets
 
     def _measure(self, ranges: Floats, targets: "_Targets", views: Floats) -> None:
-        """Reduce the ranges to those of the solids, seen from these views of their groups.
+        """Reduce the ranges to the distances of the solids, seen from these views of their groups.
 
-        The ranges are those of all scanners, one after the other.
+        The ranges of all scanners follow one another.
         """
         eye, forward, left = targets.seen(views)
         ray, solid = self._pairs(targets.arcs(eye, forward, left, self._longest))
@@ -123,7 +123,7 @@ class Scanner:
         np.minimum.at(ranges, ray, targets.entered(eye.take(solid, axis=1), rays, solid))
 
     def _pairs(self, arcs: Floats) -> tuple[Numbers, Numbers]:
-        """All pairs of a ray and an arc (2, n) [rad] that holds it; the arcs' numbers rise."""
+        """Return all pairs of a ray and an arc (2, n) [rad] that contains it, in order of arcs."""
         starts, stops = self._angles.searchsorted((arcs[:, :, None] + self._turns).reshape(2, -1))
         counts = np.maximum(stops - starts, 0)
         arc = np.arange(len(counts)).repeat(counts)
@@ -133,20 +133,20 @@ class Scanner:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Targets:
-    """The solids of several groups, each in a frame of its own, as arrays: boxes first."""
+    """The solids of several groups, each in its own frame, as arrays: boxes first."""
 
-    owners: Numbers  # (n,) the places of their groups' views
+    owners: Numbers  # (n,) indices of their groups' views
     axes: Floats  # (n, 3, 3) in their groups
     centres: Floats  # (3, n) in their groups [m]
     half_sizes: Floats  # (3, n) [m]
     boxes: int  # the number of boxes
     reach_squares: Floats  # (n,) of the bounding spheres [m^2]
     roundness: Floats  # (3, n) 1 for an axis in which a solid is round, else 0
-    # (n,) the place of the first ray of the scanner that looks at each.
+    # (n,) the index of the first ray of the scanner that looks at each solid.
     first_rays: Numbers | None = None
 
     def seen_by(self, near: Mask, rays: int) -> "_Targets":
-        """The solids of the groups that are near (k, groups), again for each of k scanners."""
+        """Return the solids of near groups (k, groups), repeated for each of k scanners."""
         number, scanner = near[:, self.owners].T.nonzero()
         return replace(
             self,
@@ -161,7 +161,7 @@ class _Targets:
         )
 
     def seen(self, views: Floats) -> tuple[Floats, Floats, Floats]:
-        """The eye, forward and left (3, n) in the axes of each solid, about its centre.
+        """The eye, forward and left (3, n) in the axes of each solid, relative to its centre.
 
         ``views`` (groups, 3, 3) has them in the groups' frames, as rows.
         """
@@ -169,10 +169,10 @@ class _Targets:
         return eye - self.centres, forward, left
 
     def arcs(self, eye: Floats, forward: Floats, left: Floats, longest: float) -> Floats:
-        """The arcs (2, n) [rad] of the bounding spheres' circles in the plane of the scan.
+        """Return the arcs (2, n) [rad] of the bounding spheres' circles in the plane of the scan.
 
-        They end before they begin for a solid around the eye, without a circle, or with none within
-        ``longest`` [m].
+        An arc ends before it begins for a solid around the eye, without a circle, or without one
+        within ``longest`` [m].
         """
         x, y = -np.add.reduce(eye * forward), -np.add.reduce(eye * left)
         square = x * x + y * y
@@ -186,7 +186,7 @@ class _Targets:
         return np.array((middles - widths, middles + widths))
 
     def _around(self, eye: Floats) -> Mask:
-        """True for each solid that the eye is in, or touches."""
+        """Return True for each solid that contains or touches the eye."""
         gaps = np.abs(eye) - self.half_sizes
         radial = np.sqrt(np.add.reduce(eye * eye * self.roundness))
         gaps[:2, self.boxes :] = (radial - self.half_sizes[0])[self.boxes :]
@@ -194,7 +194,7 @@ class _Targets:
         return around
 
     def entered(self, eye: Floats, rays: Floats, solid: Numbers) -> Floats:
-        """The distance (m,) at which each ray (3, m) enters its solid, or inf; solids rise."""
+        """The distance (m,) at which each ray (3, m) enters its solid, or inf; by solid."""
         half = self.half_sizes.take(solid, axis=1)
         inverse = 1 / np.where(rays == 0, _TINY, rays)
         middle, reach = -eye * inverse, half * np.abs(inverse)
@@ -220,7 +220,7 @@ def _targets(groups: Sequence[Solids]) -> _Targets:
         half_sizes=half.T.copy(),
         boxes=int((kinds == CUBOID).sum()),
         reach_squares=(half * half * _BOUNDING[kinds]).sum(axis=1),
-        # A cylinder is round in x and y, a sphere in z too.
+        # A cylinder is round in x and y, a sphere also in z.
         roundness=np.array((kinds >= 0, kinds >= 0, kinds == SPHERE), np.float64),
     )
 
@@ -240,7 +240,7 @@ class _Around(NamedTuple):
         for row, vectors in enumerate((offsets, forward.T[:, None], left.T[:, None])):
             x, y, z = np.moveaxis(vectors, -1, 0)
             for axis, (a, b, c) in enumerate(self.frames):
-                views[:, :, row, axis] = x * a + y * b + z * c  # as _view has it
+                views[:, :, row, axis] = x * a + y * b + z * c  # as in _view
         return apart, views.reshape(-1, 3, 3)
 
 
@@ -263,12 +263,12 @@ def _round(eye: Floats, rays: Floats, radius: Floats, roundness: Floats) -> tupl
 
 
 def _first(enter: Floats, leave: Floats) -> Floats:
-    """The distance of entering, unless the ray misses or starts inside of or beyond the solid."""
+    """The distance of entering; inf if the ray misses or starts inside or beyond the solid."""
     return np.where((enter <= leave * _EDGE) & (enter > _TOUCH), enter, np.inf)
 
 
 def _view(body: PlacedSolids, eye: Vector, forward: Vector, left: Vector) -> list[float]:
-    """The eye and the scanner's axes in a body's own frame, one after the other."""
+    """Return the eye and the scanner's axes in a body's own frame, concatenated."""
     _, position, rotation = body
     frame = axes(rotation)
     seen = subtract(eye, position), forward, left

@@ -1,6 +1,6 @@
 """Solid shapes as arrays, by their kinds, poses, sizes and colours.
 
-Arrays are prepared once for a group of parts that keep together (the world's walls, the body of a
+Arrays are prepared once for a group of parts that stay together (the world's walls, the body of a
 robot); ``placed`` moves a group, ``joined`` makes one of several.
 """
 
@@ -27,9 +27,9 @@ class Solids:
     kinds: npt.NDArray[np.int8]  # (n,) CUBOID, CYLINDER (along its z) or SPHERE
     centres: Floats  # (n, 3) [m]
     axes: Floats  # (n, 3, 3) rotation matrices; the columns are the solid's axes
-    half_sizes: Floats  # (n, 3) [m] from the centre to the sides along its axes
+    half_sizes: Floats  # (n, 3) [m] from the centre to the sides, along its axes
     colors: Floats  # (n, 3) red, green, blue, 0 to 1
-    # The colour of the plane z = 0, which is solid below; None for no ground.
+    # The colour of the plane z = 0, below which everything is solid; None for no ground.
     ground: Color | None = None
     lines: tuple[Line, ...] = ()  # painted on the ground, in the world
 
@@ -39,19 +39,19 @@ class Solids:
 
     @cached_property
     def reach(self) -> float:
-        """The greatest distance of any point of the solids from the frame's origin, at most [m]."""
+        """An upper bound of the distance of the solids' points from the frame's origin [m]."""
         lengths = np.linalg.norm(self.centres, axis=1) + np.linalg.norm(self.half_sizes, axis=1)
         return float(lengths.max(initial=0.0))
 
     def placed(self, position: Vector, rotation: Quaternion) -> "Solids":
-        """The group in an outer frame, in which its own frame is at this pose."""
+        """Return the group in an outer frame in which its own frame has this pose."""
         turn = matrix(rotation)
         return replace(
             self, centres=self.centres @ turn.T + np.array(position), axes=turn @ self.axes
         )
 
     def seen_from(self, position: Vector, rotation: Quaternion) -> "Solids":
-        """The group in the frame of an eye at this pose: the inverse of ``placed``."""
+        """Return the group in the frame of an eye at this pose: the inverse of ``placed``."""
         turn = matrix(rotation)
         return replace(
             self, centres=(self.centres - np.array(position)) @ turn, axes=turn.T @ self.axes
@@ -59,13 +59,13 @@ class Solids:
 
 
 PlacedSolids = tuple[Solids, Vector, Quaternion]
-"""Solids that keep together, and the pose of their frame in the world."""
+"""Solids that stay together, and the pose of their frame in the world."""
 
 
 def solids_of(
     parts: Sequence[Part], ground: Color | None = None, lines: tuple[Line, ...] = ()
 ) -> Solids:
-    """A group of parts, in their order."""
+    """Return a group of parts, in order."""
     return Solids(
         kinds=np.array([_KINDS[type(part.shape)] for part in parts], np.int8),
         centres=_array([part.position for part in parts], 3),
@@ -78,7 +78,7 @@ def solids_of(
 
 
 def joined(*groups: Solids) -> Solids:
-    """All groups as one, in this order; the ground is that of the first group that has one."""
+    """Return all groups as one, in this order; the ground is from the first group that has one."""
     return Solids(
         kinds=np.concatenate([group.kinds for group in groups]),
         centres=np.concatenate([group.centres for group in groups]),
@@ -91,10 +91,10 @@ def joined(*groups: Solids) -> Solids:
 
 
 def matrix(rotation: Quaternion) -> Floats:
-    """The 3x3 matrix of a rotation."""
+    """Return the 3x3 matrix of a rotation."""
     return np.array(axes(rotation)).T
 
 
 def _array(rows: object, *shape: int) -> Floats:
-    """Rows as an array of this shape, also without any row."""
+    """Return rows as an array of this shape, even without any row."""
     return np.array(rows, np.float64).reshape(-1, *shape)

@@ -3,8 +3,8 @@
 Inverse depth is 1 / depth along the optical axis [1/m]. On any plane it is a linear form of the ray
 (x, y, 1): a point t (x, y, 1) of the plane n.p = s has 1/t = n.(x, y, 1) / s. A convex solid is
 where inverse depth is at most that of each surface with the eye outside (its ``front``), and at
-least that of each with the eye inside (its ``back``); the visible surface is the least of the
-front's. So the picture of a plane costs one addition a pixel, and no division.
+least that of each surface with the eye inside (its ``back``); the visible surface is the least of
+the front. So the picture of a plane costs one addition per pixel, and no division.
 
 A round side, in a frame whose first axis leads from the eye at (-e, 0, 0) to its axis, is hit where
 c w^2 - 2 e u w + (u^2 + v^2) = 0, with w the inverse depth, (u, v) the ray there, r the radius and
@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from lcmtools_sim.vision.solids import CUBOID, CYLINDER, Floats, Solids
 
-_TOUCH = 1e-9  # [m]; an eye so near to a plane is inside it
+_TOUCH = 1e-9  # [m]; an eye this close to a plane counts as inside
 
 Floats32 = npt.NDArray[np.float32]
 
@@ -32,16 +32,16 @@ class Surfaces(NamedTuple):
 
     front: Floats  # planes with the eye outside
     back: Floats  # planes with the eye inside
-    # Of a round side seen from outside: e u / c, the two factors of the root's argument, and for a
+    # For a round side seen from outside: e u / c, the two factors of the root's argument, and for a
     # sphere the third coordinate.
     side: Floats = NOTHING
-    hollow: Floats = NOTHING  # of a round side with the eye inside: e u, u, v and -c
+    hollow: Floats = NOTHING  # for a round side with the eye inside: e u, u, v and -c
 
 
 def surfaces(solids: Solids, number: int) -> Surfaces | None:
-    """The surfaces of a solid, which is in the optical frame; None with the eye inside it.
+    """Return the surfaces of a solid in the optical frame; None if the eye is inside it.
 
-    As for the engine's rays, a solid is not seen from within: a camera in its housing looks out.
+    As for the engine's rays, a solid is invisible from within: a camera sees out of its housing.
     """
     axes, centre = solids.axes[number], solids.centres[number]
     half, kind = solids.half_sizes[number], solids.kinds[number]
@@ -55,12 +55,12 @@ def surfaces(solids: Solids, number: int) -> Surfaces | None:
 
 
 def ground(height: float, up: Floats) -> Floats | None:
-    """The ground's linear form for an eye ``height`` [m] above it; None from below."""
+    """Return the ground's linear form for an eye ``height`` [m] above it; None from below."""
     return -up / height if height > _TOUCH else None
 
 
 def _planes(axes: Floats, eye: Floats, half: Floats) -> Surfaces:
-    """The two planes across each of these axes (columns), ``half`` [m] from the centre."""
+    """Return the two planes across each of these axes (columns), ``half`` [m] from the centre."""
     room = np.concatenate((half - eye, half + eye))
     normals = np.concatenate((axes.T, -axes.T))
     is_front = room < -_TOUCH
@@ -94,7 +94,7 @@ def _sphere(centre: Floats, radius: float) -> Surfaces | None:
 
 
 def _side(u: Floats, v: Floats, away: float, radius: float) -> Floats:
-    """The forms of a round side seen from outside, all divided so that the root needs no factor."""
+    """The forms of a round side seen from outside, scaled so that the root needs no factor."""
     square = (away - radius) * (away + radius)
     middle = away * u / square
     width, slope = radius * u / square, v / np.sqrt(square)
@@ -102,7 +102,7 @@ def _side(u: Floats, v: Floats, away: float, radius: float) -> Floats:
 
 
 def evaluate(form: Floats, x: Floats, y: Floats, out: Floats32 | None = None) -> Floats32:
-    """A linear form over the rays (x[i], y[j], 1): (len(y), len(x)) float32."""
+    """Evaluate a linear form for the rays (x[i], y[j], 1): (len(y), len(x)) float32."""
     a, b, c = form
     rows = (b * y + c).astype(np.float32)
     result: Floats32 = np.add(rows[:, None], (a * x).astype(np.float32), out=out)
@@ -110,15 +110,15 @@ def evaluate(form: Floats, x: Floats, y: Floats, out: Floats32 | None = None) ->
 
 
 def hollow_exit(along: Floats32, u: Floats32, v: Floats32, depth: Floats32) -> Floats32:
-    """The inverse depth of leaving an infinite cylinder, from an eye inside it, through its side.
+    """Return the inverse depth of leaving an infinite cylinder through its side, from inside it.
 
     Args:
         along: e u, with e the distance from the axis [m].
-        u: The ray towards the axis.
-        v: The ray across.
+        u: Component of the ray towards the axis.
+        v: Component of the ray across.
         depth: r^2 - e^2 [m^2].
     """
     square = u * u + v * v
     root = np.sqrt(along * along + square * depth)
-    # Of two forms of the same root, the one without a difference of nearly equal numbers.
+    # Of two forms of the same root, use the one without a difference of nearly equal numbers.
     return np.where(along > 0, square / (root + along), (root - along) / depth)

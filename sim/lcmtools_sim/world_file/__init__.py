@@ -1,7 +1,7 @@
-"""Reading world files: strict YAML, and through it URDF and SDF files.
+"""Reading world files: strict YAML, with references to URDF and SDF files.
 
-Keys and values that are unknown, missing, given twice or out of bounds raise InvalidFile, with
-file, line and reason, in all modules here. No engine and no bus are known.
+Keys and values that are unknown, missing, duplicate or out of range raise InvalidFile with file,
+line and reason, in all modules here. No engine and no bus are known.
 """
 
 from dataclasses import replace
@@ -21,10 +21,10 @@ _KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots", "paths"
 def read_scene(text: str, source: str) -> Scene:
     """Read a world file's text; ``source`` is its name, for messages and for files beside it.
 
-    It may be a Gazebo world too, see sdf.py.
+    It may also be a Gazebo world, see sdf.py.
 
     Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
+        InvalidFile: It is wrong; the error has file, line and reason.
     """
     if text.lstrip("\ufeff \t\r\n").startswith("<"):
         return read_sdf(text, source)
@@ -46,7 +46,7 @@ def read_scene(text: str, source: str) -> Scene:
 
 
 def _too_fast(scene: Scene) -> list[str]:
-    """Notes on sensors with a rate above that of the steps."""
+    """Return notes on sensors with a higher rate than the steps."""
     steps = 1 / scene.dt
     return [
         f"{robot.where}: {mount.topic} of {robot.namespace} cannot have {mount.rate:g} Hz: there"

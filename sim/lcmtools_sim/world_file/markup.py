@@ -1,4 +1,4 @@
-"""The elements of URDF and SDF files with the values that are read from them.
+"""The elements of URDF and SDF files, with readers for their values.
 
 Every error names the file and the line. Must not know what the elements mean.
 """
@@ -11,7 +11,7 @@ from lcmtools.formats import strict_xml
 from lcmtools_sim.geometry import Vector
 from lcmtools_sim.shapes import Color
 
-_LARGEST = 1e6  # of all lengths, masses and angles
+_LARGEST = 1e6  # largest length, mass and angle
 
 
 @dataclass(slots=True)
@@ -19,22 +19,22 @@ class Element(strict_xml.Element):
     """An element of a description."""
 
     def child(self, tag: str) -> "Element | None":
-        """Return the first child of this name."""
+        """Return the first child with this name."""
         return next((child for child in self.children if child.tag == tag), None)
 
     def all(self, tag: str) -> list["Element"]:
-        """Return the children of this name."""
+        """Return the children with this name."""
         return [child for child in self.children if child.tag == tag]
 
     def path(self, *tags: str) -> "Element | None":
-        """Return the element that the first children of these names lead to."""
+        """Return the element reached through the first children with these names."""
         found: Element | None = self
         for tag in tags:
             found = found.child(tag) if found else None
         return found
 
     def needed(self, tag: str) -> "Element":
-        """Return the child of this name, which is required."""
+        """Return the child with this name, which is required."""
         if found := self.child(tag):
             return found
         raise self.error(f"{self} lacks <{tag}>")
@@ -48,7 +48,7 @@ class Element(strict_xml.Element):
         return self._checked(self.text, "is empty")
 
     def number(self, name: str = "", *, lowest: float = -_LARGEST) -> float:
-        """Return the number in an attribute; in the element itself without a name."""
+        """Return the number in an attribute; without a name, in the element itself."""
         return self.numbers(name, (1,), lowest=lowest)[0]
 
     def length(self, name: str = "") -> float:
@@ -78,12 +78,12 @@ class Element(strict_xml.Element):
         return [self._number(word, what, lowest) for word in words]
 
     def color(self, name: str = "") -> Color:
-        """Return red, green and blue, 0 to 1; what follows them (the opacity) is left out."""
+        """Return red, green and blue, 0 to 1; the opacity after them is ignored."""
         red, green, blue, *_ = self.numbers(name, (4,) if name else (3, 4), lowest=0.0)
         return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
 
     def __str__(self) -> str:
-        """Return the element as errors call it: with its name if it has one."""
+        """Return the element as named in errors: with its name, if it has one."""
         name = self.attributes.get("name", "")
         return f"<{self.tag} name='{name}'>" if name.isprintable() and name else f"<{self.tag}>"
 
@@ -106,12 +106,12 @@ class Element(strict_xml.Element):
 
 
 def load_markup(text: str, source: str, root: str, hint: str = "") -> Element:
-    """Return the root of an XML document, which must have the name ``root``.
+    """Return the root of an XML document, whose tag must be ``root``.
 
     ``hint`` is for a document about something else.
 
     Raises:
-        InvalidFile: The text is no XML, has a document type, or is about something else.
+        InvalidFile: The text is not XML, has a document type, or is about something else.
     """
     found = strict_xml.read_xml(text, source, Element)
     if found.tag != root:

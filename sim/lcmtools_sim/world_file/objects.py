@@ -1,4 +1,4 @@
-"""The entries of ``objects``: everything that stands around, or can be pushed."""
+"""The entries of ``objects``: all immovable and movable objects."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -26,7 +26,7 @@ _TOP = 0.03  # [m] thickness of a table's top
 
 
 def read_objects(item: Item, notes: list[str]) -> tuple[SceneObject, ...]:
-    """All entries of ``objects``; ``notes`` gets those on ignored content of their files."""
+    """Read all entries of ``objects``; ``notes`` gets notes on ignored content of their files."""
     return tuple(found for entry in item.items() for found in _read(entry, notes))
 
 
@@ -36,7 +36,7 @@ def _read(item: Item, notes: list[str]) -> Sequence[SceneObject]:
 
 
 def _sdf(item: Item, notes: list[str]) -> Sequence[SceneObject]:
-    """The content of a Gazebo file, about the pose."""
+    """Read the content of a Gazebo file, relative to the pose."""
     keys = item.fields(("type", "file", "pose"), required=["file"])
     found = read_sdf(*values.named_file(keys["file"]), value(keys, "pose", values.pose, ORIGIN))
     notes += [note for note in found.notes if note not in notes]
@@ -66,7 +66,7 @@ def _sphere(item: Item) -> list[SceneObject]:
 
 
 def _solid(keys: Mapping[str, Item], item: Item, shape: Shape, height: float) -> SceneObject:
-    """An object of one part; a pose of three numbers stands it on the ground."""
+    """Return an object of one part; a pose of three numbers puts it on the ground."""
     part = Part(shape, color=value(keys, "color", values.color, WOOD))
     return _object(keys, item, (part,), values.pose(keys["pose"], height / 2))
 
@@ -85,7 +85,7 @@ def _object(
 
 
 def _table(item: Item) -> list[SceneObject]:
-    """A table: a top and four legs as one body; the pose is that of its middle."""
+    """Read a table: a top and four legs as one body; the pose is its middle's."""
     keys = _fields(item, "size")
     long, wide, high = values.triple(values.length)(keys["size"])
     if min(long, wide) < 2 * _LEG or high <= _TOP:
@@ -103,7 +103,7 @@ def _table(item: Item) -> list[SceneObject]:
 
 
 def _walls(item: Item) -> list[SceneObject]:
-    """A wall along a polyline, piece by piece, each half a thickness longer at both ends."""
+    """Read a wall along a polyline, in pieces that are half a thickness longer at both ends."""
     known = ("type", "name", "points", "closed", "height", "thickness", "friction", "color")
     keys = item.fields(known, required=["points"])
     corners = keys["points"].items()
@@ -126,7 +126,7 @@ def _walls(item: Item) -> list[SceneObject]:
 
 
 def _piece(start: Item, end: Item, height: float) -> tuple[float, Pose]:
-    """The distance of two points [m], and the pose of the wall between them."""
+    """Return the distance of two points [m], and the pose of the wall between them."""
     x0, y0 = (coordinate.number() for coordinate in start.items(2))
     x1, y1 = (coordinate.number() for coordinate in end.items(2))
     long = math.hypot(x1 - x0, y1 - y0)

@@ -16,7 +16,7 @@ Points = list[tuple[float, float]]
 
 
 def read_paths(item: Item) -> tuple[MarkedPath, ...]:
-    """All entries of ``paths``."""
+    """Read all entries of ``paths``."""
     paths: list[MarkedPath] = []
     for entry in item.items():
         path = _path(entry)
@@ -46,7 +46,7 @@ def _path(item: Item) -> MarkedPath:
 
 
 def _curve(corners: Points) -> Points:
-    """A Catmull-Rom spline through all corners; it is closed if the last one is the first.
+    """Return a Catmull-Rom spline through all corners, closed if the last one is the first.
 
     Source: E. Catmull, R. Rom, A class of local interpolating splines, 1974.
     """

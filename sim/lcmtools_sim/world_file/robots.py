@@ -1,4 +1,4 @@
-"""The entries of ``robots``: model, place, and changes of the model and its sensors."""
+"""The entries of ``robots``: model, pose, and changes to the model and its sensors."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import Field, fields, replace
@@ -33,7 +33,7 @@ _MOUNT_KEYS = ("type", "topic", "rate", "pose", "frame", "always", "off")
 
 
 def read_robots(item: Item, notes: list[str]) -> tuple[RobotPlacement, ...]:
-    """All entries of ``robots``; ``notes`` gets those on ignored content of their files."""
+    """Read all entries of ``robots``; ``notes`` gets notes on ignored content of their files."""
     robots: list[RobotPlacement] = []
     for element in item.items():
         robot = _robot(element, notes)
@@ -58,7 +58,7 @@ def _robot(item: Item, notes: list[str]) -> RobotPlacement:
 
 
 def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """The model with the entry's changes."""
+    """Return the model with the entry's changes."""
     model = _plain_model(keys, item, notes)
     if value(keys, "gazebo_quirks", Item.flag, default=False):
         if model.gazebo_drive is None:
@@ -79,7 +79,7 @@ def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
 
 
 def _plain_model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """The model with a name, or of a URDF file."""
+    """Return the model with a name, or from a URDF file."""
     path = keys["model"].text()
     if "/" not in path and not path.endswith((".urdf", ".xacro")):
         if "drive" in keys:
@@ -101,7 +101,7 @@ def _plain_model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotMo
 
 
 def _renamed(item: Item, mounts: Iterable[SensorMount]) -> tuple[SensorMount, ...]:
-    """The sensors with other topics, by their present ones."""
+    """Return the sensors with other topics, given by their current ones."""
     topics = {mount.topic: mount for mount in mounts}
     named = item.fields(topics)
     return tuple(
@@ -111,7 +111,7 @@ def _renamed(item: Item, mounts: Iterable[SensorMount]) -> tuple[SensorMount, ..
 
 
 def _commands(item: Item) -> tuple[CommandTopic, ...]:
-    """The topics of its commands, each declared as Twist."""
+    """Return the topics of its commands, each declared as Twist."""
     names = [name.text() for name in item.items()]
     if not names:
         raise item.error("'commands' is empty: nothing could steer the robot")
@@ -142,9 +142,9 @@ def _timeout(item: Item) -> float | None:
 
 
 def _read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMount, ...]:
-    """The sensors of a robot whose model has ``mounted`` ones.
+    """Return the sensors of a robot whose model has ``mounted`` sensors.
 
-    An entry with the topic of a sensor of the model changes that one; any other adds a sensor.
+    An entry with the topic of one of the model's sensors changes it; any other adds a sensor.
     """
     mounts = {mount.topic: mount for mount in mounted}
     topics: set[str] = set()
@@ -169,7 +169,7 @@ def _read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMou
 
 
 def _check_frame(item: Item, mount: SensorMount, frames: dict[str, SensorMount]) -> None:
-    """Refuse one name for two poses; a camera's frame has another orientation than others."""
+    """Refuse one frame name for two poses; cameras' frames also differ in orientation."""
     other = frames.setdefault(mount.frame, mount)
     is_camera, is_other_camera = ("camera" in each.kind for each in (mount, other))
     if other.pose != mount.pose or is_camera != is_other_camera:
@@ -191,7 +191,7 @@ def _mount(keys: dict[str, Item], kind: SensorKind, known: SensorMount) -> Senso
 
 
 def _settings(keys: dict[str, Item], kind: SensorKind, known: Settings | None) -> Settings | None:
-    """The kind's settings with the given fields."""
+    """Return the kind's settings with the given fields."""
     if kind.settings is None:
         return None
     settings, given = known or kind.settings(), {}
@@ -204,7 +204,7 @@ def _settings(keys: dict[str, Item], kind: SensorKind, known: Settings | None) -
 
 
 def _check_order(keys: dict[str, Item], settings: Settings) -> None:
-    """Refuse a shortest range above the longest one, and the like."""
+    """Refuse settings in the wrong order, such as a shortest range above the longest one."""
     for low, high in _ORDERED:
         given = keys.get(low) or keys.get(high)
         if given and hasattr(settings, low):
@@ -214,7 +214,7 @@ def _check_order(keys: dict[str, Item], settings: Settings) -> None:
 
 
 def _setting(item: Item, setting: Field[float]) -> float:
-    """One setting, of the type of its default; see ``number`` in sensors.sensor."""
+    """Read one setting, with its default's type; see ``number`` in sensors.sensor."""
     lowest, highest = setting.metadata["lowest"], setting.metadata["highest"]
     if isinstance(setting.default, int):
         return item.integer(lowest, highest)

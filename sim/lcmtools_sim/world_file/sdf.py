@@ -1,8 +1,8 @@
 """The objects of a Gazebo world: an SDF file's static content, and the models that it includes.
 
 Boxes, cylinders, spheres, capsules and planes are read, with their poses, masses, frictions and
-colours. Links with joints between them become one rigid body. Meshes, lights and the like are left
-out, and counted; Gazebo's own settings (physics, plugins, gui) have no meaning here. The format is
+colours. Links connected by joints become one rigid body. Meshes, lights etc. are left out and
+counted; Gazebo's own settings (physics, plugins, gui) have no meaning here. The format is
 that of http://sdformat.org/spec.
 """
 
@@ -26,10 +26,10 @@ _JOINTED = "movement of a joint"
 
 
 def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
-    """Read an SDF file's text as a world without robots, at a pose of its origin in the world.
+    """Read an SDF file's text as a world without robots, with its origin at a pose in the world.
 
-    ``source`` is its path, for messages and for files beside it. Its notes name the elements that
-    were left out.
+    ``source`` is its path, for messages and for files beside it. The scene's notes name the
+    elements that were left out.
     """
     root = load_markup(text, source, "sdf", _NO_WORLD)
     worlds, reader, plain = root.all("world"), _Reader([Path(source).resolve()]), Scene("")
@@ -53,7 +53,7 @@ def _gravity(world: Element) -> float | None:
     if found is None:
         return None
     x, y, z = found.vector()
-    if x or y or z > 0 or z < -100:  # noqa: PLR2004 - as for a YAML file's gravity
+    if x or y or z > 0 or z < -100:  # noqa: PLR2004 - the same bound as for a YAML file's gravity
         raise found.error("gravity must be 0 0 -G, with G from 0 to 100")
     return -z
 
@@ -67,7 +67,7 @@ class _Model:
 
 
 class _Reader:
-    """Reads a file and its includes; ``opened`` are the files being read, the outermost first."""
+    """Reads a file and its includes; ``opened`` are the files being read, outermost first."""
 
     def __init__(self, opened: list[Path]) -> None:
         self.links: list[SdfLink] = []
@@ -78,7 +78,7 @@ class _Reader:
         self._not_found: Counter[str] = Counter()
 
     def notes(self, source: str) -> tuple[str, ...]:
-        """The elements that were left out."""
+        """Return notes on the elements that were left out."""
         parts = [f"{kind} ({count})" for kind, count in sorted(self._left_out.items())]
         parts += [f"{uri} (not found, {count})" for uri, count in sorted(self._not_found.items())]
         return (f"{source}: left out: {', '.join(parts)}",) if parts else ()
@@ -97,7 +97,7 @@ class _Reader:
     def _member(
         self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
     ) -> None:
-        """Read a model, or an included one with the name, pose and so on of the include."""
+        """Read a model, or an included one with the include's name, pose etc."""
         if element.tag == "model":
             self._model(element, outer, into, prefix, static=static)
             return
@@ -148,7 +148,7 @@ class _Reader:
 
 
 def _overridden(model: Element, include: Element) -> Element:
-    """An included model with the include's pose, name and so on."""
+    """Return an included model with the include's pose, name etc."""
     own = [child for tag in ("pose", "static") if (child := include.child(tag))]
     kept = [child for child in model.children if child.tag not in {one.tag for one in own}]
     name = include.child("name")
@@ -161,7 +161,7 @@ def _flag(element: Element | None) -> bool:
 
 
 def _groups(model: _Model) -> list[list[SdfLink]]:
-    """The links of each body: static ones alone, movable ones with those joined to them.
+    """Return the links of each body: static ones alone, movable ones with those joined to them.
 
     Links that are joined to the world are static.
     """
@@ -183,7 +183,7 @@ def _groups(model: _Model) -> list[list[SdfLink]]:
 
 
 def _object(links: list[SdfLink]) -> SceneObject | None:
-    """One body of the links; None without any shape."""
+    """Return one body of the links; None without any shape."""
     parts = [part for link in links for part in link.parts]
     if not parts:
         return None

@@ -1,6 +1,6 @@
 """A link of an SDF model: its shapes, mass, friction and looks.
 
-Elements without a simple shape are counted by their kind. The format is that of
+Elements without a simple shape are counted by kind. The format is that of
 http://sdformat.org/spec.
 """
 
@@ -36,7 +36,7 @@ _SCRIPTS: dict[str, Color] = {
     "Wood": (0.6, 0.42, 0.25),
     "Yellow": (1.0, 1.0, 0.0),
 }
-"""Colours like those of Gazebo's own materials ("Gazebo/Red")."""
+"""Colours similar to Gazebo's own materials ("Gazebo/Red")."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +44,18 @@ class SdfLink:
     """One link in the world."""
 
     name: str  # for messages
-    frame: Frame  # of its centre of mass, with the axes of the link
+    frame: Frame  # at its centre of mass, with the axes of the link
     parts: tuple[Part, ...]  # its shapes, in the world
     mass: float  # [kg]
     friction: float  # of its first shape
     static: bool  # True for an immovable link
-    ground: Ground | None = None  # the plane z = 0, if the link holds it
+    ground: Ground | None = None  # the plane z = 0, if the link contains it
 
 
 def read_link(
     element: Element, outer: Frame, name: str, left_out: Counter[str], *, static: bool
 ) -> SdfLink:
-    """One link of a model at ``outer`` in the world."""
+    """Read one link of a model at ``outer`` in the world."""
     frame = outer.place(read_pose(element, {"__model__"}))
     own = element.attributes.get("name", "")
     parts: list[Part] = []
@@ -85,7 +85,7 @@ def read_link(
 
 
 def read_pose(element: Element, parents: Collection[str]) -> Frame:
-    """The frame of an element in its parent, which may have the names ``parents``."""
+    """Read the frame of an element in its parent, which may have the names ``parents``."""
     pose = element.child("pose")
     if pose is None or not pose.text.strip():
         return Frame()
@@ -108,7 +108,7 @@ def read_pose(element: Element, parents: Collection[str]) -> Frame:
 
 
 def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part]:
-    """The shapes of one geometry, in its own frame; none of any but simple ones."""
+    """Return the shapes of one geometry, in its own frame; none unless they are simple."""
     if found := geometry.child("box"):
         return [Part(Cuboid(found.needed("size").size()), color=color)]
     if found := geometry.child("sphere"):
@@ -140,7 +140,7 @@ def _friction(collision: Element) -> float:
 
 
 def _inertial(link: Element) -> tuple[float, Vector]:
-    """The mass [kg], and the centre of mass in the link."""
+    """Return the mass [kg], and the centre of mass in the link."""
     inertial = link.child("inertial")
     if inertial is None:
         return 1.0, ZERO
@@ -150,7 +150,7 @@ def _inertial(link: Element) -> tuple[float, Vector]:
 
 
 def _color(link: Element, collision: Element) -> Color:
-    """The colour of the visual with the same shape; else of the link's first one."""
+    """Return the colour of the visual with the same shape, else of the link's first visual."""
     geometry = collision.child("geometry")
     visuals = link.all("visual")
     visuals.sort(key=lambda visual: not _same(visual.child("geometry"), geometry))

@@ -1,6 +1,6 @@
-"""The content of a URDF file: links of simple shapes and masses, joined to one body.
+"""The content of a URDF file: links of simple shapes with masses, joined to one body.
 
-Every joint is at zero. Driving is not known here, see urdf_robot.py. The format is that of
+Every joint is at zero. Drives are not known here, see urdf_robot.py. The format is that of
 http://wiki.ros.org/urdf/XML.
 """
 
@@ -22,15 +22,15 @@ class Link:
 
     element: Element  # its source, for messages
     frame: Frame  # of the link itself
-    parts: tuple[Part, ...]  # its collision shapes, or without any its visual ones
-    inertial: Inertial | None  # its mass properties; None has no mass
+    parts: tuple[Part, ...]  # its collision shapes, or, without any, its visual ones
+    inertial: Inertial | None  # its mass properties; None without mass
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint of two links, by name; ``frame`` is that of the child in the parent, at zero.
+    """A joint between two links, by name; ``frame`` is the child's in the parent, at zero.
 
-    Its kind is URDF's type: fixed, continuous, revolute and so on.
+    ``kind`` is URDF's type: fixed, continuous, revolute and so on.
     """
 
     element: Element
@@ -44,12 +44,12 @@ class Joint:
 class Urdf:
     """A robot's description."""
 
-    root: Element  # the element of the whole, for messages
+    root: Element  # the root element, for messages
     name: str  # the robot's
     # By name, in the frame of base_link (or of the first link, without a base_link).
     links: dict[str, Link]
     joints: dict[str, Joint]  # by name
-    notes: tuple[str, ...]  # the links that were left out
+    notes: tuple[str, ...]  # notes on links that were left out
 
 
 def read_urdf(text: str, source: str) -> Urdf:
@@ -72,7 +72,7 @@ def read_urdf(text: str, source: str) -> Urdf:
 def _refuse_xacro(text: str, source: str) -> None:
     if source.endswith(".xacro") or "<xacro:" in text:
         plain = PurePath(source.removesuffix(".xacro")).with_suffix(".urdf").name
-        if plain == PurePath(source).name:  # it would be emptied before xacro reads it
+        if plain == PurePath(source).name:  # the file would be emptied before xacro reads it
             plain = f"plain_{plain}"
         raise InvalidFile(
             f"{source}: it is a xacro file, which must be expanded first",
@@ -101,7 +101,7 @@ def _joint(element: Element) -> Joint:
 
 
 def _frames(root: Element, links: dict[str, Element], joints: dict[str, Joint]) -> dict[str, Frame]:
-    """The frame of each link in the base; all must form one tree."""
+    """Return the frame of each link in the base; all must form one tree."""
     above: dict[str, Joint] = {}
     for joint in joints.values():
         for name in (joint.parent, joint.child):
@@ -189,7 +189,7 @@ def _origin(element: Element) -> Frame:
 
 
 def _colors(root: Element) -> dict[str, Color]:
-    """The colours of all named materials."""
+    """Return the colours of all named materials."""
     visuals = [visual for link in root.all("link") for visual in link.all("visual")]
     found: dict[str, Color] = {}
     for material in (m for holder in (root, *visuals) for m in holder.all("material")):
@@ -200,7 +200,7 @@ def _colors(root: Element) -> dict[str, Color]:
 
 
 def _look(link: Element, colors: dict[str, Color]) -> Color:
-    """The first colour of a link's visuals."""
+    """Return the first colour of a link's visuals."""
     for visual in link.all("visual"):
         for material in visual.all("material"):
             color = _rgb(material) or colors.get(material.attributes.get("name", ""))

@@ -1,8 +1,8 @@
-"""A robot model from a URDF: its wheels' joints, and one rigid body of all links.
+"""A robot model from a URDF file: its wheels' joints, and one rigid body of all links.
 
-The body slides on frictionless feet, as those of all models; its mass is taken to lie over the
-middle between the wheels, as the tyre model needs it, with the moments of inertia of all links
-about that line.
+The body slides on frictionless feet, as in all models. As the tyre model requires, its mass is
+assumed to lie above the middle between the wheels, with the moments of inertia of all links about
+that line.
 """
 
 import math
@@ -21,12 +21,12 @@ _DRIVE_KEYS = (
     *("left", "right", "max_speed", "max_turn_rate", "max_acceleration", "time_constant"),
     *("friction", "wheel_radius", "track"),
 )
-_NEAR = 0.01  # [m] two places so near to each other are one
+_NEAR = 0.01  # [m] two places this close to each other count as one
 _PARALLEL = 0.99  # cosine of the largest angle between parallel axes
 _CLEARANCE = 0.004  # [m] the least height of all parts above the ground: only the feet touch it
 _DEEPEST = 0.05
-"""[m] A part that reaches farther below the wheels would carry the robot instead of them."""
-_NEAR_GROUND = 0.01  # [m] a part so near to the ground supports the robot
+"""[m] A part that reaches farther below the wheels would carry the robot in their place."""
+_NEAR_GROUND = 0.01  # [m] a part this close to the ground supports the robot
 _TURNING = ("continuous", "revolute")
 _SENSORS = (
     SensorMount("odometry", "odometry", 50.0),
@@ -48,7 +48,7 @@ class _Wheel:
 
 
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
-    """The robot of a URDF, driven as ``item`` says, and notes about it."""
+    """Return the robot of a URDF file, with the drive in ``item``, and notes about it."""
     keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
     left, right = (
         [_wheel(urdf, joint) for joint in keys[side].items()] for side in ("left", "right")
@@ -73,7 +73,7 @@ def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
             max_acceleration=value(keys, "max_acceleration", number(1e-3, 1e3), 1.0),
             time_constant=value(keys, "time_constant", number(0, 10), 0.1),
             tyre_friction=value(keys, "friction", friction, 0.8),
-            wheels=contacts if len(contacts) > 2 else (),  # noqa: PLR2004 - two do not skid
+            wheels=contacts if len(contacts) > 2 else (),  # noqa: PLR2004 - two wheels do not skid
         ),
         left_wheels=_names("left", left),
         right_wheels=_names("right", right),
@@ -91,7 +91,7 @@ def _mean(wheels: Sequence[_Wheel], axis: int) -> float:
 
 
 def _notes(urdf: Urdf, middle: Vector) -> tuple[str, ...]:
-    """A note if the file's base_link is not that of the simulation."""
+    """Return a note if the file's base_link differs from the simulation's."""
     x, y, _ = middle
     if math.hypot(x, y) < _NEAR:
         return ()
@@ -150,7 +150,7 @@ def _check_sides(item: Item, left: Sequence[_Wheel], right: Sequence[_Wheel]) ->
 
 
 def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
-    """The wheels' radius [m], if they agree to a hundredth."""
+    """Return the wheels' radius [m]; refuse radii that differ by more than 1 %."""
     radii = {wheel.joint: wheel.radius for wheel in wheels}
     for joint, radius in radii.items():
         if not radius:
@@ -166,9 +166,9 @@ def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
 def _body(
     urdf: Urdf, contacts: Sequence[tuple[float, float]], middle: Vector, radius: float
 ) -> Body:
-    """The body of all links together.
+    """Return the body of all links together.
 
-    ``middle`` is that of the wheels, on the ground, in base_link; ``contacts`` are about it [m].
+    ``middle`` is the wheels', on the ground, in base_link; ``contacts`` are relative to it [m].
     """
     inertials = [link.inertial for link in urdf.links.values() if link.inertial]
     mass, centre = centre_of_mass(inertials)
@@ -190,7 +190,7 @@ def _body(
     if height <= 0:
         raise urdf.root.error("the centre of mass lies below the ground under the wheels")
     reach = max(abs(part.position[0]) + part.extent(0) for part in parts)
-    # Casters and the like.
+    # Casters etc.
     supports = [part.position[:2] for _, part in linked if _lowest(part) < _NEAR_GROUND]
     return Body(
         mass=mass,
@@ -204,7 +204,7 @@ def _body(
 
 
 def _look(urdf: Urdf, wheels: Sequence[_Wheel], middle: Vector) -> Look:
-    """The robot for viewers: its wheels turn."""
+    """Return the robot's look for viewers, with wheels that turn."""
     turning = {wheel.link for wheel in wheels}
     parts = [
         part.placed(scaled(middle, -1.0))
@@ -213,12 +213,12 @@ def _look(urdf: Urdf, wheels: Sequence[_Wheel], middle: Vector) -> Look:
         if name not in turning
     ]
     if not parts:
-        return Look()  # as its body
+        return Look()  # shown as its body
     return Look(tuple(parts), tuple(_turning(urdf, wheel, middle) for wheel in wheels))
 
 
 def _turning(urdf: Urdf, wheel: _Wheel, middle: Vector) -> Wheel:
-    """A wheel for viewers: a cylinder gets spokes, which show that it turns."""
+    """Return a wheel for viewers: a cylinder gets spokes, which show its rotation."""
     centre, parts = subtract(wheel.centre, middle), list(urdf.links[wheel.link].parts)
     about = [part.placed(scaled(wheel.centre, -1.0)) for part in parts]
     if wheel.tyre and isinstance(wheel.tyre.shape, Cylinder):
@@ -233,7 +233,7 @@ def _lowest(part: Part) -> float:
 
 
 def _lifted(urdf: Urdf, name: str, part: Part) -> Part:
-    """A part in base_footprint, lifted off the ground; refused if it reaches far below it."""
+    """A part in base_footprint, lifted off the ground; one that reaches far below is refused."""
     lowest = _lowest(part)
     if lowest < -_DEEPEST:
         raise urdf.links[name].element.error(
@@ -243,10 +243,10 @@ def _lifted(urdf: Urdf, name: str, part: Part) -> Part:
 
 
 def _feet(supports: Iterable[tuple[float, float]], reach: float) -> tuple[tuple[float, float], ...]:
-    """The points under wheels and casters, and more of them to keep the body level.
+    """Return the points under wheels and casters, and more points to keep the body level.
 
-    A body that only stands between two wheels would tip over their axle; without a support in front
-    or behind, a foot is added that no real robot has.
+    A body that stands only between two wheels would tip over their axle; without a support in front
+    or behind, a foot is added that the real robot does not have.
     """
     feet = list(dict.fromkeys(supports))
     least = max(reach, 0.05) / 3

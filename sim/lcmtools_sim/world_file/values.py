@@ -1,6 +1,6 @@
-"""The values of world files with the types that their readers expect, and other files.
+"""The values of world files, with readers for the expected types, and access to other files.
 
-Every error names the file and the line. Must not know what the keys mean, worlds and robots.
+Every error names the file and the line. Must not know the meaning of keys, worlds or robots.
 """
 
 import math
@@ -29,7 +29,7 @@ Value = TypeVar("Value")
 class Item:
     """One value of the document: a scalar, a list or a mapping.
 
-    Its readers raise InvalidFile, with file and line, for a value of another kind.
+    Its readers raise InvalidFile, with file and line, for a value of the wrong type.
     """
 
     name: str  # its place in the document, for errors ("pose", "size[2]")
@@ -49,7 +49,7 @@ class Item:
         """Return the scalar as it is written."""
         if not isinstance(self.node.value, str):
             raise self.error(f"'{self.name}' must be one word or number, not a {self._kind()}")
-        text = " ".join(self.node.value.split())  # it may be written over several lines
+        text = " ".join(self.node.value.split())  # it may extend over several lines
         if not text:
             raise self.error(f"'{self.name}' has no value")
         if not text.isprintable():
@@ -57,18 +57,18 @@ class Item:
         return text
 
     def number(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
-        """Return a finite number within the bounds; a fraction such as 1/240 is one too."""
+        """Return a finite number within the bounds; a fraction such as 1/240 is allowed."""
         return self._bounded(self._parsed(_parse_number, "a number"), minimum, maximum)
 
     def angle(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
-        """Return an angle [rad] within the bounds; "90 deg" is one too."""
+        """Return an angle [rad] within the bounds; "90 deg" is allowed."""
         if not self.text().endswith("deg"):
             return self.number(minimum, maximum)
         degrees = self._parsed(lambda text: float(text.removesuffix("deg")), "an angle")
         return self._bounded(math.radians(degrees), minimum, maximum)
 
     def integer(self, minimum: int, maximum: int) -> int:
-        """Return a whole number within the bounds."""
+        """Return an integer within the bounds."""
         return self._bounded(self._parsed(int, "a whole number"), minimum, maximum)
 
     def flag(self) -> bool:
@@ -79,7 +79,7 @@ class Item:
         return text.lower() == "true"
 
     def items(self, *lengths: int) -> list["Item"]:
-        """Return the elements of a list, of one of these lengths, if any are given."""
+        """Return the elements of a list, with one of these lengths, if any are given."""
         nodes = self.node.value
         if not isinstance(nodes, list):
             raise self.error(f"'{self.name}' must be a list, not a {self._kind()}")
@@ -120,7 +120,7 @@ class Item:
             raise self.error(f"'{self.name}' must be {kind}, not '{text}'") from None
 
     def _bounded(self, value: Number, minimum: float, maximum: float) -> Number:
-        if minimum <= value <= maximum:  # refuses NaN too
+        if minimum <= value <= maximum:  # also refuses NaN
             return value
         shown = f"{value:g}" if abs(value) <= sys.float_info.max else f"{value}"
         raise self.error(f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {shown}")
@@ -131,7 +131,7 @@ class Item:
 
 
 def _key_hint(name: str, known: Collection[str]) -> str:
-    """The keys that a name is a part of ("noise"), else the nearest one, else all."""
+    """Return a hint at the keys that contain a name ("noise"), else the most similar, else all."""
     if longer := [key for key in known if name in key.split("_")]:
         return f"did you mean {' or '.join(longer)}?"
     return did_you_mean(name, known) or f"known keys: {', '.join(known)}"
@@ -141,7 +141,7 @@ def load(text: str, source: str, name: str) -> Item:
     """Return the root of a YAML document; errors name it ``name``.
 
     Raises:
-        InvalidFile: The text is no YAML, or holds no or several documents.
+        InvalidFile: The text is not YAML, or has no or several documents.
     """
     node = strict_yaml.read_file(text, source)
     if node is None:
@@ -157,12 +157,12 @@ def _parse_number(text: str) -> float:
 def value(
     keys: Mapping[str, Item], name: str, read: Callable[[Item], Value], default: Value
 ) -> Value:
-    """The value of a key; ``default`` without the key."""
+    """Return the value of a key; ``default`` without the key."""
     return read(keys[name]) if name in keys else default
 
 
 def number(minimum: float, maximum: float) -> Callable[[Item], float]:
-    """A reader of numbers within bounds."""
+    """Return a reader of numbers within bounds."""
     return lambda item: item.number(minimum, maximum)
 
 
@@ -171,7 +171,7 @@ friction = number(0, 10)  # reads a Coulomb coefficient
 
 
 def pose(item: Item, height: float = 0.0) -> Pose:
-    """A pose from [x, y, yaw], then at this height, or from all six numbers."""
+    """Read a pose from [x, y, yaw], then at this height, or from all six numbers."""
     values = item.items(3, 6)
     if len(values) == 3:  # noqa: PLR2004 - x, y, yaw
         x, y, yaw = values
@@ -181,7 +181,7 @@ def pose(item: Item, height: float = 0.0) -> Pose:
 
 
 def triple(read: Callable[[Item], float]) -> Callable[[Item], Vector]:
-    """A reader of lists of three values."""
+    """Return a reader of lists of three values."""
 
     def read_triple(item: Item) -> Vector:
         a, b, c = map(read, item.items(3))
@@ -194,7 +194,7 @@ color = triple(number(0, 1))  # reads red, green and blue, 0 to 1
 
 
 def checked_name(check: Callable[[str], str | None]) -> Callable[[Item], str]:
-    """A reader of names: those that a check returns, or does not refuse with InvalidName."""
+    """Return a reader of names, as returned by ``check`` or not refused by it with InvalidName."""
 
     def read(item: Item) -> str:
         try:
@@ -206,7 +206,7 @@ def checked_name(check: Callable[[str], str | None]) -> Callable[[Item], str]:
 
 
 def one_of(item: Item, known: Mapping[str, Value], what: str) -> Value:
-    """The value of a word in a table; the hint for an unknown one is the nearest known one."""
+    """Return the value of a word in a table; an unknown word gets the most similar one as hint."""
     word = item.text()
     if word not in known:
         hint = did_you_mean(word, known) or f"known {what}s: {', '.join(known)}"
@@ -215,12 +215,12 @@ def one_of(item: Item, known: Mapping[str, Value], what: str) -> Value:
 
 
 def given_twice(names: Sequence[str]) -> str | None:
-    """The first name that is in a list twice."""
+    """Return the first name that occurs twice in a list."""
     return next((name for name in names if names.count(name) > 1), None)
 
 
 def named_file(item: Item) -> tuple[str, str]:
-    """The text of a file whose path is relative to this one, and its name for messages."""
+    """Return the text of a file whose path is relative to this one, and its name for messages."""
     path = _beside(item.source, item.text())
     try:
         return read_file(path), str(path)
@@ -229,10 +229,10 @@ def named_file(item: Item) -> tuple[str, str]:
 
 
 def read_file(path: Path) -> str:
-    """A file's text.
+    """Read a file's text.
 
     Raises:
-        InvalidFile: It cannot be read, is no text, or is too large for a description.
+        InvalidFile: It cannot be read, is not text, or is too large for a description.
     """
     with os_errors_as(f"cannot read {path}", kind=InvalidFile):
         if path.is_file() and path.stat().st_size > _LARGEST_BYTES:
@@ -241,9 +241,9 @@ def read_file(path: Path) -> str:
 
 
 def find_model(uri: str, source: str) -> Path | None:
-    """The SDF file of an include in ``source``; None if there is none.
+    """Return the SDF file of an include in ``source``; None if there is none.
 
-    model://NAME is searched beside the file, in its folder "models", beside its folder, and in
+    model://NAME is searched for beside the file, in its folder "models", beside its folder, and in
     Gazebo's model paths; nothing is fetched from the network.
     """
     if uri.startswith(_SCHEME):
@@ -263,10 +263,10 @@ def _beside(source: str, path: str) -> Path:
 
 
 def _model_file(place: Path) -> Path | None:
-    """The file itself, or the SDF file of a model's folder: the newest, if there are several."""
+    """The file itself, or the SDF file in a model's folder: the newest, if there are several."""
     try:
         place.stat()
-    except (OSError, ValueError):  # it is not there, must not be read, or is no path
+    except (OSError, ValueError):  # it is not there, must not be read, or is not a path
         return None
     if place.is_file():
         return place

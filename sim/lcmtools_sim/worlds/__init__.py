@@ -12,30 +12,30 @@ ALIASES = {
     "pre_assignment2": "pioneer",
     "empty_world": "empty",
 }
-"""Names in the labs' texts."""
+"""Names used in the labs' texts."""
 _ENDINGS = (".yaml", ".yml", ".sdf", ".world")
 
 
 def world_names() -> list[str]:
-    """The names of the worlds that come with the simulator."""
+    """Return the names of the worlds that come with the simulator."""
     names = (entry.name for entry in files(__name__).iterdir())
     return sorted(name.removesuffix(".yaml") for name in names if name.endswith(".yaml"))
 
 
 def describe(name: str) -> str:
-    """The description of a world that comes with the simulator: the comment in its first line."""
+    """Return the description of an included world: the comment in its first line."""
     return _packaged(name).partition("\n")[0].removeprefix("#").strip()
 
 
 def find_world(world: str) -> tuple[str, str]:
-    """A world file's text and its name for messages.
+    """Return a world file's text and its name for messages.
 
     Args:
-        world: The name of one that comes with the simulator, or a file: a name with a slash or the
+        world: The name of an included world, or a file: a name with a slash or the
             ending .yaml, .yml, .sdf or .world.
 
     Raises:
-        UsageError: There is no world of this name.
+        UsageError: There is no world with this name.
         InvalidFile: The file cannot be read.
     """
     if "/" in world or world.endswith(_ENDINGS):
