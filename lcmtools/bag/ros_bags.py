@@ -50,7 +50,8 @@ class McapFile(AbstractContextManager["McapFile"]):
         """Write a message with the time of its arrival.
 
         Raises:
-            DecodeError: It cannot be decoded, or ROS cannot express its type beside those before.
+            DecodeError: It cannot be decoded, ROS cannot express its type, or another type with
+                its name came before.
         """
         message = decoder.decode(packet)
         channel = self._channel(packet.channel, type(message))

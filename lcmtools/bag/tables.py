@@ -128,7 +128,7 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             self.write(self.tables())
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
-        """Add a message; DecodeError if columns cannot have its type, or have another type already."""
+        """Add a message; DecodeError if its type is unknown, contains itself or has changed."""
         cls = decoder.message_class(packet)
         require_columns(cls)
         if not -(2**63) <= packet.time < 2**63:
