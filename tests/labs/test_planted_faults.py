@@ -254,7 +254,7 @@ def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path:
         ("field", "drive at 0.5 m/s", "its commands are in velocity"),
         ("seldom", "drive at 0.1 m/s", "commands come too seldom, "),
         ("zero", "drive at 0.1 m/s", "its commands are all 0"),
-        ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s in place of +0.1)"),
+        ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s instead of +0.1)"),
         ("turn-sign", "turn at 0.3 rad/s", "wrong sign of turn"),
         ("busy", "drive at 0.1 m/s", "its callback of /husky0/odometry runs for 0."),
         ("sometimes", "raises no exception", "callback of /husky0/odometry raised"),

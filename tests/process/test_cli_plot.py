@@ -46,7 +46,7 @@ def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, lcmtools: Run) ->
     ("field", "said", "code"),
     [
         ("/cmd/linear.q", "no field 'q' (fields: x, y, z)", 2),
-        ("/cmt/linear.x", "nothing is on /cmt/linear.x in the log; it has /cmd", 1),
+        ("/cmt/linear.x", "there is nothing on /cmt/linear.x in the log; it has /cmd", 1),
     ],
 )
 def test_what_is_not_in_the_log_is_named(

@@ -195,7 +195,7 @@ def test_no_answer_in_time_exits_with_4_and_names_the_node(cli: Cli) -> None:
     done = cli("service", "call", "/server/slow", "--timeout", "200ms")
     assert (done.code, done.out) == (4, "")
     assert "/server/slow did not answer within 0.2 s" in done.err
-    assert f"its node /server (pid {os.getpid()}) runs" in done.err
+    assert f"its node /server (pid {os.getpid()}) is running" in done.err
 
 
 _MORTAL_SERVER = """

@@ -51,7 +51,9 @@ def test_an_expression_and_a_pattern_choose_messages(log: Path) -> None:
 
 
 def test_what_is_wrong_is_an_error(log: Path) -> None:
-    with pytest.raises(LcmtoolsError, match="nothing is on /m in the log; it has /a/s, /n, RAW"):
+    with pytest.raises(
+        LcmtoolsError, match="there is nothing on /m in the log; it has /a/s, /n, RAW"
+    ):
         list(lcmtools.observe.messages("/m", log=log))
     with pytest.raises(UsageError, match="no topic is named"):
         lcmtools.observe.messages(log=log)

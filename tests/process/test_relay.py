@@ -287,7 +287,7 @@ def test_parameters_and_services_work_through_a_relay(
     get = ("param", "get", "talker", "use_sim_time")
     wait_until(lambda: cli(*get, env=env).out == "false\n")
     refused = cli("param", "set", "talker", "use_sim_time", "true", env=env)
-    assert "/talker refuses: parameter use_sim_time cannot change" in refused.err
+    assert "/talker rejects the change: parameter use_sim_time cannot change" in refused.err
 
 
 def test_commands_pass_only_where_they_are_named(
