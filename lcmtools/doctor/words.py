@@ -281,7 +281,7 @@ REMEDIES = {
     "smaller-messages": "send smaller messages",
     "spin": "let {node} spin: lcmtools.spin(node), or spin_once often",
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
-    "stamp-if-no-log": "if it is no log, stamp with the time at which it is sent",
+    "stamp-if-no-log": "if it is not a log, stamp with the time at which it is sent",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
     "start-publisher": "start a publisher of {topics:and}; to see what is published:"
@@ -294,7 +294,7 @@ REMEDIES = {
     "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
     "symmetric": "set [row, column] and [column, row] to the same value, and no [row, row] below 0",
     "sysctl": "`sudo sysctl -w {name}={value}`",
-    "time-rises": "if it was no reset, and no log that is played again: publish on /clock a time"
+    "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a time"
     " that only rises",
     "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
     "unknown-covariance": "if nothing is known, set the first number to -1",

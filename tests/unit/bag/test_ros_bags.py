@@ -134,7 +134,7 @@ def test_a_damaged_chunk_is_one_line(name: str, tmp_path: Path) -> None:
     magic = b"\x28\xb5\x2f\xfd" if name == "a.mcap" else b"\x04\x22\x4d\x18"
     place = written.index(magic) + 4
     path.write_bytes(written[:place] + b"\xff" * 20 + written[place + 20 :])
-    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of a kind"):
+    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of an unknown kind"):
         list(RosImport().read(path))
 
 

@@ -164,9 +164,9 @@ def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str)
 @pytest.mark.parametrize(
     ("kind", "there", "here"),
     [
-        ("future", "let both computers keep the time", "stamp with the time since 1970"),
-        ("old", "let both computers keep the time", "stamp with the time since 1970"),
-        ("replayed", "if it is no log, its computer's clock", "if it is no log, stamp with"),
+        ("future", "synchronize both computers' clocks", "stamp with the time since 1970"),
+        ("old", "synchronize both computers' clocks", "stamp with the time since 1970"),
+        ("replayed", "if it is not a log, its computer's clock", "if it is not a log, stamp with"),
     ],
 )
 def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(

@@ -47,7 +47,7 @@ def test_two_nodes_of_one_name_are_others_business() -> None:
     ("service", "remedy"),
     [
         ("/left/go", "/left/go is offered: start /pilot with go:=/left/go"),
-        ("/halt", "start what offers /go; what is there: lcmtools service list"),
+        ("/halt", "start a node that offers /go; to see what is offered: lcmtools service list"),
     ],
 )
 def test_a_service_that_nobody_offers_is_told_with_what_connects_it(
