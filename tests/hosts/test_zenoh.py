@@ -82,7 +82,7 @@ def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
     assert as_ada().stdout == "/talker\n"
     refused = as_ada("secret", "wrong")
     assert refused.returncode == 1
-    assert "10.76.0.1:7447 refuses the user 'ada' or the password" in refused.stderr
+    assert "10.76.0.1:7447 rejects the user 'ada' or the password" in refused.stderr
     assert "is not trusted" in as_ada("authority.pem", "other.pem").stderr
     assert "cannot read the certificate" in as_ada("authority.pem", "missing.pem").stderr
     plain = bob.lcmtools("list", LCM_DEFAULT_URL=f"zenoh://{ada.address}:7447")
