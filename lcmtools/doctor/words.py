@@ -437,7 +437,9 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
         f", with {' and '.join(_first(topics))}, which nodes here wait for" if topics else ""
     ),
     "wait": lambda topics: (
-        f", and wait there for {' and '.join(_first(topics))}, which is here" if topics else ""
+        f", and wait there for {' and '.join(_first(topics))}, which is published here"
+        if topics
+        else ""
     ),
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }
