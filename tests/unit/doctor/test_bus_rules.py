@@ -114,7 +114,7 @@ def test_a_listener_on_another_bus_is_told_the_one_where_its_topic_is() -> None:
     assert findings.keys() == {"other-buses"}
     finding = findings["other-buses"]
     assert finding.severity is Severity.WARNING
-    assert finding.text.endswith(" on other buses, and wait there for /scan, which is published here:")
+    assert finding.text.endswith("and wait there for /scan, which is published here:")
     here = f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'"
     assert finding.remedies == (here,)
 
