@@ -180,8 +180,9 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
     """
     every = tuple(processes)
     missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
-    taken = {e.topic for node in graph.nodes for e in node.having(Role.SUBSCRIBER)}
-    offered = _published(graph) - taken
+    announced = {e.topic for node in graph.nodes for e in node.endpoints}
+    offered = {end.topic for _, end in loose_ends(graph, Role.PUBLISHER)}
+    offered |= _published(graph) - announced
     if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
     topics, awaited = _topics([process for process in every if process.bus], missed)

@@ -1,7 +1,10 @@
 """The rules of wtf that judge the bus and the computer: planted faults."""
 
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import replace
 
+import pytest
 from fixtures.judging import (
     ALICE,
     BOB,
@@ -11,6 +14,7 @@ from fixtures.judging import (
     stream,
 )
 
+from lcmtools.doctor import programs
 from lcmtools.doctor.evidence import (
     Evidence,
     Host,
@@ -117,6 +121,27 @@ def test_a_listener_on_another_bus_is_told_the_one_where_its_topic_is() -> None:
     assert finding.text.endswith("and wait there for /scan, which is published here:")
     here = f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'"
     assert finding.remedies == (here,)
+
+
+@pytest.mark.parametrize(("topic", "searches"), [("/rosout", 0), ("/scan", 1)])
+def test_other_buses_are_searched_only_for_what_is_missing(
+    topic: str, searches: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    searched: list[str] = []
+
+    def topics(
+        processes: Sequence[LcmProcess], _missed: object
+    ) -> tuple[dict[str, set[str]], dict[int, set[str]]]:
+        searched.extend(process.bus for process in processes)
+        return defaultdict(set), defaultdict(set, {9: {topic}})
+
+    monkeypatch.setattr(programs, "_topics", topics)
+    ends = tuple(Endpoint(name, Role.PUBLISHER) for name in (topic, "/_lcmtools/hidden"))
+    graph = Graph((Node("/laser", "laser", "here", 1, endpoints=ends),))
+    away = LcmProcess(9, "ear", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3")
+    (found_away,) = programs.with_topics([away], graph)
+    assert searched == [away.bus] * searches
+    assert found_away.awaited == (topic,) * searches
 
 
 def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
