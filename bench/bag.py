@@ -23,7 +23,7 @@ from statistics import median
 import lcm
 from common import bus, child, isolate, parser, processor_time, show
 
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
 
 _URL = bus(7799)
 _IMAGE_BYTES, _IMAGE_RATE, _SMALL_BYTES, _SMALL_RATE = 1_000_000, 100, 100, 10_000

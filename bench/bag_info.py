@@ -15,9 +15,9 @@ from common import rounds_asked
 from lcmtools.bag.summary import summarize
 from lcmtools.bag.summary_report import summary_rows, topic_table
 from lcmtools.bag.writer import LogWriter
-from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire import log_index
-from lcmtools.wire.log import SYNC
+from lcmtools.wire.log_events import SYNC
 from lcmtools.wire.packet import Packet, Sender
 
 SIZE = 10 * 10**9

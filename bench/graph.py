@@ -27,7 +27,7 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_probe,
 )
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 

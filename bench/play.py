@@ -20,7 +20,7 @@ from common import bus, isolate, quantile, rounds_asked, show
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 
 _URL = bus(7798)

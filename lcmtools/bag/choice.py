@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from lcmtools.graph.model import Graph, Role
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
-from lcmtools.observe.find import near_node, near_topic
+from lcmtools.observe.reading.find import near_node, near_topic
 
 _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from hashlib import blake2b
 
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,8 @@ from lcmtools.errors import DecodeError, LcmtoolsError, UsageError, ValueMismatc
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement, encode_announcement
 from lcmtools.messages.filter import Filter
 from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.settings import parse_duration
 from lcmtools.wire.log_index import RecordedNode
 from lcmtools.wire.packet import Packet

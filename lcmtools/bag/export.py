@@ -11,7 +11,7 @@ from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
 from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, ParquetFiles, Tell
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 SUFFIXES = {

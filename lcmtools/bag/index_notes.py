@@ -11,10 +11,10 @@ from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.writer import LogWriter
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import decode_announcement, head_of
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.losses import Loss, Losses
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.senders import SenderNames
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.losses import Loss, Losses
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 

@@ -18,9 +18,9 @@ from lcmtools.bag.summary import LogSummary, TopicSummary, known_nodes, summariz
 from lcmtools.bag.times import parse_time, time_window
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.names import did_you_mean
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.received import Arrival, messages, usual_names
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.received import Arrival, messages, usual_names
 
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.commands import Conflict, LastCommands, conflicts
-from lcmtools.bag.keys import press
 from lcmtools.bag.player import Player, Position
+from lcmtools.bag.player_keys import press
 from lcmtools.bag.playlist import CLOCK, Choice, Played, Playlist, Track
 from lcmtools.bag.times import LogTime, time_window
 from lcmtools.bus.url import BusUrl
@@ -25,7 +25,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import PayloadPublisher
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.publish.own_node import own_node
 from lcmtools.publish.subscriber_wait import wait_until
 from lcmtools.terminal import open_keys

@@ -19,7 +19,7 @@ from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.messages.registry import candidates
 from lcmtools.names import Resolver, check_channel, is_hidden, resolve_namespace, spellings
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block, disorder
 

@@ -7,7 +7,7 @@ from pathlib import PurePath
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages.user_types import source_file, source_text
 from lcmtools.wire.log_index import RecordedType
 from lcmtools.wire.packet import Packet

@@ -21,9 +21,9 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.protocol import NODE_CHANNEL
-from lcmtools.observe.arrivals import PATIENCE
-from lcmtools.observe.losses import Loss
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.arrivals import PATIENCE
+from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.processes.memory import keep_freed_memory
 from lcmtools.wire.packet import Packet
 

@@ -6,8 +6,8 @@ from lcmtools.bag.output import output_beside
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.summary import Progress, known_nodes
 from lcmtools.graph.protocol import head_of
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log_index import RecordedNode
 from lcmtools.wire.packet import Packet

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from lcmtools.bag.summary_report import time_text
-from lcmtools.observe.describe import size_text
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reports.describe import size_text
 
 
 @dataclass(frozen=True, slots=True)

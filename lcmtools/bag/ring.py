@@ -8,7 +8,7 @@ from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.messages.filter import Filter
 from lcmtools.names import Resolver
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 

@@ -8,7 +8,7 @@ from lcmtools.bag.ros_types import RosTypes, RosVersion
 from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.registry import Message
 from lcmtools.names import as_utf_8
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 Encoding: TypeAlias = Literal["cdr", "ros1"]

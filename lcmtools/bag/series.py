@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
-from lcmtools.observe.log_file import index_path
+from lcmtools.observe.reading.log_file import index_path
 from lcmtools.wire.log_compression import SUFFIXES, Compression
 
 USUAL_NAME = "%Y-%m-%d-%H-%M-%S.lcmlog"

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
 from lcmtools.messages.registry import candidates
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.losses import Loss
 from lcmtools.packages import provide_recorded_types
-from lcmtools.wire.log import HEAD_BYTES
+from lcmtools.wire.log_events import HEAD_BYTES
 from lcmtools.wire.log_index import Block, ChannelCount, disorder
 from lcmtools.wire.packet import Sender
 

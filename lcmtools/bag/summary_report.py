@@ -5,7 +5,7 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.observe.describe import UNKNOWN, size_text
+from lcmtools.observe.reports.describe import UNKNOWN, size_text
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
 _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")

@@ -10,7 +10,7 @@ from pathlib import Path
 from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
-from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 

@@ -13,8 +13,8 @@ from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import as_utf_8
-from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import CsvTable
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:

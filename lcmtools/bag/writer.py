@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.observe.log_file import index_path
+from lcmtools.observe.reading.log_file import index_path
 from lcmtools.wire import log_index
-from lcmtools.wire.log import encode_head, events
 from lcmtools.wire.log_compression import Compression, compressor
+from lcmtools.wire.log_events import encode_head, events
 from lcmtools.wire.log_index import Block, LostMessages, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 

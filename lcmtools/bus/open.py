@@ -12,7 +12,7 @@ def open_bus(url: BusUrl) -> Bus:
         MissingExtra: The package for it is not installed.
     """
     if url.provider == "zenoh":
-        from lcmtools.bus.zenoh_bus import ZenohBus
+        from lcmtools.bus.zenoh.bus import ZenohBus
 
         return ZenohBus(url)
     from lcmtools.bus.lcm_bus import LcmBus

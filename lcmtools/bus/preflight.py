@@ -12,7 +12,7 @@ from pathlib import Path
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
-from lcmtools.wire.log import SYNC
+from lcmtools.wire.log_events import SYNC
 
 _SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 3.5  # [s]; TCP retransmits lost packets of it after 1 s and 3 s
@@ -32,7 +32,7 @@ def check_bus(url: BusUrl) -> None:
     elif url.provider == "tcpq":
         _check_server(url)
     elif url.provider == "zenoh":
-        from lcmtools.bus.zenoh_check import check_place  # most buses are not Zenoh
+        from lcmtools.bus.zenoh.check import check_place  # most buses are not Zenoh
 
         check_place(url.place)
     elif url.provider == "file":

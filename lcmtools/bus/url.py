@@ -14,7 +14,7 @@ from lcmtools.names import did_you_mean
 from lcmtools.settings import NO_FILE, UserFile
 
 if TYPE_CHECKING:  # other buses do not need it
-    from lcmtools.bus.zenoh_url import ZenohPlace
+    from lcmtools.bus.zenoh.url import ZenohPlace
 
 DEFAULT_GROUP = "239.255.76.67"
 DEFAULT_PORT = 7667
@@ -49,7 +49,7 @@ class BusUrl(NamedTuple):
     @property
     def place(self) -> "ZenohPlace":
         """The parts of a Zenoh URL."""
-        from lcmtools.bus.zenoh_url import parse_place
+        from lcmtools.bus.zenoh.url import parse_place
 
         return parse_place(str(self), self.network, self.options)
 
@@ -142,7 +142,7 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     else:
         host, port = "", 0
     if provider == "zenoh":
-        from lcmtools.bus.zenoh_url import parse_place
+        from lcmtools.bus.zenoh.url import parse_place
 
         parse_place(where, network, options)
     return BusUrl(provider, network, options, host, port)
@@ -161,7 +161,7 @@ def misread_options(url: BusUrl) -> Iterator[str]:
 
 def _known_options(provider: str) -> Sequence[str]:
     if provider == "zenoh":
-        from lcmtools.bus.zenoh_url import OPTIONS
+        from lcmtools.bus.zenoh.url import OPTIONS
 
         return OPTIONS
     return _OPTIONS.get(provider, ())

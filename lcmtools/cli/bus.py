@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
     from lcmtools.bus.tap import Tap
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph
-    from lcmtools.observe.monitor import BusMonitor
+    from lcmtools.observe.reading.monitor import BusMonitor
 
 
 def chosen_url() -> "BusUrl":
@@ -61,14 +61,14 @@ def open_monitor(
     """
     if (log := log or chosen_log()) is not None:
         from lcmtools.bus.url import BusUrl
-        from lcmtools.observe.monitor import BusMonitor
-        from lcmtools.observe.sources import LogObserver
+        from lcmtools.observe.reading.monitor import BusMonitor
+        from lcmtools.observe.reading.sources import LogObserver
 
         return BusMonitor(BusUrl("file", log), tool, os.environ, LogObserver(log))
     url = chosen_url()
     observer = _asking(url) if asks and url.is_multicast else None
     asked = time.monotonic() if observer else 0.0
-    from lcmtools.observe.monitor import BusMonitor
+    from lcmtools.observe.reading.monitor import BusMonitor
 
     return BusMonitor(
         url,

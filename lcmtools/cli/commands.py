@@ -23,15 +23,15 @@ def _entries(table: str) -> Mapping[str, Entry]:
 
 
 _TOPIC = _entries("""\
-list   cli.topic.list:command      List the topics on the bus.
-info   cli.topic.info:command      Show a topic's type, publishers and subscribers.
-echo   cli.topic.echo:command      Print the messages of a topic.
-pub    cli.topic.pub:command       Publish messages written in YAML.
-hz     cli.topic.rates:hz          Measure the rate of topics.
-bw     cli.topic.rates:bw          Measure the bandwidth of topics.
-delay  cli.topic.rates:delay       Measure the delay of a topic's messages.
-type   cli.topic.types:print_type  Print a topic's type.
-find   cli.topic.types:find        List the topics of a type.
+list   cli.topic.list:command          List the topics on the bus.
+info   cli.topic.info:command          Show a topic's type, publishers and subscribers.
+echo   cli.topic.echo:command          Print the messages of a topic.
+pub    cli.topic.pub:command           Publish messages written in YAML.
+hz     cli.topic.hz_bw_delay:hz        Measure the rate of topics.
+bw     cli.topic.hz_bw_delay:bw        Measure the bandwidth of topics.
+delay  cli.topic.hz_bw_delay:delay     Measure the delay of a topic's messages.
+type   cli.topic.type_find:print_type  Print a topic's type.
+find   cli.topic.type_find:find        List the topics of a type.
 """)
 topic = _group("topic", "Look at topics and publish on them.", _TOPIC, "list", "echo /chatter")
 _NODE = _entries("""\
@@ -106,24 +106,24 @@ param = _group(
     "set simple_controller kp 0.5",
 )
 _BAG = _entries("""\
-record      cli.bag.record:command   Record messages into a log.
-play        cli.bag.play:command     Publish the messages of logs again, as timed.
-info        cli.bag.info:info        Show what is in logs.
-plot        cli.plot:of_log          Draw fields of a log over time.
-filter      cli.bag.edit:filter_     Write the messages that meet a condition.
-cut         cli.bag.edit:cut         Write the part between two times.
-merge       cli.bag.join:merge       Merge logs into one.
-sort        cli.bag.join:sort        Sort messages by time.
-rename      cli.bag.change:rename    Rename topics.
-shift       cli.bag.change:shift     Change the recorded times.
-downsample  cli.bag.edit:downsample  Reduce the rate of topics.
-check       cli.bag.judge:check      Check a log against a contract.
-diff        cli.bag.judge:diff       Compare two logs.
-du          cli.bag.judge:du         Show which topics take the most space.
-fix         cli.bag.join:fix         Recover what can be read from a damaged log.
-reindex     cli.bag.info:reindex     Write the index of a log.
-export      cli.bag.exchange:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.
-import      cli.bag.exchange:import_  Convert a ROS bag or an MCAP file to a log.
+record      cli.bag.record:command         Record messages into a log.
+play        cli.bag.play:command           Publish the messages of logs again, as timed.
+info        cli.bag.info:info              Show what is in logs.
+plot        cli.plot:of_log                Draw fields of a log over time.
+filter      cli.bag.filter_cut:filter_     Write the messages that meet a condition.
+cut         cli.bag.filter_cut:cut         Write the part between two times.
+merge       cli.bag.merge_sort_fix:merge   Merge logs into one.
+sort        cli.bag.merge_sort_fix:sort    Sort messages by time.
+rename      cli.bag.rename_shift:rename    Rename topics.
+shift       cli.bag.rename_shift:shift     Change the recorded times.
+downsample  cli.bag.filter_cut:downsample  Reduce the rate of topics.
+check       cli.bag.check_diff_du:check    Check a log against a contract.
+diff        cli.bag.check_diff_du:diff     Compare two logs.
+du          cli.bag.check_diff_du:du       Show which topics take the most space.
+fix         cli.bag.merge_sort_fix:fix     Recover what can be read from a damaged log.
+reindex     cli.bag.info:reindex           Write the index of a log.
+export      cli.bag.export_import:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.
+import      cli.bag.export_import:import_  Convert a ROS bag or an MCAP file to a log.
 """)
 bag = _group(
     "bag",
@@ -189,29 +189,29 @@ lab = _group(
 COMMANDS = {
     **_TOPIC,
     **_entries("""\
-spy         cli.spy.command:command         Watch all channels of the bus, live.
-plot        cli.plot:command                Draw fields of messages over time, live.
-bag         cli.commands:bag                Record, play and inspect logs.
-relay       cli.relay.command:command       Carry messages between buses; serve tcpq.
-foxglove    cli.foxglove:command            Serve the bus to Foxglove and Lichtblick.
-node        cli.commands:node               Query nodes: list, info, ping and more.
-msg         cli.commands:msg                Show message types: list, show, proto and more.
-service     cli.commands:service            List and call services.
-param       cli.commands:param              Read and set parameters of nodes.
-srv         cli.commands:srv                Show service types: list, show.
-gui         cli.commands:gui                Open a window in the browser: topics and more.
-graph       cli.graph.command:command       Draw the graph of nodes and topics.
-wtf         cli.wtf:command                 Report faults and how to fix them.
-sim         cli.commands:sim                Control a simulator: pause, reset, set-pose and more.
-run         cli.run:command                 Run a node, or the simulator.
-lab         cli.commands:lab                Work on the labs: list, start, check and more.
-launch      cli.launch.command:command      Run the nodes of a launch file.
-pkg         cli.commands:pkg                Create and find packages: create, list, build.
-config      cli.config:command              Show the settings and their sources.
-completion  cli.completion.command:command  Complete words with TAB.
-help        cli.help:command                Show the help of a command.
-topic       cli.commands:topic              = topic list is list, and so on.
-doctor      cli.wtf:command                 = wtf, as ROS 2 names it.
-interface   cli.commands:msg                = msg, as ROS 2 names it.
+spy         cli.spy.spy:command                Watch all channels of the bus, live.
+plot        cli.plot:command                   Draw fields of messages over time, live.
+bag         cli.commands:bag                   Record, play and inspect logs.
+relay       cli.relay.relay:command            Carry messages between buses; serve tcpq.
+foxglove    cli.foxglove:command               Serve the bus to Foxglove and Lichtblick.
+node        cli.commands:node                  Query nodes: list, info, ping and more.
+msg         cli.commands:msg                   Show message types: list, show, proto and more.
+service     cli.commands:service               List and call services.
+param       cli.commands:param                 Read and set parameters of nodes.
+srv         cli.commands:srv                   Show service types: list, show.
+gui         cli.commands:gui                   Open a window in the browser: topics and more.
+graph       cli.graph.graph:command            Draw the graph of nodes and topics.
+wtf         cli.wtf:command                    Report faults and how to fix them.
+sim         cli.commands:sim                   Control a simulator: pause, reset, set-pose and more.
+run         cli.run:command                    Run a node, or the simulator.
+lab         cli.commands:lab                   Work on the labs: list, start, check and more.
+launch      cli.launch.launch:command          Run the nodes of a launch file.
+pkg         cli.commands:pkg                   Create and find packages: create, list, build.
+config      cli.config:command                 Show the settings and their sources.
+completion  cli.completion.completion:command  Complete words with TAB.
+help        cli.help:command                   Show the help of a command.
+topic       cli.commands:topic                 = topic list is list, and so on.
+doctor      cli.wtf:command                    = wtf, as ROS 2 names it.
+interface   cli.commands:msg                   = msg, as ROS 2 names it.
 """),
 }

@@ -9,7 +9,7 @@ from lcmtools.cli.output import data
 
 @subcommand("help")
 @examples("help echo", "help node info")
-@argument("words", metavar="[COMMAND...]", nargs=-1, completer="programs:commands")
+@argument("words", metavar="[COMMAND...]", nargs=-1, completer="runnables:commands")
 @click.pass_context
 def command(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show the help of a command, as COMMAND --help does."""

@@ -92,7 +92,7 @@ names_options = together(
         "--remap",
         metavar="FROM:=TO",
         multiple=True,
-        completer="programs:remaps",
+        completer="runnables:remaps",
         callback=_remember_names,
         expose_value=False,
         help="Use TO in place of FROM; as FROM:=TO.",

@@ -13,7 +13,7 @@ from lcmtools.cli.options import looking_options
 from lcmtools.cli.output import clearing, data, talk
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError
-from lcmtools.observe.curves import Curves, draw_picture, draw_text
+from lcmtools.observe.measuring.curves import Curves, draw_picture, draw_text
 
 _PERIOD = 0.2  # [s] between two drawings
 _WIDE = (80, 24)  # columns and rows where there is no terminal

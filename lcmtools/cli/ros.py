@@ -51,7 +51,7 @@ def _catkin(words: Sequence[str]) -> list[str]:
 
 def _run(words: Sequence[str]) -> list[str]:
     """As rosrun PACKAGE NODE; a package that is not there may be ROS's own with a node of ours."""
-    from lcmtools.packages.nodes import OWN, runnables
+    from lcmtools.packages.runnable_nodes import OWN, runnables
 
     known = runnables(Path.cwd())
     if len(words) < 2 or words[0] in {node.package for node in known}:  # noqa: PLR2004 - both

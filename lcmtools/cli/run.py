@@ -17,7 +17,7 @@ from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.finding import find_node, own_answer
-from lcmtools.packages.nodes import OWN, NodeProgram, Runnable, runnables
+from lcmtools.packages.runnable_nodes import OWN, NodeProgram, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 
@@ -29,8 +29,8 @@ from lcmtools.packages.workspace import workspace
     "run --list",
 )
 @flag("-l", "--list", "show_list", help="List the nodes that can be run.")
-@argument("name", required=False, metavar="[PACKAGE] NAME", completer="programs:programs")
-@argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="programs:arguments")
+@argument("name", required=False, metavar="[PACKAGE] NAME", completer="runnables:programs")
+@argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="runnables:arguments")
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
     """Run a node by its name, with names, remaps and parameters as in ROS.
 

@@ -11,9 +11,15 @@ import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
 from lcmtools.cli.ending import end_with_reader
-from lcmtools.cli.judging import JudgingCommand, WrongUsage, judged_rules, look_once, rule_option
 from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
 from lcmtools.cli.output import data, lines, show, talk
+from lcmtools.cli.wtf_options import (
+    JudgingCommand,
+    WrongUsage,
+    judged_rules,
+    look_once,
+    rule_option,
+)
 from lcmtools.color import stream_wants_color
 from lcmtools.doctor import report, saved
 from lcmtools.doctor.brief import WHOLE

@@ -12,7 +12,7 @@ from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import examine, pace
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.counters import busy_share
+from lcmtools.observe.measuring.counters import busy_share
 
 BRIEF = 0.7  # the duration of such a look, with the request for the nodes' counters at its end [s]
 WHOLE = 1.0  # the duration of a look that nobody chose, where a brief one is not enough [s]

@@ -18,7 +18,7 @@ from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
-from lcmtools.doctor import brief, programs
+from lcmtools.doctor import brief, lcm_processes
 from lcmtools.doctor import host as computer
 from lcmtools.doctor.drops import BufferDrops
 from lcmtools.doctor.evidence import (
@@ -35,8 +35,8 @@ from lcmtools.doctor.rules import callbacks, pace, traffic
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.senders import SocketTable, is_here, user_name
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import SocketTable, is_here, user_name
 from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
@@ -60,7 +60,7 @@ def collect(
             evidence = _look(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
-    processes = programs.with_topics(evidence.processes, evidence.graph)
+    processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
     return replace(
@@ -122,14 +122,14 @@ class _Begin:
         monitor.ask()
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
-        times, now = {pid: programs.processor_times(pid) for pid in pids}, time.monotonic()
+        times, now = {pid: lcm_processes.processor_times(pid) for pid in pids}, time.monotonic()
         graph = monitor.settle(foreign=False)
         listening, overflows = Listening(monitor.types_of), computer.buffer_overflows()
         return cls(graph, table, on_bus, times, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:
         """The times that processes have computed, and waited to, since [ns]."""
-        now = {pid: programs.processor_times(pid) for pid in self.times}
+        now = {pid: lcm_processes.processor_times(pid) for pid in self.times}
         return {
             pid: (now[pid][0] - computed, now[pid][1] - waited)
             for pid, (computed, waited) in self.times.items()
@@ -148,11 +148,13 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
     running = {pid for pid, (computed, _) in spent.items() if computed}
     # those that have said goodbye too: their messages are there
     nodes = {node.id: node for node in (*begin.graph.nodes, *after.nodes)}
-    names = programs.ProgramNames(monitor, listening, nodes.values(), later)
+    names = lcm_processes.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
     processes: tuple[LcmProcess, ...] = ()
     if not monitor.is_log:
-        processes = programs.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
+        processes = lcm_processes.lcm_processes(
+            monitor.url, later.rows.values(), later.holders, ports
+        )
     return replace(
         evidence,
         graph=_without_the_left(after, begin.graph),
@@ -223,7 +225,9 @@ def _without_the_left(graph: Graph, before: Graph) -> Graph:
 def _may_answer(node: Node) -> bool:
     """Return whether a node has not answered, but may be about to."""
     is_silent = node.stale and node.stale is not Staleness.ENDED and not node.is_hidden
-    return bool(is_silent) and not (is_here(node) and programs.state_of(node.pid) in ("", "T", "t"))
+    return bool(is_silent) and not (
+        is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t")
+    )
 
 
 def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
@@ -233,7 +237,7 @@ def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
     return SocketTable.read(), listening_sockets(url)
 
 
-def _senders(monitor: BusMonitor, names: programs.ProgramNames) -> tuple[SenderFacts, ...]:
+def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[SenderFacts, ...]:
     tap = monitor.tap
     if tap is None:
         return ()
@@ -285,7 +289,7 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
 def _listeners(
     begin: _Begin,
     still_on_bus: frozenset[int],
-    names: programs.ProgramNames,
+    names: lcm_processes.ProgramNames,
     overflows: int,
     group: str,
 ) -> tuple[Listener, ...]:
@@ -300,7 +304,7 @@ def _listeners(
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
             continue
-        if process and programs.never_reads(process.pid):
+        if process and lcm_processes.never_reads(process.pid):
             continue
         nodes = names.by_pid.get(process.pid, []) if process else []
         found.append(
@@ -312,7 +316,7 @@ def _listeners(
                 queued_bytes=row.queued_bytes,
                 was_queued_bytes=earlier.queued_bytes,
                 buffer_bytes=buffers.get(inode),
-                state=programs.state_of(process.pid) if process else "",
+                state=lcm_processes.state_of(process.pid) if process else "",
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
                 joined=joined_interfaces(process.pid, inode, group) if process else (),
@@ -329,7 +333,7 @@ def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
 
 
 def clock_of(
-    listening: Listening, graph: Graph, names: programs.ProgramNames, busy: Mapping[int, float]
+    listening: Listening, graph: Graph, names: lcm_processes.ProgramNames, busy: Mapping[int, float]
 ) -> SimulatedClock | None:
     """The pace of simulated time, with the share of time that its local publisher computed."""
     ratio, sender = listening.clock_ratio(), listening.clock_sender

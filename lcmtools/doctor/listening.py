@@ -23,7 +23,7 @@ from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender

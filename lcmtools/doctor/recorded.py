@@ -11,12 +11,12 @@ from pathlib import Path
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.collect import clock_of
 from lcmtools.doctor.evidence import Evidence, SenderFacts
+from lcmtools.doctor.lcm_processes import ProgramNames
 from lcmtools.doctor.listening import Listening
-from lcmtools.doctor.programs import ProgramNames
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.senders import SocketTable
-from lcmtools.observe.sources import LogObserver
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import SocketTable
+from lcmtools.observe.reading.sources import LogObserver
 
 OF_LOGS = frozenset(
     {

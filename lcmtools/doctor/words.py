@@ -10,7 +10,7 @@ from string import Formatter
 from typing import Any, NamedTuple
 
 from lcmtools.doctor.findings import Finding, Statement, Subject, Unchecked
-from lcmtools.observe.counters import duration_text
+from lcmtools.observe.measuring.counters import duration_text
 
 TITLES = {
     "bandwidth": "{interface} is too slow for the bus, which carries"

@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.errors import BusError, DecodeError, LcmtoolsError
-from lcmtools.foxglove.publishing import Publishing
+from lcmtools.foxglove.client_publisher import Publishing
 from lcmtools.foxglove.schemas import Schemas
 from lcmtools.foxglove.websocket import FoxgloveServer
 from lcmtools.graph.model import Ends, Graph, Topic
 from lcmtools.messages.registry import Message, candidates, message_class, type_name
 from lcmtools.node.node import Node
-from lcmtools.observe.decoding import Decoder, remedy_of_unknown
-from lcmtools.observe.following import Following
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.decoding import Decoder, remedy_of_unknown
+from lcmtools.observe.reading.following import Following
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:

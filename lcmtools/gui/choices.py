@@ -10,7 +10,7 @@ from lcmtools.gui.streams.steer import is_velocity
 from lcmtools.messages.definition import array_type
 from lcmtools.messages.fields import is_time, visible_fields
 from lcmtools.messages.registry import Message, message_class
-from lcmtools.observe.channels import ChannelRow
+from lcmtools.observe.channels.rows import ChannelRow
 
 _MOST_FIELDS = 300  # of one type
 _DEEPEST = 6  # levels of nested messages

@@ -16,17 +16,17 @@ from typing import Literal
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Choice, Played, Playlist
 from lcmtools.clock import NANOSECONDS
+from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json
-from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.source import End
 from lcmtools.gui.steering import Steering
 from lcmtools.messages.registry import Message
-from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.feed import Snapshot
-from lcmtools.observe.following import Take
-from lcmtools.observe.senders import SenderNames
+from lcmtools.observe.channels.activity import Activity
+from lcmtools.observe.channels.feed import Snapshot
+from lcmtools.observe.channels.rows import ChannelRow, ChannelRows, ChannelSelection
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.following import Take
+from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
 _WINDOW = 2.0  # [s] of the log over which rates are measured

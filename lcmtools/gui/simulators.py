@@ -3,8 +3,8 @@
 from typing import Protocol, TypeVar
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json, Parameters, Rubbish
-from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.source import Source
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message

@@ -7,16 +7,16 @@ whole messages on the source's thread.
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, Protocol
 
+from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json
-from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.steering import Steering
 from lcmtools.messages.registry import Message
 from lcmtools.names import check_length, closest
-from lcmtools.observe.channels import ChannelSelection
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.feed import Feed, Snapshot
-from lcmtools.observe.following import Take
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.channels.feed import Feed, Snapshot
+from lcmtools.observe.channels.rows import ChannelSelection
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.following import Take
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 End = Callable[[], None]

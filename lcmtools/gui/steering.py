@@ -9,8 +9,8 @@ from contextlib import suppress
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.gui.dead_man import DeadMansSwitch
+from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
-from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.velocity import VelocityCommand
 from lcmtools.messages.registry import message_class
 

@@ -18,7 +18,7 @@ from lcmtools.errors import UsageError
 from lcmtools.launch.packages import files_below, is_there, lab_packages, package_folder, path_from
 from lcmtools.names import did_you_mean
 from lcmtools.packages.finding import find_node, own_answer, undeclared
-from lcmtools.packages.nodes import OWN, Runnable, runnables
+from lcmtools.packages.runnable_nodes import OWN, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 RUN = ("lcmtools", "run")

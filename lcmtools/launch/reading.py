@@ -15,9 +15,9 @@ from lcmtools.formats.strict_xml import DEEPEST, Element
 from lcmtools.launch.arguments import check_given, check_passed, declare, given_inside, names_in
 from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
-from lcmtools.launch.nodes import find_node, node_name, plan_node
+from lcmtools.launch.node_tag import find_node, node_name, plan_node
 from lcmtools.launch.packages import LABS, path_from
-from lcmtools.launch.parameters import note_on_lost, own_parameters, param, rosparam
+from lcmtools.launch.parameter_tags import note_on_lost, own_parameters, param, rosparam
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.launch.scope import Scope, located
 from lcmtools.launch.tags import known_children, notes_on

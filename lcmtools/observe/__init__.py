@@ -10,8 +10,8 @@ that it yields:
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lcmtools.observe.received import Arrival as Arrival
-    from lcmtools.observe.received import messages as messages
+    from lcmtools.observe.reading.received import Arrival as Arrival
+    from lcmtools.observe.reading.received import messages as messages
 
 __all__ = ["Arrival", "messages"]
 
@@ -20,6 +20,6 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used (PEP 562)."""
     if name not in __all__:
         raise AttributeError(f"module 'lcmtools.observe' has no attribute '{name}'")
-    from lcmtools.observe import received
+    from lcmtools.observe.reading import received
 
     return getattr(received, name)

@@ -15,8 +15,8 @@ from lcmtools.messages.path import Path, SelectedValue, select, target
 from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_value
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.text import FREE, Writer, format_message
-from lcmtools.observe.arrivals import SelectedPacket
-from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
+from lcmtools.observe.reading.arrivals import SelectedPacket
+from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64

@@ -11,7 +11,7 @@ from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import shown
 from lcmtools.packages.create import check_node_name, node_text
 from lcmtools.packages.finding import has_main
-from lcmtools.packages.nodes import GROUP, TABLE, Runnable, entry, workspace_nodes
+from lcmtools.packages.runnable_nodes import GROUP, TABLE, Runnable, entry, workspace_nodes
 from lcmtools.packages.workspace import Package, load_toml, read_project, table
 
 _HEADER = re.compile(r'\s*\[\s*project\s*\.\s*entry-points\s*\.\s*["\']lcmtools\.nodes["\']\s*\]')

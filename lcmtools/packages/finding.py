@@ -11,7 +11,14 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
 from lcmtools.names import did_you_mean
-from lcmtools.packages.nodes import ANSWERS, OWN, TABLE, Runnable, entry, installed_packages
+from lcmtools.packages.runnable_nodes import (
+    ANSWERS,
+    OWN,
+    TABLE,
+    Runnable,
+    entry,
+    installed_packages,
+)
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import Package, package_folders, workspace
 

@@ -11,8 +11,8 @@ from lcmtools.errors import LcmtoolsError, NothingReceived, ServiceTimeout, Unkn
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import Message, ServiceType, service_class, service_name
 from lcmtools.node.service import Client
-from lcmtools.observe.find import OfferedService, near_service, offered_services
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.find import OfferedService, near_service, offered_services
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.publish.incoming import Notify, Template
 from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import due_times

@@ -17,7 +17,7 @@ from lcmtools.messages.fill import Value
 from lcmtools.messages.plain import plain_json
 from lcmtools.messages.setting import read_setting, text_of
 from lcmtools.names import did_you_mean
-from lcmtools.publish.parameters import (
+from lcmtools.publish.remote_parameters import (
     Answers,
     ParameterClient,
     Parameters,

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import write_setting
-from lcmtools.publish.parameters import Answers, Parameters, value_of
+from lcmtools.publish.remote_parameters import Answers, Parameters, value_of
 from lcmtools.types.lcmtools_msgs import Parameter
 
 

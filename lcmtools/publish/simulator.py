@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, TypeVar
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Staleness
 from lcmtools.messages.registry import Message
-from lcmtools.observe.find import OfferedService, find_node, offered_services
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.find import OfferedService, find_node, offered_services
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.publish.own_node import own_node
 
 if TYPE_CHECKING:

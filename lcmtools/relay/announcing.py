@@ -9,7 +9,7 @@ from functools import partial
 
 from lcmtools.graph.model import STALE_AFTER, Endpoint, RelayStep, Role
 from lcmtools.graph.protocol import Announcement
-from lcmtools.observe.actuators import is_simulator
+from lcmtools.observe.simulators import is_simulator
 from lcmtools.relay.rules import Direction, Reason, Route
 
 _MOST_STEPS = 16

@@ -13,9 +13,9 @@ from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, UsageError
 from lcmtools.names import check_channel
-from lcmtools.observe.losses import Loss, losses
+from lcmtools.observe.reading.losses import Loss, losses
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.outbox import LineMessage
+from lcmtools.relay.line_queue import LineMessage
 from lcmtools.wire.packet import Packet, Sender
 
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
@@ -115,7 +115,7 @@ class ZenohEnd:
     takes_origin, is_quick = True, False
 
     def __init__(self, url: BusUrl) -> None:
-        from lcmtools.bus.zenoh_listener import ZenohListener
+        from lcmtools.bus.zenoh.listener import ZenohListener
 
         self.trouble = ""
         # longer than for local programs: a lossy long-distance line can stall for seconds

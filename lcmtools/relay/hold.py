@@ -8,7 +8,7 @@ the other relay sent must have arrived; what arrives even later is dropped.
 
 from collections.abc import Iterable
 
-from lcmtools.relay.outbox import LATE
+from lcmtools.relay.line_queue import LATE
 from lcmtools.relay.topology import Link, State
 
 _HOLD = 0.7  # [s]

@@ -26,8 +26,8 @@ from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import TALK_CHANNELS
-from lcmtools.observe.presence import Presence, own_node
-from lcmtools.relay.outbox import LATE
+from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.relay.line_queue import LATE
 from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
 from lcmtools.wire.tcpq import (
     PUBLISH,

@@ -38,11 +38,11 @@ from lcmtools.graph.protocol import (
     encode_probe,
 )
 from lcmtools.names import check_node
-from lcmtools.observe.presence import Presence, own_node
+from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
 from lcmtools.relay.hold import Hold
-from lcmtools.relay.outbox import LineMessage
+from lcmtools.relay.line_queue import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
 from lcmtools.relay.topology import (

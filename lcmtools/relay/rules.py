@@ -11,7 +11,7 @@ from enum import Enum
 
 from lcmtools.errors import InvalidName, UsageError
 from lcmtools.names import Pattern, check_length, has_wildcard, is_hidden, spellings
-from lcmtools.observe.actuators import is_command_topic
+from lcmtools.observe.simulators import is_command_topic
 
 _OF_SERVICE = ("/_request", "/_reply")
 _NAMED_ONLY = ("/clock",)

@@ -11,7 +11,7 @@ from lcmtools.node.publisher import Publisher, publish_together
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.command import out_of_range
+from lcmtools_sim.drive_command import out_of_range
 from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots.model import CommandTopic

@@ -76,7 +76,7 @@ class Followers:
             self._bridge.warn(f"waiting for {name}, which does nothing: is it paused or stopped?")
 
     def _has_ended(self, name: str) -> bool:
-        from lcmtools.observe.senders import is_gone, is_here  # seldom needed
+        from lcmtools.observe.reading.senders import is_gone, is_here  # seldom needed
 
         # An earlier one may have had the same name.
         nodes = [node for node in self._node.graph().nodes if node.name == name]

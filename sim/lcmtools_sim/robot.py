@@ -5,7 +5,7 @@ import math
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.command import interpret
+from lcmtools_sim.drive_command import interpret
 from lcmtools_sim.engines.engine import Motion
 from lcmtools_sim.geometry import Frame, Pose, yaw_of
 from lcmtools_sim.held import HeldRobots, pulled

@@ -69,7 +69,7 @@ def test_every_completer_that_is_declared_exists() -> None:
         ("sim state robot", "bus:robots"),
         ("lab check controller", "files"),
         ("lab skeleton name", "lcmtools.labs.commands.completion:skeletons"),
-        ("launch node", "programs:launched_nodes"),
+        ("launch node", "runnables:launched_nodes"),
     ],
 )
 def test_completer_is_the_one_for_the_parameters_words(

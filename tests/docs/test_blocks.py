@@ -28,7 +28,7 @@ import pytest
 
 from lcmtools.bus.url import parse_url
 from lcmtools.cli import main
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [

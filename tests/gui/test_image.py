@@ -14,7 +14,7 @@ from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.messages.registry import Message
-from lcmtools.observe.received import messages
+from lcmtools.observe.reading.received import messages
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from tests.gui.conftest import panel_address
 

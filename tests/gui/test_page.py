@@ -10,7 +10,7 @@ from urllib.parse import quote
 import pytest
 from fixtures.programs import Program
 
-from lcmtools.observe.received import messages
+from lcmtools.observe.reading.received import messages
 
 Serve = Callable[..., tuple[Program, str]]
 POSE = "{header: {frame_id: map}, pose: {position: {x: 1.5, y: -2.0}}}"

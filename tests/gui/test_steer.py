@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from fixtures.programs import Program
 
-from lcmtools.observe.received import messages
+from lcmtools.observe.reading.received import messages
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 

@@ -12,7 +12,7 @@ import pytest
 from fixtures.command import Result
 from fixtures.programs import Program
 
-from lcmtools.observe.received import messages
+from lcmtools.observe.reading.received import messages
 from lcmtools.types.geometry_msgs import PoseStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage

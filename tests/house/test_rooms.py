@@ -93,7 +93,7 @@ def test_every_module_that_the_architecture_names_is_there() -> None:
 
 LINUX_ONLY = {
     *("bus/kernel.py", "bus/processes.py", "processes/reaper.py"),
-    *("doctor/host.py", "doctor/programs.py"),
+    *("doctor/host.py", "doctor/lcm_processes.py"),
 }
 
 
@@ -201,7 +201,7 @@ def test_list_loads_only_what_it_needs() -> None:
         ("msg show geometry_msgs/Twist", "importlib.metadata"),
         ("msg show geometry_msgs/Twist", "lcmtools.packages.ros_files"),
         ("node list --domain 99", "hashlib"),
-        ("node list --domain 99", "lcmtools.observe.node_report"),
+        ("node list --domain 99", "lcmtools.observe.reports.node_report"),
         ("run --list", "lcmtools.node"),
     ],
 )

@@ -17,7 +17,7 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message, message_class, type_names
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.wire.packet import Packet
 

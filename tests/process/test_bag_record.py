@@ -23,9 +23,9 @@ from lcmtools.bus import multicast
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
 from lcmtools.names import Resolver
-from lcmtools.observe.find import GLOBAL
-from lcmtools.observe.log_file import LogFile, index_path
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.find import GLOBAL
+from lcmtools.observe.reading.log_file import LogFile, index_path
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.packages.user_types import source_text
 from lcmtools.types.geometry_msgs import PointStamped
 from lcmtools.types.std_msgs import Bool, String
@@ -209,7 +209,7 @@ from lcmtools.bag.choice import RecordedTopics
 from lcmtools.bag.recorder import Limits, BagRecorder, open_bus
 from lcmtools.bag.series import LogSeries
 from lcmtools.bus.url import parse_url
-from lcmtools.observe.find import GLOBAL
+from lcmtools.observe.reading.find import GLOBAL
 import lcmtools.packages.user_types
 
 url = os.environ["LCM_DEFAULT_URL"]

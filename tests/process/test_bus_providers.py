@@ -20,8 +20,8 @@ from lcmtools.bus.liblcm import open_lcm
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.sources import open_observer
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.sources import open_observer
 
 WaitUntil = Callable[..., None]
 

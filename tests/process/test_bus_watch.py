@@ -20,7 +20,7 @@ from lcmtools.graph.model import Role
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 

@@ -11,14 +11,14 @@ from typing import Any
 
 import pytest
 
-from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.url import BusUrl, parse_url
-from lcmtools.bus.zenoh_bus import ZenohBus
-from lcmtools.bus.zenoh_listener import ZenohListener
-from lcmtools.bus.zenoh_session import ZenohSession
+from lcmtools.bus.zenoh.bus import ZenohBus
+from lcmtools.bus.zenoh.listener import ZenohListener
+from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outgoing
+from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
 

@@ -16,7 +16,7 @@ from lcmtools import Node
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools.wire.log import encode_event, packets
+from lcmtools.wire.log_events import encode_event, packets
 from lcmtools.wire.packet import Packet
 
 S = 1_000_000_000

@@ -24,7 +24,7 @@ from lcmtools.graph.protocol import (
 )
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 
 Run = Callable[..., subprocess.CompletedProcess[bytes]]

@@ -438,7 +438,7 @@ def test_commands_leave_no_trace_on_the_bus(lcmtools: Run) -> None:
 def test_nodes_of_other_users_are_no_programs_without_a_node(
     cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lcmtools.observe.senders.owners", lambda _sockets: {})
+    monkeypatch.setattr("lcmtools.observe.reading.senders.owners", lambda _sockets: {})
     listed = cli("node", "list", "-a").out
     assert "/listener" in listed
     assert "Programs that are no nodes" not in listed

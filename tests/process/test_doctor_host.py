@@ -15,7 +15,7 @@ from lcmtools.bus.processes import owners, udp_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor import self_test
 from lcmtools.doctor.host import firewall, host, silent_bridge
-from lcmtools.doctor.programs import lcm_processes, processor_times, state_of
+from lcmtools.doctor.lcm_processes import lcm_processes, processor_times, state_of
 from lcmtools.doctor.self_test import large_problem, send_problem
 
 

@@ -16,7 +16,7 @@ from lcmtools.gui.streams import plot
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 
 S = 1_000_000_000

@@ -27,7 +27,7 @@ from lcmtools.gui.source import BusSource
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sensor_msgs import CompressedImage

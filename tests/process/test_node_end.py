@@ -12,7 +12,7 @@ import pytest
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 
 WaitUntil = Callable[..., None]
 SOON = 1.5

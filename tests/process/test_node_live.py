@@ -10,7 +10,7 @@ import pytest
 
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import decode, encode
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
 

@@ -7,9 +7,9 @@ import pytest
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
-from lcmtools.observe.channels import ChannelSelection
-from lcmtools.observe.feed import Feed
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.channels.feed import Feed
+from lcmtools.observe.channels.rows import ChannelSelection
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 LARGE = {"A": b"a" * 200_000, "AB": b"b" * 300_000, "C": b"c" * 100_000}

@@ -12,8 +12,8 @@ from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import progress, show
 from lcmtools.errors import UsageError
-from lcmtools.observe.describe import size_text
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.wire.packet import Packet
 
 places = together(

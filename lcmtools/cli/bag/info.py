@@ -6,8 +6,8 @@ from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, document, lines, progress, show
-from lcmtools.observe.describe import size_text
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reports.describe import size_text
 
 
 @subcommand("info", json_option)

@@ -1,7 +1,7 @@
 """The line that shows where a player is."""
 
-from lcmtools.bag.keys import KEYS_HELP
 from lcmtools.bag.player import Position
+from lcmtools.bag.player_keys import KEYS_HELP
 from lcmtools.cli.output import talk
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.terminal import has_keys

@@ -14,8 +14,8 @@ from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
 from lcmtools.node.spinning import spin_once
-from lcmtools.observe.describe import size_text
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
 
 _TURN = 0.1  # [s] between looks at keys and requests

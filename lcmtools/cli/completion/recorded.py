@@ -5,7 +5,7 @@ from itertools import islice
 from lcmtools.bag.summary import known_nodes
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
 
 _MOST_EVENTS = 20_000  # that are looked at in a log without an index
 

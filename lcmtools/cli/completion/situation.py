@@ -90,7 +90,7 @@ class Situation:
 
     def _discovered(self) -> "Graph":
         """The nodes of a bus of another kind, which takes longer."""
-        from lcmtools.observe.monitor import BusMonitor
+        from lcmtools.observe.reading.monitor import BusMonitor
 
         with BusMonitor(self.url, "complete", self.environment) as monitor:
             return monitor.discover()

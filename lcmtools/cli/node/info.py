@@ -8,13 +8,13 @@ from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
-from lcmtools.observe import node_report as report
-from lcmtools.observe.find import find_nodes
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.nodes import find_programs
-from lcmtools.observe.senders import Program
+from lcmtools.observe.node_requests import find_programs
+from lcmtools.observe.reading.find import find_nodes
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reports import node_report as report
 from lcmtools.publish.parameter_report import block, values
-from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
+from lcmtools.publish.remote_parameters import Answers, ParameterClient, has_parameters
 
 _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node
 

@@ -10,7 +10,7 @@ from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
-from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
+from lcmtools.observe.node_requests import NodeEnd, end_nodes, node_to_end, nodes_to_end
 
 
 @subcommand("kill", json_option, asking_options)

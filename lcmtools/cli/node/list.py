@@ -34,11 +34,14 @@ def list_nodes(
     "*arm*".
     """
     with open_monitor("node_list", asks=True) as monitor:
-        from lcmtools.observe.describe import listed_node, node_record  # while the nodes answer
+        from lcmtools.observe.reports.describe import (  # while the nodes answer
+            listed_node,
+            node_record,
+        )
 
         if show_all:
-            from lcmtools.observe.node_report import listed, listed_program, program_record
-            from lcmtools.observe.senders import programs
+            from lcmtools.observe.reading.senders import programs
+            from lcmtools.observe.reports.node_report import listed, listed_program, program_record
 
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
@@ -71,7 +74,7 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
 
     HOST is a name or an address.
     """
-    from lcmtools.observe.describe import Computers, listed_node
+    from lcmtools.observe.reports.describe import Computers, listed_node
 
     graph, url = look("node_machine")
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]

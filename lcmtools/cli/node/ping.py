@@ -10,10 +10,10 @@ from lcmtools.cli.options import asking_options, json_option, timeout_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node
-from lcmtools.observe.find import find_node
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.node_report import ping_reply, ping_summary
-from lcmtools.observe.nodes import ping, pings
+from lcmtools.observe.node_requests import ping, pings
+from lcmtools.observe.reading.find import find_node
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reports.node_report import ping_reply, ping_summary
 
 
 @subcommand("ping", timeout_option(3.0), json_option, asking_options)

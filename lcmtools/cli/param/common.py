@@ -6,7 +6,7 @@ from lcmtools.cli import bus, options
 from lcmtools.cli.bus import in_names, notify
 from lcmtools.errors import ServiceError, ServiceTimeout
 from lcmtools.graph.model import Graph, Node, Staleness
-from lcmtools.publish.parameters import (
+from lcmtools.publish.remote_parameters import (
     ParameterClient,
     ParameterTarget,
     find_target,

@@ -12,10 +12,10 @@ from lcmtools.cli.param.common import complain_of, living_nodes, look, named, ti
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import write_whole
 from lcmtools.graph.model import Graph, Node
-from lcmtools.observe.find import find_node
+from lcmtools.observe.reading.find import find_node
 from lcmtools.publish import parameter_report as report
 from lcmtools.publish.parameter_file import changes_of, make_changes, read_leaves
-from lcmtools.publish.parameters import nodes_with_parameters, require_parameters
+from lcmtools.publish.remote_parameters import nodes_with_parameters, require_parameters
 
 
 @subcommand("dump", timeout_option, json_option, asking_options)

@@ -6,7 +6,7 @@ from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
-from lcmtools.publish.parameters import pick, value_of
+from lcmtools.publish.remote_parameters import pick, value_of
 
 
 @subcommand("list", timeout_option, all_option, json_option, asking_options)

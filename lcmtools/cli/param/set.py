@@ -3,16 +3,16 @@
 from collections.abc import Iterator, Mapping
 
 from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.negative_numbers import CommandWithWords
 from lcmtools.cli.options import asking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, named, timeout_option
-from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.documents import parse_values
 from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import ANY, text_of
 from lcmtools.publish.parameter_file import known_name
-from lcmtools.publish.parameters import ParameterClient, ParameterTarget
+from lcmtools.publish.remote_parameters import ParameterClient, ParameterTarget
 
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 

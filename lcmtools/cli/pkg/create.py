@@ -5,9 +5,9 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
+from lcmtools.cli.negative_numbers import CommandWithDeps
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
-from lcmtools.cli.words import CommandWithDeps
 from lcmtools.messages.registry import packages
 from lcmtools.packages.create import NewPackage, check, create
 

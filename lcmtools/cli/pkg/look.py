@@ -7,7 +7,7 @@ from lcmtools.cli.msg.build import build_folders
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, show, talk
 from lcmtools.packages.finding import find_packages, package_places, unknown_package
-from lcmtools.packages.nodes import runnables
+from lcmtools.packages.runnable_nodes import runnables
 from lcmtools.packages.workspace import workspace
 
 
@@ -37,7 +37,7 @@ def list_packages(*, as_json: bool) -> None:
 
 @subcommand("find", json_option)
 @examples("pkg find air_lab0", "pkg prefix air_lab0 --json")
-@argument("name", completer="programs:packages")
+@argument("name", completer="runnables:packages")
 def find_command(name: str, *, as_json: bool) -> None:
     """Print the folder of a package."""
     found = package_places(Path.cwd())
@@ -50,7 +50,7 @@ def find_command(name: str, *, as_json: bool) -> None:
 
 @subcommand("build", json_option)
 @examples("pkg build", "pkg build air_lab0")
-@argument("name", required=False, completer="programs:packages")
+@argument("name", required=False, completer="runnables:packages")
 def build(name: str | None, *, as_json: bool) -> int:
     """Check and compile the messages of the workspace's packages, or of one.
 

@@ -15,7 +15,7 @@ from lcmtools.cli.declare import rate
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.names import resolve
-from lcmtools.observe.describe import size_text
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
 from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.output import columns, show
 from lcmtools.cli.relay.attending import lost_text
-from lcmtools.observe.describe import size_text
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.status import known_relays
 from lcmtools.relay.topology import Link, State
 

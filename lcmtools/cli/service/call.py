@@ -5,6 +5,7 @@ import math
 from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.ending import end_with_reader
+from lcmtools.cli.negative_numbers import WITHOUT_END, CommandWithWait
 from lcmtools.cli.options import (
     asking_options,
     json_option,
@@ -13,11 +14,10 @@ from lcmtools.cli.options import (
     times_option,
 )
 from lcmtools.cli.output import data, talk
-from lcmtools.cli.words import WITHOUT_END, CommandWithWait
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.text import format_message
-from lcmtools.observe.describe import node_text
-from lcmtools.observe.find import OfferedService, find_service, full_service_name
+from lcmtools.observe.reading.find import OfferedService, find_service, full_service_name
+from lcmtools.observe.reports.describe import node_text
 from lcmtools.publish.calls import call_all, requests_in_time, split_type, wait_for_service
 from lcmtools.publish.incoming import read_requests
 

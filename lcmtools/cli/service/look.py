@@ -7,7 +7,7 @@ from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
-from lcmtools.observe.find import OfferedService, find_service, offered_services
+from lcmtools.observe.reading.find import OfferedService, find_service, offered_services
 
 
 @subcommand("list", all_option, json_option, looking_options)
@@ -82,7 +82,10 @@ def args(service: str, *, as_json: bool) -> None:
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients."""
-    from lcmtools.observe.topic_report import service_record, service_rows  # the others do without
+    from lcmtools.observe.reports.topic_report import (  # the others do without
+        service_record,
+        service_rows,
+    )
 
     found = _find("service_info", *services)
     rows = (row for one in found for row in service_rows(one, is_only=len(found) == 1))

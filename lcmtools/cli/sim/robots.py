@@ -5,9 +5,9 @@ import re
 from collections.abc import Sequence
 
 from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.negative_numbers import CommandWithWords
 from lcmtools.cli.output import data
 from lcmtools.cli.sim.common import call, json_sim_options, show
-from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.text import Writer

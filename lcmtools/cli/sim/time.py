@@ -5,8 +5,8 @@ import math
 import click
 
 from lcmtools.cli.declare import argument, examples, subcommand, whole_number, with_examples
+from lcmtools.cli.negative_numbers import CommandWithWords
 from lcmtools.cli.sim.common import call, json_sim_options, show
-from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate, Step
 from lcmtools.types.std_srvs import Trigger

@@ -21,10 +21,10 @@ from lcmtools.cli.output import clearing, data, may_wait, on_screen
 from lcmtools.cli.topic.display import display, display_options
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
-from lcmtools.observe.arrivals import TOGETHER, ArrivalStream, taken_together
-from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import MessageFormatter
-from lcmtools.observe.selection import select_topics
+from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken_together
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.selection import select_topics
 
 _NAP = 0.02  # [s] that those of a stream may wait for each other on their way to a screen: a frame
 _ALL_TOPICS = "**"

@@ -4,9 +4,9 @@ from lcmtools.cli.bus import looking_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
-from lcmtools.observe.find import find_topic
-from lcmtools.observe.measure import watch_counters
-from lcmtools.observe.topic_report import topic_record, topic_rows
+from lcmtools.observe.measuring.measure import watch_counters
+from lcmtools.observe.reading.find import find_topic
+from lcmtools.observe.reports.topic_report import topic_record, topic_rows
 
 
 @subcommand("info", json_option, looking_options)

@@ -8,11 +8,11 @@ from lcmtools.cli.declare import CommandT, argument, duration, flag, option, tog
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import lines, talk
-from lcmtools.observe.arrivals import SelectedPacket
-from lcmtools.observe.measure import ItemT, ListenOptions, Measurement
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.rate_report import ReportForm
-from lcmtools.observe.rates import Window
+from lcmtools.observe.measuring.measure import ItemT, ListenOptions, Measurement
+from lcmtools.observe.measuring.rate_report import ReportForm
+from lcmtools.observe.measuring.rates import Window
+from lcmtools.observe.reading.arrivals import SelectedPacket
+from lcmtools.observe.reading.monitor import BusMonitor
 
 
 def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:

@@ -5,10 +5,10 @@ from typing import Any
 from lcmtools.arguments import split_arguments
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one
 from lcmtools.cli.options import bus_choice, bus_options, names_options
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.publishing import notify, publish_options, tell_sent
-from lcmtools.cli.words import CommandWithOnce, ends_in_one
+from lcmtools.cli.topic.pub_options import notify, publish_options, tell_sent
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import message_class

@@ -8,7 +8,7 @@ from lcmtools.doctor.evidence import Evidence, derived
 from lcmtools.doctor.findings import Finding, Part, Statement, found, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.counters import busy_share, callback_time
+from lcmtools.observe.measuring.counters import busy_share, callback_time
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late

@@ -11,7 +11,7 @@ from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, fou
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.counters import average_rate
+from lcmtools.observe.measuring.counters import average_rate
 
 SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
 """Topics that are meant for many publishers."""

@@ -10,7 +10,7 @@ from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.losses import Loss
 
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SOME = 3  # messages that are the same are no chance

@@ -21,7 +21,7 @@ from lcmtools.doctor.near_types import nearest_type
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates, problems, type_names
 from lcmtools.names import is_hidden
-from lcmtools.observe.senders import UNKNOWN
+from lcmtools.observe.reading.senders import UNKNOWN
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1

@@ -16,9 +16,9 @@ from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
-from lcmtools.observe.diagram import diagram_of
-from lcmtools.observe.feed import Snapshot
-from lcmtools.observe.senders import Program, programs
+from lcmtools.observe.channels.feed import Snapshot
+from lcmtools.observe.reading.senders import Program, programs
+from lcmtools.observe.reports.bus_diagram import diagram_of
 
 _LOOK_PERIOD = 0.5  # [s]
 _PROGRAMS_PERIOD = 3.0  # [s] between searches of this computer's processes

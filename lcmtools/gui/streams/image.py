@@ -9,8 +9,7 @@ from lcmtools.errors import DecodeError
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
-from lcmtools.messages.registry import type_name
-from lcmtools.observe.pixels import (
+from lcmtools.messages.pixels import (
     COLOR_MAPS,
     MOST_PIXELS,
     Kind,
@@ -18,6 +17,7 @@ from lcmtools.observe.pixels import (
     image_file,
     read_pixels,
 )
+from lcmtools.messages.registry import type_name
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.wire.packet import Packet
 

@@ -8,7 +8,7 @@ from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import type_name
-from lcmtools.observe.field_lines import FieldLine, field_lines
+from lcmtools.observe.channels.field_lines import FieldLine, field_lines
 from lcmtools.wire.packet import Packet
 
 _SHARE = 0.1  # of a processor, at most, for messages that are slow to decode

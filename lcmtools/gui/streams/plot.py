@@ -17,9 +17,9 @@ from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.path import Path, splits
 from lcmtools.names import closest, is_hidden
-from lcmtools.observe.curves import numbers
-from lcmtools.observe.feed import Snapshot
-from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
+from lcmtools.observe.channels.feed import Snapshot
+from lcmtools.observe.measuring.curves import numbers
+from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
 from lcmtools.wire.packet import Packet
 
 _MOST_SAMPLES = 100_000  # that wait for a page; beyond this, the oldest are dropped and counted

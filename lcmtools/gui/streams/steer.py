@@ -9,7 +9,7 @@ from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.velocity import USUAL, commands_velocity
 from lcmtools.messages.registry import message_class
-from lcmtools.observe.senders import is_here
+from lcmtools.observe.reading.senders import is_here
 
 _RECENT = 2_000_000_000  # [ns] since the last message of a commanding program
 _MOST_NAMED = 3  # topics in a hint

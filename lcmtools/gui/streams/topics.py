@@ -3,7 +3,7 @@
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
-from lcmtools.observe.channels import ChannelRow
+from lcmtools.observe.channels.rows import ChannelRow
 
 
 class Topics(PageStream):

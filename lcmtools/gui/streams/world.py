@@ -15,7 +15,7 @@ from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.observe.find import offered_services
+from lcmtools.observe.reading.find import offered_services
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools.wire.packet import Packet

@@ -8,13 +8,13 @@ from typing import Any
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
+from lcmtools.labs.checks.checked_programs import split_command
 from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, cause_of, raised
 from lcmtools.labs.checks.observations import Observations, last_failure, last_words
-from lcmtools.labs.checks.programs import split_command
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
 from lcmtools.packages.finding import find_node
-from lcmtools.packages.nodes import runnables
+from lcmtools.packages.runnable_nodes import runnables
 
 Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 

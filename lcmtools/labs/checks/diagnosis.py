@@ -20,7 +20,7 @@ from lcmtools.labs.checks.observations import (
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.messages.registry import Message
 from lcmtools.names import base_name_of, namespace_of
-from lcmtools.packages.nodes import in_place_of_ros
+from lcmtools.packages.runnable_nodes import in_place_of_ros
 from lcmtools.types.geometry_msgs import Twist
 
 DIED = "died"  # the key of a row's cause: the program has ended

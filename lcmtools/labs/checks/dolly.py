@@ -7,10 +7,10 @@ import time
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.diagnosis import misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
 from lcmtools.labs.checks.observations import Touch, TrueState
-from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist

@@ -3,8 +3,9 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
-from lcmtools.labs.checks.keys import (
+from lcmtools.labs.checks.driving_keys import (
     DIRECTIONS,
     SPEED_CHANGES,
     KeyPress,
@@ -14,7 +15,6 @@ from lcmtools.labs.checks.keys import (
     key_result,
     speeds_result,
 )
-from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import STOPS, TestBench
 from lcmtools.labs.nodes.driving.motion import Motion

@@ -20,10 +20,10 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
+from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.diagnosis import LASTING, cause_of, velocity_of
-from lcmtools.labs.checks.keys import text_of
+from lcmtools.labs.checks.driving_keys import text_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
-from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.recorder import BUMPER, Recorder
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.processes.process_guard import ProcessGuard

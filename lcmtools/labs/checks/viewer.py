@@ -11,7 +11,7 @@ from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.labs.nodes.picture.pixels import Picture, read_file, read_picture
-from lcmtools.observe.pixels import Kind
+from lcmtools.messages.pixels import Kind
 from lcmtools.types.sensor_msgs import Image
 
 PICTURE = "{picture}"  # the placeholder in a viewer's command line for the name of the file to save

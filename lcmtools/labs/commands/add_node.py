@@ -22,7 +22,7 @@ from lcmtools.packages.finding import find_package
     "--package",
     metavar="NAME",
     help="The package (else that of this folder).",
-    completer="programs:packages",
+    completer="runnables:packages",
 )
 @option(
     "--skeleton",

@@ -21,7 +21,7 @@ def skeletons(_: Situation) -> Iterator[Candidate]:
 
 def simulator_arguments(situation: Situation) -> Iterator[Candidate]:
     """The simulator's own arguments; the lab decides on its world."""
-    from lcmtools.cli.completion.programs import arguments
+    from lcmtools.cli.completion.runnables import arguments
 
     before = ("--world", situation.last("name"), *situation.all("arguments"))
     given = {**situation.given, "name": ("sim",), "arguments": before}

@@ -16,7 +16,7 @@ Example:
 from collections.abc import Sequence
 
 import lcmtools
-from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
+from lcmtools.labs.nodes.argument_parser import NodeParser, read_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import SLIDERS_HELP, Sliders
 from lcmtools.types.geometry_msgs import Twist

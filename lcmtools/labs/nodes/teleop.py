@@ -25,7 +25,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools.clock import split_stamp
-from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
+from lcmtools.labs.nodes.argument_parser import NodeParser, read_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import MOTION_HELP, HeldKey, Motion
 from lcmtools.types.geometry_msgs import Twist, TwistStamped

@@ -9,7 +9,7 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.folders import write_whole
 from lcmtools.names import did_you_mean
-from lcmtools.packages.nodes import ANSWERS
+from lcmtools.packages.runnable_nodes import ANSWERS
 
 NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
 

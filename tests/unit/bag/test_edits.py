@@ -10,10 +10,10 @@ from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, decode_announcement, encode_announcement
 from lcmtools.messages.codec import encode
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.losses import Loss
 from lcmtools.types.std_msgs import Float64, String
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 

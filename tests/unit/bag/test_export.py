@@ -13,7 +13,7 @@ from lcmtools.bag.export import FORMATS, Exported, export, format_of
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import TransformStamped, Twist
 from lcmtools.types.sensor_msgs import JointState, LaserScan
 from lcmtools.types.std_msgs import String

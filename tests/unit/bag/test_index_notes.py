@@ -9,8 +9,8 @@ import pytest
 
 from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.writer import LogWriter
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.losses import Loss
 from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
 

@@ -12,9 +12,9 @@ from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import Float64
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages, RecordedNode
 from lcmtools.wire.packet import Packet, Sender
 

@@ -13,7 +13,7 @@ from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
-from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan

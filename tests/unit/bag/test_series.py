@@ -10,7 +10,7 @@ from lcmtools.bag.recorder import Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bag.recording import last_word
 from lcmtools.errors import LcmtoolsError
-from lcmtools.observe.log_file import index_path
+from lcmtools.observe.reading.log_file import index_path
 
 
 def _names(folder: Path) -> list[str]:

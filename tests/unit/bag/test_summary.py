@@ -12,11 +12,11 @@ from lcmtools.bag.summary_report import span_text, time_text
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
-from lcmtools.observe.log_file import LogFile, index_path
-from lcmtools.observe.losses import Loss
+from lcmtools.observe.reading.log_file import LogFile, index_path
+from lcmtools.observe.reading.losses import Loss
 from lcmtools.packages.user_types import source_text
 from lcmtools.types.std_msgs import Header, String
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
 

@@ -5,7 +5,7 @@ import pytest
 from lcmtools.bag.ring import Trigger
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
-from lcmtools.observe.find import GLOBAL
+from lcmtools.observe.reading.find import GLOBAL
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Packet
 

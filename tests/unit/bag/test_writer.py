@@ -8,7 +8,7 @@ import pytest
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
-from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire.log_compression import Compression
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from lcmtools.bus.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
+from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
 
 
 class _Line:

@@ -5,7 +5,7 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.zenoh_keys import Keys, Named, is_legal_prefix
+from lcmtools.bus.zenoh.keys import Keys, Named, is_legal_prefix
 
 LCM, DIMOS = Keys("lcm"), Keys("dimos")
 _CHARACTERS = st.one_of(

@@ -3,8 +3,8 @@
 import pytest
 
 from lcmtools.bus.url import misread_options, parse_url
-from lcmtools.bus.zenoh_config import settings_of
-from lcmtools.bus.zenoh_url import Address
+from lcmtools.bus.zenoh.config import settings_of
+from lcmtools.bus.zenoh.url import Address
 from lcmtools.errors import InvalidUrl
 
 

@@ -12,7 +12,7 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.registry import fingerprint, message_class
-from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.types.std_msgs import Header
 
 PUBLISHED = [
@@ -206,15 +206,15 @@ def test_robots_are_those_that_simulators_take_commands_for() -> None:
 def test_arguments_that_every_node_takes(
     word: str, given: dict[str, str], found: list[str]
 ) -> None:
-    assert complete("programs:arguments", word, name="talker", **given) == found
+    assert complete("runnables:arguments", word, name="talker", **given) == found
 
 
 def test_the_simulator_says_what_its_own_arguments_are() -> None:
-    assert "husky" in complete("programs:arguments", name="sim", arguments="--world")
-    assert "--world=husky" in complete("programs:arguments", "--world=", name="sim")
-    assert complete("programs:arguments", "./", name="sim", arguments="--world") == []
-    assert "files" in complete("programs:arguments", "", name="sim", arguments="--check")
-    assert "--world" in complete("programs:arguments", "--wo", name="sim")
+    assert "husky" in complete("runnables:arguments", name="sim", arguments="--world")
+    assert "--world=husky" in complete("runnables:arguments", "--world=", name="sim")
+    assert complete("runnables:arguments", "./", name="sim", arguments="--world") == []
+    assert "files" in complete("runnables:arguments", "", name="sim", arguments="--check")
+    assert "--world" in complete("runnables:arguments", "--wo", name="sim")
 
 
 def test_a_source_may_be_words_or_files_or_nothing() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import click
 import pytest
 
-from lcmtools.cli.words import WITHOUT_END, CommandWithOnce, CommandWithWords
+from lcmtools.cli.negative_numbers import WITHOUT_END, CommandWithOnce, CommandWithWords
 
 
 class _Command(CommandWithWords):

@@ -14,7 +14,7 @@ from fixtures.judging import (
     stream,
 )
 
-from lcmtools.doctor import programs
+from lcmtools.doctor import lcm_processes as programs
 from lcmtools.doctor.evidence import (
     Evidence,
     Host,

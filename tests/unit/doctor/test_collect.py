@@ -14,7 +14,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Sender
 
 FAR, HERE = Sender("192.0.2.7", 4000), Sender("127.0.0.1", 4000)

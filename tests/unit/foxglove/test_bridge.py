@@ -8,8 +8,8 @@ from lcmtools.bus.url import parse_url
 from lcmtools.foxglove.bridge import Bridge
 from lcmtools.foxglove.websocket import FoxgloveServer
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
-from lcmtools.observe.find import GLOBAL
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading.find import GLOBAL
+from lcmtools.observe.reading.monitor import BusMonitor
 
 
 class Server:

@@ -4,8 +4,8 @@ import queue
 from typing import cast
 
 from lcmtools.errors import BusError
+from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
-from lcmtools.gui.publishing import Publishers
 from lcmtools.gui.steering import Steering
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message

@@ -7,7 +7,7 @@ import pytest
 from lcmtools.errors import UnknownType, ValueMismatch
 from lcmtools.gui.protocol import Parameters, Rubbish
 from lcmtools.gui.source import Source
-from lcmtools.gui.types import describe, filled_in
+from lcmtools.gui.type_forms import describe, filled_in
 
 NOTHING = cast("Source", None)  # a type is the same on every source
 

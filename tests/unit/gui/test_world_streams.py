@@ -13,7 +13,7 @@ from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
 from lcmtools.messages.registry import Message
-from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
 from lcmtools.types.sensor_msgs import Image, LaserScan, PointCloud2, PointField

@@ -10,7 +10,7 @@ import pytest
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import dolly, husky
 from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of, misplaced
-from lcmtools.labs.checks.keys import DIRECTIONS, KeyPress, key_cause
+from lcmtools.labs.checks.driving_keys import DIRECTIONS, KeyPress, key_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
     CommandMessage,

@@ -8,8 +8,8 @@ import pytest
 import lcmtools
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import test_bench
+from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
-from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.recorder import Recorder
 from lcmtools.labs.checks.results import CheckResult
 

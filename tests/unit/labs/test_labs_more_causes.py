@@ -12,7 +12,7 @@ import pytest
 
 from lcmtools.labs.checks import dolly, husky
 from lcmtools.labs.checks.diagnosis import explain_number
-from lcmtools.labs.checks.keys import (
+from lcmtools.labs.checks.driving_keys import (
     DIRECTIONS,
     KeyPress,
     change_result,
@@ -26,7 +26,7 @@ from lcmtools.labs.checks.teleop import check_teleop
 from lcmtools.labs.checks.viewer import check_viewer, picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.observe.pixels import Kind
+from lcmtools.messages.pixels import Kind
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
 

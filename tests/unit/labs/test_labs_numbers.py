@@ -11,7 +11,7 @@ from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.check import CHECKS, choose
 from lcmtools.labs.checks.dolly import ranges_in
-from lcmtools.labs.checks.keys import DIRECTIONS, SPEED_CHANGES, is_alike
+from lcmtools.labs.checks.driving_keys import DIRECTIONS, SPEED_CHANGES, is_alike
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
 from lcmtools.labs.checks.viewer import viewer_command
 from lcmtools.labs.nodes.driving import motion

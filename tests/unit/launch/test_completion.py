@@ -26,25 +26,27 @@ def _here(folder: Path) -> None:
 
 def test_packages_files_of_the_labs_and_all_files_come_first() -> None:
     labs = ["simple_controller.launch", "empty_world.launch", "pre_assignment2.launch"]
-    assert complete("programs:launch_words", "", []) == ["some_package", *labs, "files"]
+    assert complete("runnables:launch_words", "", []) == ["some_package", *labs, "files"]
 
 
 def test_arguments_that_are_not_given_yet_follow_the_file() -> None:
     given = ["pre_assignment2.launch", "gui:=true"]
-    assert complete("programs:launch_words", "", given) == ["paused:=", "rate:=", "__ns:="]
+    assert complete("runnables:launch_words", "", given) == ["paused:=", "rate:=", "__ns:="]
 
 
 def test_files_of_a_package_follow_it() -> None:
-    assert complete("programs:launch_words", "", ["air_lab0"])[0] == "simple_controller.launch"
+    assert complete("runnables:launch_words", "", ["air_lab0"])[0] == "simple_controller.launch"
 
 
 def test_namespaces_on_the_bus_follow_their_mark() -> None:
-    assert complete("programs:launch_words", "__ns:=/h", ["simple_controller"]) == ["__ns:=/husky0"]
+    assert complete("runnables:launch_words", "__ns:=/h", ["simple_controller"]) == [
+        "__ns:=/husky0"
+    ]
 
 
 def test_nodes_are_the_files_and_a_broken_file_has_none(folder: Path) -> None:
     given = ["simple_controller.launch", "__ns:=/a"]
-    assert complete("programs:launched_nodes", "", given) == ["/a/husky_simple_controller"]
+    assert complete("runnables:launched_nodes", "", given) == ["/a/husky_simple_controller"]
     (folder / "broken.yaml").write_text("nodes: [")
-    assert complete("programs:launched_nodes", "", ["broken.yaml"]) == []
-    assert complete("programs:launch_words", "", ["broken.yaml"]) == ["__ns:="]
+    assert complete("runnables:launched_nodes", "", ["broken.yaml"]) == []
+    assert complete("runnables:launch_words", "", ["broken.yaml"]) == ["__ns:="]

@@ -5,8 +5,8 @@ import pytest
 from lcmtools.graph.drawing.subgraph import is_meant
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.names import Pattern, has_wildcard, is_hidden
-from lcmtools.observe.channels import ChannelSelection
-from lcmtools.observe.selection import TopicPattern
+from lcmtools.observe.channels.rows import ChannelSelection
+from lcmtools.observe.reading.selection import TopicPattern
 
 CASES = [
     ("/*/odometry", "/husky0/odometry", True),

@@ -9,7 +9,12 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
 from lcmtools.node.context import Context
 from lcmtools.node.parameters import Parameter, ParameterValue, SetParametersResult
-from lcmtools.publish.parameters import Parameters, RefusedParameters, request_parameters, value_of
+from lcmtools.publish.remote_parameters import (
+    Parameters,
+    RefusedParameters,
+    request_parameters,
+    value_of,
+)
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]

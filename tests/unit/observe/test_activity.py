@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
-from lcmtools.observe.activity import Activity, Flow
+from lcmtools.observe.channels.activity import Activity, Flow
 from lcmtools.wire.packet import Packet, Sender
 
 S = 1_000_000_000

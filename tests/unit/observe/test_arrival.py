@@ -7,7 +7,7 @@ import pytest
 from lcmtools.errors import ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import encode
-from lcmtools.observe.arrivals import (
+from lcmtools.observe.reading.arrivals import (
     CLOCK,
     ArrivalClock,
     ArrivalStream,

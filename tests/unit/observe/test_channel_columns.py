@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.observe.channel_columns import (
+from lcmtools.observe.channels.columns import (
     COLUMNS,
     TableView,
     age_text,
@@ -11,9 +11,9 @@ from lcmtools.observe.channel_columns import (
     rate_text,
     type_text,
 )
-from lcmtools.observe.channel_table import cut, table, width_of
-from lcmtools.observe.channels import ChannelRow, matching
-from lcmtools.observe.describe import size_text
+from lcmtools.observe.channels.rows import ChannelRow, matching
+from lcmtools.observe.channels.table import cut, table, width_of
+from lcmtools.observe.reports.describe import size_text
 
 ROWS = (
     ChannelRow(

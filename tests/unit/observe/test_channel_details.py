@@ -3,15 +3,15 @@
 import pytest
 
 from lcmtools.messages.codec import encode
-from lcmtools.observe.channel_details import (
+from lcmtools.observe.channels.details import (
     DetailLine,
     detail_lines,
     flow_text,
     number_text,
     properties,
 )
-from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.study import Study
+from lcmtools.observe.channels.rows import ChannelRow
+from lcmtools.observe.channels.study import Study
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet
 

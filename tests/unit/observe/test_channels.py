@@ -4,10 +4,10 @@ from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
-from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection
-from lcmtools.observe.losses import losses
-from lcmtools.observe.senders import SenderNames, SocketTable
+from lcmtools.observe.channels.activity import Activity
+from lcmtools.observe.channels.rows import ChannelRow, ChannelRows, ChannelSelection
+from lcmtools.observe.reading.losses import losses
+from lcmtools.observe.reading.senders import SenderNames, SocketTable
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence

@@ -3,8 +3,8 @@
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
-from lcmtools.observe import describe
-from lcmtools.observe.describe import Computers, by_computer
+from lcmtools.observe.reports import describe
+from lcmtools.observe.reports.describe import Computers, by_computer
 from lcmtools.wire.packet import Sender
 
 

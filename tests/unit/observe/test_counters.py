@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
-from lcmtools.observe.counters import (
+from lcmtools.observe.measuring.counters import (
     Counters,
     average_rate,
     busy_share,

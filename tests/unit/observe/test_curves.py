@@ -12,9 +12,9 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
-from lcmtools.observe.curves import Curve, Curves, draw_picture, draw_text
-from lcmtools.observe.find import GLOBAL
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.measuring.curves import Curve, Curves, draw_picture, draw_text
+from lcmtools.observe.reading.find import GLOBAL
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan

@@ -5,7 +5,7 @@ import pytest
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import type_name
-from lcmtools.observe.decoding import Decoder, UnknownFingerprint
+from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet

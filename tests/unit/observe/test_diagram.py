@@ -8,8 +8,8 @@ from lcmtools.graph.drawing.labels import notes
 from lcmtools.graph.drawing.subgraph import DiagramOptions, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
-from lcmtools.observe.diagram import diagram_of
-from lcmtools.observe.senders import Program
+from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reports.bus_diagram import diagram_of
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Sender
 

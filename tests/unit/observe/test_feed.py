@@ -7,9 +7,9 @@ from typing import ClassVar
 import pytest
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.observe.channels import ChannelRow, ChannelSelection
-from lcmtools.observe.feed import Feed, Snapshot
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.channels.feed import Feed, Snapshot
+from lcmtools.observe.channels.rows import ChannelRow, ChannelSelection
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 
@@ -131,9 +131,9 @@ def test_who_listens_is_looked_up_again_where_there_are_other_sockets(
         looks.append(sockets[-1])
         return [f"program {len(looks)}"]
 
-    monkeypatch.setattr("lcmtools.observe.feed._SELDOM", 0.0)
-    monkeypatch.setattr("lcmtools.observe.feed.listening_sockets", lambda _: sockets[-1])
-    monkeypatch.setattr("lcmtools.observe.feed.plain_listeners", listeners)
+    monkeypatch.setattr("lcmtools.observe.channels.feed._SELDOM", 0.0)
+    monkeypatch.setattr("lcmtools.observe.channels.feed.listening_sockets", lambda _: sockets[-1])
+    monkeypatch.setattr("lcmtools.observe.channels.feed.plain_listeners", listeners)
     seen: dict[int, Snapshot] = {}
 
     def several(snapshot: Snapshot) -> bool:

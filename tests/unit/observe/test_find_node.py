@@ -4,7 +4,7 @@ import pytest
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
-from lcmtools.observe.find import find_node, find_nodes
+from lcmtools.observe.reading.find import find_node, find_nodes
 from lcmtools.wire.packet import Sender
 
 _GRAPH = Graph(

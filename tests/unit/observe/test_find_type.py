@@ -2,7 +2,7 @@
 
 from lcmtools.graph.model import Endpoint, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
-from lcmtools.observe.find import is_of_type
+from lcmtools.observe.reading.find import is_of_type
 
 _TWIST = fingerprint(message_class("geometry_msgs/Twist"))  # Accel has it too
 

@@ -9,9 +9,9 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.messages.registry import Message
-from lcmtools.observe.arrivals import SelectedPacket
-from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import DisplayOptions, MessageFormatter
+from lcmtools.observe.reading.arrivals import SelectedPacket
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import Point, PointStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String

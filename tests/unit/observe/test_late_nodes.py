@@ -12,8 +12,8 @@ from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
-from lcmtools.observe import monitor as monitors
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.reading import monitor as monitors
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 

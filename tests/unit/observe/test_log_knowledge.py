@@ -15,14 +15,14 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import candidates, message_class
 from lcmtools.messages.supply import set_supply
 from lcmtools.observe import messages
-from lcmtools.observe.describe import program_text
-from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.losses import Loss
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.senders import SenderNames, SocketTable, is_here
-from lcmtools.observe.sources import LogObserver
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here
+from lcmtools.observe.reading.sources import LogObserver
+from lcmtools.observe.reports.describe import program_text
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log import SYNC
+from lcmtools.wire.log_events import SYNC
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 

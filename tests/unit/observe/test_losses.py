@@ -1,6 +1,6 @@
 """Losses of a sender, in words."""
 
-from lcmtools.observe.losses import Loss, losses, total
+from lcmtools.observe.reading.losses import Loss, losses, total
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.sequence import Sequence
 

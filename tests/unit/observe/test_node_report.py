@@ -3,9 +3,9 @@
 import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.observe.node_report import command_text, listed_program, program_record
-from lcmtools.observe.nodes import program_names
-from lcmtools.observe.senders import Program
+from lcmtools.observe.node_requests import program_names
+from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reports.node_report import command_text, listed_program, program_record
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
 

@@ -5,7 +5,7 @@ import struct
 import pytest
 
 from lcmtools.errors import DecodeError
-from lcmtools.observe.pixels import Kind, PixelFormat, Pixels, image_file, read_pixels
+from lcmtools.messages.pixels import Kind, PixelFormat, Pixels, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 

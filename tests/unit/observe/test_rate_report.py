@@ -1,6 +1,6 @@
 """The table of rostopic hz."""
 
-from lcmtools.observe.rate_report import table
+from lcmtools.observe.measuring.rate_report import table
 
 
 def test_a_table_has_a_centred_header_a_rule_and_columns_as_wide_as_they_need() -> None:

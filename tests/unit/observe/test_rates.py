@@ -10,10 +10,10 @@ import pytest
 from lcmtools.errors import DecodeError
 from lcmtools.messages.fields import utime
 from lcmtools.messages.layout import stamp_reader
-from lcmtools.observe.arrivals import SelectedPacket
-from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.measure import Delays
-from lcmtools.observe.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.observe.measuring.measure import Delays
+from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.observe.reading.arrivals import SelectedPacket
+from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.wire.packet import Packet
 
@@ -154,7 +154,7 @@ def test_without_a_header_the_delay_is_that_of_utime(monkeypatch: pytest.MonkeyP
     assert utime(SimpleNamespace(utime=5)) == 5000  # type: ignore[arg-type] # a field is enough
     assert utime(Twist()) is None
     delay, packet = Delays(Decoder(lambda _: ()), print), Packet("/a", Twist().encode(), 0)
-    monkeypatch.setattr("lcmtools.observe.measure.utime", lambda _: 7000)
+    monkeypatch.setattr("lcmtools.observe.measuring.measure.utime", lambda _: 7000)
     assert delay(SelectedPacket("/a", packet, 9000)) == 2000
 
 

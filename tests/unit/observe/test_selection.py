@@ -6,7 +6,7 @@ from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.names import Resolver
-from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
+from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
 
 
 def bus(*channels: str) -> Graph:

@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.graph.model import Node
-from lcmtools.observe.senders import SenderNames, SocketTable, program_name
+from lcmtools.observe.reading.senders import SenderNames, SocketTable, program_name
 from lcmtools.wire.packet import Sender
 
 LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)

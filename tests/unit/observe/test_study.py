@@ -4,8 +4,8 @@ import math
 
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
-from lcmtools.observe.field_lines import MOST_ELEMENTS, MOST_LINES, field_lines
-from lcmtools.observe.study import KEPT, Sample, Sparkline, Study, curve
+from lcmtools.observe.channels.field_lines import MOST_ELEMENTS, MOST_LINES, field_lines
+from lcmtools.observe.channels.study import KEPT, Sample, Sparkline, Study, curve
 from lcmtools.types.geometry_msgs import Point, PoseStamped, Twist, Vector3
 from lcmtools.types.nav_msgs import Path
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan

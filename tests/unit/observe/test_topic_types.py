@@ -4,7 +4,7 @@ import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.registry import fingerprint
-from lcmtools.observe.describe import type_text
+from lcmtools.observe.reports.describe import type_text
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Sender

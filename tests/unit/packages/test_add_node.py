@@ -8,7 +8,7 @@ import pytest
 from lcmtools.errors import InvalidName, LcmtoolsError, UsageError
 from lcmtools.packages.add_node import add_node
 from lcmtools.packages.create import NewPackage, create
-from lcmtools.packages.nodes import runnables
+from lcmtools.packages.runnable_nodes import runnables
 from lcmtools.packages.workspace import Package, workspace
 
 Write = Callable[..., Path]

@@ -13,8 +13,8 @@ from lcmtools.messages.registry import Registry, fingerprint
 from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages.finding import find_node
 from lcmtools.packages.lcm_gen import generate_code
-from lcmtools.packages.nodes import Runnable
 from lcmtools.packages.ros_files import to_lcm
+from lcmtools.packages.runnable_nodes import Runnable
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.packages.workspace import Workspace, workspace
 from lcmtools.types.fingerprints import FINGERPRINTS

@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.finding import find_node
-from lcmtools.packages.nodes import Runnable, runnables
+from lcmtools.packages.runnable_nodes import Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 Write = Callable[..., Path]

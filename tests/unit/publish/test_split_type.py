@@ -7,7 +7,7 @@ import pytest
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.registry import service_class
-from lcmtools.observe.find import OfferedService
+from lcmtools.observe.reading.find import OfferedService
 from lcmtools.publish.calls import split_type
 
 

@@ -3,7 +3,7 @@
 import time
 
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.outbox import LATE, LineMessage, LineQueue
+from lcmtools.relay.line_queue import LATE, LineMessage, LineQueue
 
 
 def _drain(outbox: LineQueue) -> list[tuple[str, bytes]]:

@@ -9,8 +9,8 @@ from lcmtools.errors import ValueMismatch
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
-from lcmtools_sim.command import interpret, out_of_range
 from lcmtools_sim.drive import body_velocity
+from lcmtools_sim.drive_command import interpret, out_of_range
 from lcmtools_sim.robots.husky import HUSKY
 
 NAN = math.nan

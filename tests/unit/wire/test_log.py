@@ -2,7 +2,7 @@
 
 import struct
 
-from lcmtools.wire.log import SYNC, packets
+from lcmtools.wire.log_events import SYNC, packets
 
 
 def _event(number: int, channel: bytes = b"/a", payload: bytes = b"payload") -> bytes:

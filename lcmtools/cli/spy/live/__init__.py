@@ -7,8 +7,8 @@ from lcmtools.cli.bus import chosen_log, open_monitor
 from lcmtools.cli.output import clearing
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError, needing_extra
-from lcmtools.observe.channel_columns import TableView
-from lcmtools.observe.channels import ChannelSelection
+from lcmtools.observe.channels.columns import TableView
+from lcmtools.observe.channels.rows import ChannelSelection
 
 
 def watch(selection: ChannelSelection, view: TableView) -> int:

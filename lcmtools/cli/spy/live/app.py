@@ -15,10 +15,10 @@ from textual.events import Event, InputEvent
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
 from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.screens import HelpScreen
-from lcmtools.observe.channel_columns import TableView
-from lcmtools.observe.channels import ChannelSelection
-from lcmtools.observe.feed import Feed
-from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.channels.columns import TableView
+from lcmtools.observe.channels.feed import Feed
+from lcmtools.observe.channels.rows import ChannelSelection
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.signals import ENDING
 
 _PERIOD = 1.0  # [s] between two drawings of the table where nothing but numbers changes

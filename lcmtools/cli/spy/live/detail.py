@@ -12,7 +12,7 @@ from textual.widgets import DataTable, Footer, Label, Sparkline
 from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, RowTable
 from lcmtools.cli.spy.live.screens import LivePage
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channel_details import (
+from lcmtools.observe.channels.details import (
     BARS,
     DetailLine,
     detail_lines,
@@ -20,8 +20,8 @@ from lcmtools.observe.channel_details import (
     number_text,
     properties,
 )
-from lcmtools.observe.feed import Feed
-from lcmtools.observe.study import Study, curve
+from lcmtools.observe.channels.feed import Feed
+from lcmtools.observe.channels.study import Study, curve
 
 _BESIDE = 54  # characters of a number and its range, beside its curve
 _SPANS = (2, 5, 10, 20, 40, 120, 600)  # [s]

@@ -13,10 +13,10 @@ from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.rows import Cell, Cells, RowTable
 from lcmtools.cli.spy.live.screens import LivePage, SortScreen
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channel_columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
-from lcmtools.observe.channel_table import ColumnLayout, layout, natural_widths
-from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.channels.columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
+from lcmtools.observe.channels.feed import Feed, Snapshot
+from lcmtools.observe.channels.rows import ChannelRow
+from lcmtools.observe.channels.table import ColumnLayout, layout, natural_widths
 
 _MUCH_LOSS = 0.01  # of what is sent
 _SEARCH, _FILTER = "Search", "Filter"

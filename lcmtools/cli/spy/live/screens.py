@@ -14,7 +14,7 @@ from textual.screen import ModalScreen, Screen, ScreenResultType
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from lcmtools.observe.channel_columns import COLUMNS, heading
+from lcmtools.observe.channels.columns import COLUMNS, heading
 
 _HELP = f"""\
 Enter         the channel's message, decoded; there: a number's

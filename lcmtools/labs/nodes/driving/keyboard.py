@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
-from lcmtools.labs.nodes.driving.keys import KeyScript
+from lcmtools.labs.nodes.driving.key_script import KeyScript
 from lcmtools.terminal import Terminal, TerminalKeys, is_readable, is_terminal, read_waiting
 
 

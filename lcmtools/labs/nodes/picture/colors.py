@@ -8,7 +8,7 @@ import PIL.Image
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.observe.pixels import Color, Kind
+from lcmtools.messages.pixels import Color, Kind
 
 _NO_READING: Color = (0, 0, 0)
 _ROUNDING = (

@@ -13,7 +13,7 @@ import PIL.Image
 from lcmtools.folders import write_whole
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.observe.pixels import Kind
+from lcmtools.messages.pixels import Kind
 
 _NUMBER = re.compile(r"%(0?\d{0,2})[di]")
 _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several times faster

@@ -9,7 +9,7 @@ import PIL.Image
 from PIL import UnidentifiedImageError
 
 from lcmtools.errors import DecodeError
-from lcmtools.observe.pixels import Kind, check_size, image_file, read_pixels
+from lcmtools.messages.pixels import Kind, check_size, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 _FARTHEST = 1e6  # [m]

@@ -9,13 +9,13 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import DecodeError, NothingReceived, UsageError, needing_extra
-from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of, read_command_line
+from lcmtools.labs.nodes.argument_parser import NodeParser, at_least, one_of, read_command_line
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.labs.nodes.picture.colors import ColorOptions
 from lcmtools.labs.nodes.picture.display import Display, LineDisplay
 from lcmtools.labs.nodes.picture.pixels import read_picture
+from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.messages.registry import Message
-from lcmtools.observe.pixels import COLOR_MAPS
 from lcmtools.terminal import is_terminal
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 

@@ -17,7 +17,7 @@ from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
 from lcmtools.cli.spy.live.rows import RowTable
 from lcmtools.cli.spy.live.screens import LivePage, Page
 from lcmtools.messages.codec import encode
-from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.wire.packet import Packet

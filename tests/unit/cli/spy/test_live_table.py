@@ -12,9 +12,9 @@ from textual.strip import Strip
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
 from lcmtools.cli.spy.live.rows import Cell, RowTable
-from lcmtools.observe.channel_columns import COLUMNS, TableView
-from lcmtools.observe.channels import ChannelRow
-from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.channels.columns import COLUMNS, TableView
+from lcmtools.observe.channels.feed import Feed, Snapshot
+from lcmtools.observe.channels.rows import ChannelRow
 
 
 def test_the_table_shows_all_columns_and_what_is_known_of_the_bus() -> None:

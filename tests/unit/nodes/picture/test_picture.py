@@ -19,7 +19,7 @@ from lcmtools.labs.nodes.picture.colors import (
 from lcmtools.labs.nodes.picture.display import numbered, values_of
 from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
 from lcmtools.labs.nodes.picture.screen import ScreenDisplay, graphics_in
-from lcmtools.observe.pixels import COLOR_MAPS
+from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 WARM = ColorOptions(COLOR_MAPS["warm"])

@@ -1,0 +1,1 @@
+"""The bus on Zenoh: its URL, its session, and what nodes and observers use of it."""

@@ -1,0 +1,337 @@
+"""A Zenoh session and its pitfalls. Only this and ``zenoh_opening`` import Zenoh's package.
+
+- A message to a program that does not read waits; after a second, Zenoh disconnects that program,
+  which reconnects when it reads again.
+- A process that ends without closing its session can hang: it is closed at exit. A forked process
+  can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
+- A message is sent at once, or waits for room: see ``bus.outbox`` for messages that come meanwhile.
+- After an interruption, a connection resumes: messages that waited for it are dropped on arrival.
+- Messages still under way when a session closes are lost: closing waits until the others have them.
+- Callbacks run on Zenoh's own threads, which must not wait: messages are queued at once.
+- Replies with the same key are merged unless that is switched off.
+"""
+
+import atexit
+import contextlib
+import ctypes
+import itertools
+import os
+import threading
+import time
+import weakref
+from collections import deque
+from collections.abc import Callable
+from typing import TypeVar
+
+from lcmtools.bus.kernel import computer_id
+from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.bus.zenoh.config import is_own
+from lcmtools.bus.zenoh.opening import open_session, reason_of, zenoh
+from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
+from lcmtools.errors import BusError
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    TALK_CHANNELS,
+    Retained,
+    decode_probe,
+)
+from lcmtools.messages.registry import candidates
+from lcmtools.wire.lateness import Lateness
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.reader import PROTOCOL_PREFIX
+from lcmtools.wire.stamp import Origin, Stamp, decode_stamp, encode_stamp
+
+ItemT = TypeVar("ItemT")
+
+_MOST_WAITING = 10_000  # messages
+_MOST_WAITING_BYTES = 64 << 20
+_ANSWER_TIMEOUT = 1.0  # [s]
+_FLUSH_TIMEOUT = 1.0  # [s]
+_RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a query that needs no reply, only to end
+_MOST_SENDERS = 10_000
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # a clock that cannot be set
+_SLOW = 0.01  # [s]: a message that took longer to send had to wait for the network
+
+
+class ZenohSession:
+    """A connection to a Zenoh bus, from which one thread takes messages.
+
+    ``on_outage`` is called by ``take`` when the connection to a router is lost or restored, with a
+    text and the current problem, "" for none.
+
+    Raises:
+        BusError: The bus cannot be reached; the error says what to do.
+        MissingExtra: Zenoh is not installed.
+    """
+
+    def __init__(self, url: BusUrl, on_outage: Callable[[str, str], None]) -> None:
+        self._url, self._place = url, url.place
+        self._on_outage = on_outage
+        self._outages: deque[bool] = deque()  # True for one that began, False for one that ended
+        self._keys = self._place.keys
+        # The session's id, 64 bits: the computer's number, then a random one.
+        self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
+        self.dropped = 0  # messages that came late, or the oldest if they were not taken in time
+        self._numbers = itertools.count(1)
+        self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
+        self._lateness: dict[int, Lateness] = {}
+        self._bytes = 0
+        self._counting = threading.Lock()  # for Zenoh's threads, one for each connection
+        self._answers = 0  # pending requests
+        self._answered: set[str] = set()  # the sessions that answered the last one
+        self._retained = Retained()
+        self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
+        self._large_keys: set[str] = set()
+        self._is_slow = False  # True if small messages have to wait for the network
+        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_large)
+        self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
+        self._session, is_client = open_session(url, self.id)
+        self._wakeup = WakeupEvent()
+        atexit.register(self.close)
+        own = weakref.ref(self)
+        os.register_at_fork(after_in_child=lambda: _leave_to_parent(own()))
+        if is_client:
+            self._session.info.declare_transport_events_listener(_direct(self._note_outage))
+        self._queryable = self._session.declare_queryable(
+            self._keys.key(NODE_CHANNEL), _direct(self._answer)
+        )
+
+        self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
+
+    def fileno(self) -> int:
+        """Return the descriptor, which is readable while there are messages to take."""
+        return self._wakeup.fileno()
+
+    @property
+    def is_awaiting(self) -> bool:
+        """True while answers to a probe may still come; ask sessions found since the last one."""
+        own = filter(is_own, map(str, self._session.info.peers_zid()))
+        if not self._answers and not self._answered.issuperset(own):
+            self._ask()
+        return self._answers > 0
+
+    @property
+    def has_strangers(self) -> bool:
+        """True if it is connected with a router, or with programs that are not lcmtools'."""
+        info = self._session.info
+        return any(not is_own(str(zid)) for zid in (*info.peers_zid(), *info.routers_zid()))
+
+    def publish(
+        self,
+        channel: str,
+        payload: bytes,
+        type_name: str = "",
+        origin: Origin | None = None,
+        *,
+        latched: bool = False,
+    ) -> None:
+        """Send one message; see ``Bus.publish``. BusError if the session is closed."""
+        if channel == NODE_CHANNEL:
+            self._retained.keep(payload, time.monotonic())
+        elif channel == PROBE_CHANNEL and (probe := decode_probe(payload)) and not probe.target:
+            self._ask()
+        if self._keys.is_typed and not type_name:
+            names = candidates(int.from_bytes(payload[:8], "big"))
+            type_name = names[0] if len(names) == 1 else ""
+        key = self._keys.key(channel, type_name)
+        if len(payload) > MOST_WAITING_BYTES:
+            self._large_keys.add(key)
+        is_large = key in self._large_keys  # only the newest of these waits, so none is outdated
+        now = 0 if latched or is_large else time.clock_gettime_ns(_CLOCK)
+        stamp = encode_stamp(self.id, next(self._numbers), now, origin)
+        message = Outgoing(key, payload, stamp, is_large)
+        if message.is_large:
+            self._large.add(message)
+        elif self._is_slow or self._small.has_waiting(key):
+            self._small.add(message)
+        else:
+            try:
+                self._put(message)
+            except zenoh.ZError as error:
+                raise BusError(f"cannot publish on {channel}: {reason_of(error)}") from error
+
+    def subscribe(self, channel: str | None) -> None:
+        """Take a channel's messages from now on; for None, those of all channels."""
+        patterns = (self._keys.all,) if channel is None else self._keys.patterns(channel)
+        self._subscribers[channel or ""] = [
+            self._session.declare_subscriber(pattern, _direct(self._arrive)) for pattern in patterns
+        ]
+
+    def unsubscribe(self, channel: str) -> None:
+        """Undo ``subscribe``."""
+        for subscriber in self._subscribers.pop(channel, ()):
+            with contextlib.suppress(zenoh.ZError):
+                subscriber.undeclare()  # type: ignore[no-untyped-call] # untyped in the package
+
+    def take(self, most: int = _MOST_WAITING) -> list[Packet]:
+        """Return the messages that have arrived, ``most`` at most, without waiting."""
+        self._wakeup.clear()
+        while self._outages:
+            self._tell_outage(is_lost=self._outages.popleft())
+        with self._counting:
+            taken = [self._arrived.popleft() for _ in range(min(most, len(self._arrived)))]
+            self._bytes -= sum(len(sample.payload) for sample, *_ in taken)
+        if self._arrived:
+            self._wakeup.set()
+        return [packet for one in taken if (packet := self._packet(*one))]
+
+    def close(self) -> None:
+        """Send waiting messages, and leave the bus."""
+        atexit.unregister(self.close)
+        self._small.close()
+        self._large.close()
+        self._await_receivers()
+        with contextlib.suppress(zenoh.ZError):
+            self._session.close()  # type: ignore[no-untyped-call]
+        self._wakeup.close()
+
+    def _await_receivers(self) -> None:
+        """Wait until other sessions have received what was sent: closing would discard it.
+
+        The query follows the messages, of which large ones leave last.
+        """
+        answered = threading.Event()
+        handler = zenoh.handlers.Callback(_ignore, answered.set, indirect=False)
+        with contextlib.suppress(zenoh.ZError):
+            self._session.get(
+                *(self._keys.key(_RECEIVED), handler),
+                target=zenoh.QueryTarget.ALL,
+                priority=zenoh.Priority.DATA_LOW,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                timeout=_FLUSH_TIMEOUT,
+            )
+            answered.wait(_FLUSH_TIMEOUT)
+
+    def _note_outage(self, event: zenoh.TransportEvent) -> None:
+        self._outages.append(event.kind == zenoh.SampleKind.DELETE)
+        self._wakeup.set()
+
+    def _tell_outage(self, *, is_lost: bool) -> None:
+        if is_lost:
+            text = f"the connection to {self._url} is lost; it is tried again until it is back"
+            self._on_outage(text, text)
+        else:
+            self._on_outage(f"the connection to {self._url} is back", "")
+
+    def _put(self, message: Outgoing) -> None:
+        """Send a message: a small one waits for room; later ones then go to the outbox."""
+        publisher = self._publishers.get((message.key, message.is_large))
+        if publisher is None:
+            publisher = self._publishers[message.key, message.is_large] = self._declare(message)
+        start = time.monotonic()
+        publisher.put(message.payload, attachment=message.stamp)
+        if not message.is_large:
+            self._is_slow = time.monotonic() - start > _SLOW
+
+    def _put_large(self, message: Outgoing) -> None:
+        """Send a large message after the small ones of its topic that still wait."""
+        self._small.await_sent(message.key)
+        self._put_quietly(message)
+
+    def _put_quietly(self, message: Outgoing) -> None:
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._put(message)
+
+    def _declare(self, message: Outgoing) -> zenoh.Publisher:
+        """Return a publisher; small messages may overtake large ones of other topics."""
+        priority = zenoh.Priority.DATA_LOW if message.is_large else zenoh.Priority.DATA
+        return self._session.declare_publisher(
+            message.key, congestion_control=zenoh.CongestionControl.BLOCK, priority=priority
+        )
+
+    def _ask(self) -> None:
+        """Request the announcements that other sessions keep, which arrive at once."""
+        self._answered.clear()
+        self._answers += 1
+        self._session.get(
+            self._keys.key(NODE_CHANNEL),
+            zenoh.handlers.Callback(self._take_reply, self._end_answer, indirect=False),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=_ANSWER_TIMEOUT,
+        )
+
+    def _take_reply(self, reply: zenoh.Reply) -> None:
+        self._answered.add(str(reply.replier_id))
+        if reply.ok is not None:
+            self._arrive(reply.ok, is_reply=True)
+
+    def _end_answer(self) -> None:
+        self._answers -= 1
+        self._wakeup.set()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        """Reply with the announcements of this session's nodes to a session that came later."""
+        query.reply_err(b"")  # a reply even if there are none
+        stamp = encode_stamp(self.id, 0)
+        for payload in self._retained.payloads(time.monotonic()):
+            query.reply(query.key_expr, payload, attachment=stamp)
+
+    def _arrive(self, sample: zenoh.Sample, *, is_reply: bool = False) -> None:
+        """Queue a message, on a Zenoh thread; drop the oldest if there is no room."""
+        arrived = sample, time.time_ns(), time.clock_gettime_ns(_CLOCK), is_reply
+        with self._counting:
+            self._arrived.append(arrived)
+            self._bytes += len(sample.payload)
+            while len(self._arrived) > 1 and (
+                len(self._arrived) > _MOST_WAITING or self._bytes > _MOST_WAITING_BYTES
+            ):
+                oldest, *_ = self._arrived.popleft()
+                self._bytes -= len(oldest.payload)
+                self.dropped += 1
+        self._wakeup.set()
+
+    def _packet(
+        self,
+        sample: zenoh.Sample,
+        arrival: int,
+        clock: int,
+        is_reply: bool,  # noqa: FBT001
+    ) -> Packet | None:
+        payload = sample.payload.to_bytes()
+        named = self._keys.named(str(sample.key_expr))
+        if named is None:
+            return None
+        attachment = sample.attachment
+        stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
+        if stamp is None:
+            return Packet(named.channel, payload, arrival, type_name=named.type_name)
+        if self._is_late(stamp, clock) and named.channel not in TALK_CHANNELS:
+            self.dropped += 1
+            return None
+        sender = Sender(f"{stamp.sender:016x}", 0)
+        seqno = None if is_reply else stamp.seqno
+        return Packet(
+            *(named.channel, payload, arrival, sender, seqno),
+            origin=stamp.origin,
+            type_name=named.type_name,
+        )
+
+    def _is_late(self, stamp: Stamp, arrival: int) -> bool:
+        """Return whether a message was held up on its way, as by an interrupted connection."""
+        if not stamp.time:
+            return False
+        lateness = self._lateness.get(stamp.sender)
+        if lateness is None:
+            if len(self._lateness) >= _MOST_SENDERS:
+                self._lateness.clear()
+            lateness = self._lateness[stamp.sender] = Lateness()
+        return lateness.is_late(stamp.time, arrival)
+
+
+def _leave_to_parent(session: ZenohSession | None) -> None:
+    """Never close or free a parent's session in a forked process: that would hang."""
+    if session is not None:
+        atexit.unregister(session.close)
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(session))
+
+
+def _ignore(_: object) -> None:
+    """Do nothing: a query ends without a reply, and a reply is not needed."""
+
+
+def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
+    """Return a handler that is called on Zenoh's own thread, without another queue and thread."""
+    return zenoh.handlers.Callback(callback, indirect=False)

@@ -1,0 +1,98 @@
+"""``lcmtools bag export`` and ``import``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.bag import edits
+from lcmtools.bag.export import FORMATS, export, format_of
+from lcmtools.bag.ros_bags import Compression
+from lcmtools.bag.ros_import import RosImport
+from lcmtools.bag.summary import known_nodes, log_span
+from lcmtools.bag.times import LogTime, time_window
+from lcmtools.cli.bag.common import (
+    exclude_option,
+    made_options,
+    places,
+    topic_choice,
+    topics_option,
+    window_options,
+    write,
+)
+from lcmtools.cli.declare import examples, option, subcommand
+from lcmtools.cli.output import show, talk
+from lcmtools.messages.codec import encode
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.wire.packet import Packet
+
+
+@subcommand("export", made_options)
+@examples(
+    "bag export ride.lcmlog ride.mcap",
+    "bag export ride.lcmlog odometry.csv -t /husky0/odometry",
+    "bag export ride.lcmlog scans.npz -t '/*/scan' -s 10s -e end-1m",
+    "bag export ride.lcmlog ride_bag --format ros2",
+)
+@places
+@option(
+    "--format", "format_", type=click.Choice(FORMATS), help="The format (else by OUT's suffix)."
+)
+@topics_option
+@exclude_option
+@window_options
+@option(
+    "--compress",
+    type=click.Choice(["zstd", "lz4", "none"]),
+    default="zstd",
+    help="Compression of MCAP chunks.",
+)
+def export_(
+    source: str,
+    target: str,
+    *,
+    format_: str | None,
+    wanted: tuple[str, ...],
+    excluded: tuple[str, ...],
+    start: LogTime | None,
+    end: LogTime | None,
+    compress: Compression,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write a log in another format.
+
+    OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
+    (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
+    csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
+    them.
+    """
+    meant = format_of(Path(target), format_)
+    with LogFile(source) as log:
+        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
+        found = found if wanted else edits.visible(found)
+        if start or end:
+            found = edits.between(found, *time_window(log_span(log), start, end))
+        decoder = Decoder(known_nodes(log).types_of)
+        done = export(found, decoder, Path(target), meant, compression=compress, force=force)
+    for text in done.left_out.values():
+        talk(text)
+    record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
+    show(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+
+
+@subcommand("import", made_options)
+@examples("bag import ride.bag ride.lcmlog", "bag import rosbag2_folder ride.lcmlog")
+@places
+def import_(source: str, target: str, *, force: bool, as_json: bool) -> None:
+    """Convert a ROS 1 or ROS 2 bag or an MCAP file to a log.
+
+    An unknown type is translated from the bag's own definition, which the log keeps.
+    """
+    reading = RosImport()
+    packets = (
+        Packet(one.topic, encode(one.message), one.time) for one in reading.read(Path(source))
+    )
+    write(target, packets, force=force, as_json=as_json, types=reading.types.values())
+    for reason, count in reading.left_out.items():
+        talk(f"{count} messages are left out: {reason}")

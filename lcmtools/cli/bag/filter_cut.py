@@ -1,0 +1,108 @@
+"""``lcmtools bag filter``, ``cut`` and ``downsample``: fewer messages."""
+
+from lcmtools.bag import edits
+from lcmtools.bag.summary import known_nodes, log_span
+from lcmtools.bag.times import LogTime, time_window
+from lcmtools.cli.bag.common import (
+    exclude_option,
+    made_options,
+    places,
+    topic_choice,
+    topics_option,
+    window_options,
+    write,
+)
+from lcmtools.cli.declare import argument, examples, option, rate, subcommand, whole_number
+from lcmtools.cli.declare import duration as time_span
+from lcmtools.errors import UsageError
+from lcmtools.messages.filter import Filter
+from lcmtools.observe.reading.log_file import LogFile
+
+_Topics = tuple[str, ...]
+
+
+@subcommand("filter", made_options)
+@examples(
+    "bag filter ride.lcmlog out.lcmlog 'm.pose.pose.position.x > 1' -t /husky0/odometry",
+    "bag filter ride.lcmlog out.lcmlog -x '**/image' -s 10s -e end-1m",
+)
+@places
+@argument("expression", metavar="[EXPR]", required=False)
+@topics_option
+@exclude_option
+@window_options
+def filter_(
+    source: str,
+    target: str,
+    expression: str | None,
+    *,
+    wanted: _Topics,
+    excluded: _Topics,
+    start: LogTime | None,
+    end: LogTime | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write the messages that meet a condition to another log.
+
+    EXPR is an expression as in echo --filter: m is the message. It must fit every selected topic,
+    so select topics with -t. A message that cannot be decoded does not match.
+    """
+    condition = Filter(expression) if expression else None
+    with LogFile(source) as log:
+        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
+        span = time_window(log_span(log), start, end) if start or end else None
+        if span:
+            found = edits.between(found, *span)
+        if condition:
+            found = edits.matching(found, condition, known_nodes(log).types_of)
+        write(target, found, log, force=force, as_json=as_json, between=span)
+
+
+@subcommand("cut", made_options)
+@examples("bag cut ride.lcmlog start.lcmlog -e 10s", "bag cut a.lcmlog b.lcmlog -s end-1m -d 10s")
+@places
+@window_options
+@option("-d", "--duration", type=time_span, help="Maximum duration.")
+def cut(
+    source: str,
+    target: str,
+    *,
+    start: LogTime | None,
+    end: LogTime | None,
+    duration: float | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Write the part of a log between two times to another log."""
+    with LogFile(source) as log:
+        first, last = time_window(log_span(log), start, end, duration=duration)
+        found = edits.between(log.packets(log.offset_at(first)), first, last)
+        write(target, found, log, force=force, as_json=as_json, between=(first, last))
+
+
+@subcommand("downsample", made_options)
+@examples("bag downsample a.lcmlog b.lcmlog --rate 10 -t /scan", "bag downsample a b --every 5")
+@places
+@topics_option
+@exclude_option
+@option("-r", "--rate", "most", type=rate, help="Maximum rate of each topic [Hz].")
+@option("--every", metavar="N", type=whole_number(1), help="Keep every N-th message of each topic.")
+def downsample(
+    source: str,
+    target: str,
+    *,
+    wanted: _Topics,
+    excluded: _Topics,
+    most: float | None,
+    every: int | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Reduce the rate of topics; other topics are copied unchanged."""
+    if not (most or every):
+        raise UsageError("the new rate is missing", "add --rate or --every")
+    with LogFile(source) as log:
+        topics = topic_choice(log, wanted, excluded)
+        found = edits.thinned(log.packets(), topics, every=every or 1, rate=most or 0.0)
+        write(target, found, log, force=force, as_json=as_json)

@@ -1,0 +1,51 @@
+"""``lcmtools bag merge``, ``sort`` and ``fix``."""
+
+from contextlib import ExitStack
+
+from lcmtools.bag import edits
+from lcmtools.bag.repair import damage_rows, find_damage
+from lcmtools.cli.bag.common import made_options, places, write
+from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.output import lines, talk
+from lcmtools.observe.reading.log_file import LogFile
+
+
+@subcommand("merge", made_options)
+@examples(
+    "bag merge husky.lcmlog camera.lcmlog -o both.lcmlog", "bag merge ride*.lcmlog -o ride.lcmlog"
+)
+@argument("files", metavar="FILE...", nargs=-1, required=True, completer="files")
+@option(
+    "-o", "--output", "target", metavar="OUT", required=True, completer="files", help="The log."
+)
+def merge(files: tuple[str, ...], *, target: str, force: bool, as_json: bool) -> None:
+    """Merge logs into one, by time."""
+    with ExitStack() as stack:
+        logs = [stack.enter_context(LogFile(file)) for file in files]
+        write(target, edits.merged(logs), *logs, force=force, as_json=as_json)
+
+
+@subcommand("sort", made_options)
+@examples("bag sort mixed.lcmlog sorted.lcmlog", "bag sort ride.lcmlog ride.lcmlog --force")
+@places
+def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
+    """Sort messages by time; messages with the same time keep their order."""
+    with LogFile(source) as log:
+        write(target, edits.in_order(log), log, force=force, as_json=as_json)
+
+
+@subcommand("fix", made_options)
+@examples("bag fix broken.lcmlog fixed.lcmlog", "bag fix broken.lcmlog fixed.lcmlog --json")
+@places
+def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
+    """Write all that can be read from a damaged log to another log, and report what is left out.
+
+    For each part left out, its bytes and the times of the messages around it are shown.
+    """
+    with LogFile(source) as log:
+        damage = find_damage(log)
+        record = [part.record() for part in damage]
+        write(target, log.packets(), log, force=force, as_json=as_json, more={"left_out": record})
+    lines([] if as_json else damage_rows(damage))
+    if not damage:
+        talk("nothing is damaged")

@@ -1,0 +1,283 @@
+"""Processes of this computer that use LCM: their state, their buses, their names in findings."""
+
+import contextlib
+import os
+import re
+import resource
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from ipaddress import IPv4Address
+from itertools import chain
+from pathlib import Path
+
+from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
+from lcmtools.bus.quick_probe import QuickProbe
+from lcmtools.bus.url import BusUrl, choose_url, parse_url
+from lcmtools.doctor.connecting import loose_ends
+from lcmtools.doctor.evidence import LcmProcess, Stream
+from lcmtools.doctor.host import text_of
+from lcmtools.doctor.listening import Listening
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.names import is_hidden
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here
+from lcmtools.wire.packet import Sender
+
+_PROC = Path("/proc")
+_KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
+_VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
+_NAME_CHARACTERS = 60
+_URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
+_MOST_CODE = 4 << 20  # bytes of a file in which a URL is searched
+_MOST_BUSES = 3  # that are looked at
+_LISTEN, _MOST_LISTENS = 0.2, 6  # [s] to another bus; 1.2 s in all show what is sent at 1 Hz
+
+
+def state_of(pid: int) -> str:
+    """A process's state as ps shows it; "" where there is none."""
+    return text_of(_PROC / str(pid) / "stat").rpartition(")")[2].strip()[:1]
+
+
+def processor_times(pid: int) -> tuple[int, int]:
+    """The time that a process's threads have computed, and waited for a processor [ns]."""
+    files = (_PROC / str(pid) / "task").glob("*/schedstat")
+    rows = [row for file in files if len(row := text_of(file).split()) > 1]
+    return sum(int(row[0]) for row in rows), sum(int(row[1]) for row in rows)
+
+
+def never_reads(pid: int) -> bool:
+    """Return whether a process only sends, although it has a socket that receives.
+
+    lcm.jar makes one for sending too, and starts a thread that reads with the first subscription.
+    """
+    if Path(text_of(_PROC / str(pid) / "cmdline").partition("\0")[0]).name != "java":
+        return False
+    names = [text_of(file) for file in (_PROC / str(pid) / "task").glob("*/comm")]
+    return not any(name.startswith("Thread-") for name in names)
+
+
+def lcm_processes(
+    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], seen: set[int]
+) -> tuple[LcmProcess, ...]:
+    """The processes of this user that have to do with LCM, with where they are.
+
+    Those that listen to a multicast group are there. One that only sends is where it was seen
+    (its port is one of ``seen``), or the bus that its arguments, variables or code name; so is one
+    without UDP.
+    """
+    own = os.getuid()
+    mine = [
+        (process.pid, row)
+        for row in sockets
+        if (process := holders.get(row.inode)) and row.uid == own and process.pid != os.getpid()
+    ]
+    buses: dict[int, str] = {}
+    sending: dict[int, set[int]] = {}
+    for pid, row in mine:
+        multicast = IPv4Address(row.address).is_multicast and row.address not in _KNOWN_GROUPS
+        if row.port == url.port and (row.address == url.host or not multicast):
+            buses[pid] = ""
+        elif not multicast:
+            sending.setdefault(pid, set()).add(row.port)
+        elif _is_of_lcm(holders[row.inode]):
+            buses.setdefault(pid, f"{row.address}:{row.port}")
+    guessed = set()
+    for pid, ports in sending.items():
+        if pid not in buses and uses_lcm(pid):
+            code = "" if _argument_url(pid) or _variables(pid) else _code_url(pid)
+            buses[pid] = "" if ports & seen else _named_bus(pid, url, code)
+            guessed |= {pid} if code else set()
+    without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
+    named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
+    buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
+    return tuple(
+        replace(_lcm_process(pid, bus), is_guess=pid in guessed)
+        for pid, bus in sorted(buses.items())
+    )
+
+
+def _is_of_lcm(process: Process) -> bool:
+    """Return whether a process uses LCM, as far as that shows: of Java only by its command line."""
+    return "lcm" in process.command or uses_lcm(process.pid)
+
+
+def _pids_of(user: int) -> set[int]:
+    """The processes of a user in this network."""
+    found = set()
+    for folder in _PROC.glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
+            if is_here and folder.stat().st_uid == user:
+                found.add(int(folder.name))
+    return found
+
+
+def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
+    """The other bus that a process's arguments, variables or code name: HOST:PORT, or a URL."""
+    variables = _variables(pid)
+    said = _argument_url(pid) or code
+    try:
+        named, _ = choose_url(said, "", variables)
+    except LcmtoolsError:  # a URL without a port, for example
+        return said or variables.get("LCM_DEFAULT_URL", "")
+    if named.file_name == url.file_name:
+        return ""
+    return f"{named.host}:{named.port}" if named.is_multicast else str(named)
+
+
+def _argument_url(pid: int) -> str:
+    """The URL of a bus in a process's command line; "" for none."""
+    found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
+    return found[0] if found else ""
+
+
+def _code_url(pid: int) -> str:
+    """The only URL of a bus in a process's script or executable; "" where there is none."""
+    program, *words = text_of(_PROC / str(pid) / "cmdline").split("\0")
+    script = next((word for word in words if word and not word.startswith("-")), "")
+    folder = _PROC / str(pid)
+    file = folder / "cwd" / script if "python" in Path(program).name else folder / "exe"
+    with contextlib.suppress(OSError):  # the process may end meanwhile
+        if file.stat().st_size < _MOST_CODE:
+            urls = set(_URL.findall(text_of(file)))
+            return str(urls.pop()) if len(urls) == 1 else ""
+    return ""
+
+
+def _variables(pid: int) -> dict[str, str]:
+    entries = text_of(_PROC / str(pid) / "environ").split("\0")
+    pairs = dict(entry.partition("=")[::2] for entry in entries if entry)
+    return {name: pairs[name] for name in _VARIABLES if pairs.get(name)}
+
+
+def _lcm_process(pid: int, bus: str) -> LcmProcess:
+    process = process_of(pid)
+    open_files = most = 0
+    with contextlib.suppress(OSError):
+        if sys.platform == "linux":
+            most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
+        open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
+    return LcmProcess(
+        pid,
+        process.called(_NAME_CHARACTERS) if process else "",
+        bus,
+        next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
+        open_files,
+        most,
+        state_of(pid),
+    )
+
+
+def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
+    """The processes, those on other buses with the topics there, and those they wait for.
+
+    Other buses are looked at only if all nodes, or the other ends of topics, are missing on this
+    one.
+    """
+    every = tuple(processes)
+    missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
+    announced = {e.topic for node in graph.nodes for e in node.endpoints}
+    offered = {end.topic for _, end in loose_ends(graph, Role.PUBLISHER)}
+    offered |= _published(graph) - announced
+    if not (missed or offered) and any(not node.tool for node in graph.nodes):
+        return every
+    topics, awaited = _topics([process for process in every if process.bus], missed)
+    return tuple(
+        replace(
+            one,
+            topics=tuple(sorted(topics[one.bus])),
+            awaited=tuple(sorted(awaited[one.pid] & offered - topics[one.bus])),
+        )
+        for one in every
+    )
+
+
+def _topics(
+    processes: Sequence[LcmProcess], missed: set[str]
+) -> tuple[Mapping[str, set[str]], Mapping[int, set[str]]]:
+    """The topics that are published on other buses, and those that each process waits for.
+
+    Programs that are no nodes may publish what is missed seldom: they are given more time.
+    """
+    pids = {process.pid for process in processes}
+    topics: dict[str, set[str]] = defaultdict(set)
+    awaited: dict[int, set[str]] = defaultdict(set)
+    with contextlib.ExitStack() as stack:
+        probes = {}
+        for bus in sorted({process.bus for process in processes})[:_MOST_BUSES]:
+            with contextlib.suppress(LcmtoolsError):
+                probe = QuickProbe(parse_url(f"udpm://{bus}?ttl=0"))
+                probes[bus] = stack.enter_context(probe)
+        for _ in range(_MOST_LISTENS if probes else 0):
+            time.sleep(_LISTEN)
+            for bus, probe in probes.items():
+                graph = probe.graph()
+                pids -= {node.pid for node in graph.nodes if is_here(node)}
+                topics[bus] |= _published(graph)
+                for node, end in loose_ends(graph, Role.SUBSCRIBER):
+                    if is_here(node):
+                        awaited[node.pid].add(end.topic)
+            if not pids or missed.issubset(chain.from_iterable(topics.values())):
+                break
+    return topics, awaited
+
+
+def _published(graph: Graph) -> set[str]:
+    announced = {e.topic for node in graph.nodes for e in node.having(Role.PUBLISHER)}
+    seen = {traffic.channel for traffic in graph.traffic}
+    return {name for name in announced | seen if not is_hidden(name)}
+
+
+class ProgramNames:
+    """The names of senders and processes, for people."""
+
+    def __init__(
+        self, monitor: BusMonitor, listening: Listening, nodes: Collection[Node], table: SocketTable
+    ) -> None:
+        self.table = table
+        self.by_pid: dict[int, list[Node]] = {}
+        for node in nodes:
+            if is_here(node):
+                self.by_pid.setdefault(node.pid, []).append(node)
+        self.senders = SenderNames(lambda _: table, called=self.of_process)
+        seen = {one.sender for one in listening.streams()}
+        tap = monitor.tap
+        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
+        self.senders.learn((), nodes)
+
+    def name(self, sender: Sender | None) -> str:
+        """A sender's node, else its process; of a port that Java programs share, the candidates."""
+        known = self.senders.name(sender)
+        if sender is None or known != str(sender):
+            return known
+        able = self.table.processes(sender)
+        names = sorted(self.of_process(process) for process in able.candidates)
+        if names and not able.are_all:
+            names.append("another program")
+        return " or ".join(names) or known
+
+    def pid(self, stream: Stream) -> int | None:
+        """A sender's process on this computer."""
+        if node := self.senders.node(stream.sender):
+            return node.pid if is_here(node) else None
+        process = self.senders.process(stream.sender)
+        return process.pid if process else None
+
+    def of_process(self, process: Process) -> str:
+        """A process's nodes, or its command, with its number."""
+        nodes = self.by_pid.get(process.pid, [])
+        called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
+        return f"{called} (pid {process.pid})"
+
+    def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
+        """The senders of datagrams that are not LCM's, with the reason."""
+        found = []
+        for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
+            process = self.senders.process(sender)
+            who = f"{sender}, {self.of_process(process)}" if process else str(sender)
+            found.append((who, reason))
+        return tuple(found)

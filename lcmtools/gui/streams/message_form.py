@@ -1,0 +1,97 @@
+"""Publishing the message in a page's form once, or repeatedly while a stream is open."""
+
+import threading
+import time
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.type_forms import filled_in
+from lcmtools.names import resolve
+from lcmtools.publish.publication import check_topic
+from lcmtools.publish.schedule import due_times
+
+_LOWEST, _HIGHEST = 0.01, 200.0  # [Hz]
+
+
+class FilledForm:
+    """A message from a form, ready to be published on its topic.
+
+    Raises:
+        UnknownType: There is no such type.
+        ValueMismatch: A value does not fit its field.
+        UsageError: The topic's name is empty or invalid.
+        LcmtoolsError: Nothing can be published here.
+    """
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        if source.publishers is None:
+            raise LcmtoolsError("a log takes no messages", "open the window on a bus")
+        self._publishers = source.publishers
+        self._topic = _channel(source, parameters.text("topic"))
+        self._template = filled_in(parameters)
+
+    def send(self) -> None:
+        """Publish it, after setting the times that must be the time of sending.
+
+        Raises:
+            BusError: The bus cannot be reached, or does not accept it.
+        """
+        payload = self._template.payload(time.time_ns())
+        self._publishers.publish(self._topic, type(self._template.message), payload)
+
+
+def publish(source: Source, parameters: Parameters) -> Json:
+    """Publish a form's message once."""
+    FilledForm(source, parameters).send()
+    return None
+
+
+def _channel(source: Source, topic: str) -> str:
+    """Return a topic's name unchanged if it is on the bus, else resolved by ROS's rules."""
+    is_known = any(row.channel == topic for row in source.latest.rows)
+    check_topic(topic, literal=is_known)
+    return topic if is_known else resolve(topic)
+
+
+class RepeatedForm(PageStream):
+    """Publishes ``values`` of ``type`` on ``topic`` at ``rate`` [Hz]; ends with the page."""
+
+    period = 0.25
+    commands = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._rate = parameters.number("rate", 1.0, _LOWEST, _HIGHEST)
+        self._form = FilledForm(source, parameters)
+        self._count = self._said = 0
+        self._fault = ""
+        self._over = threading.Event()
+        self.until_closed(self._over.set)
+        threading.Thread(target=self._publish, name="publishing", daemon=True).start()
+
+    def update(self) -> Update | None:
+        """Return the number of published messages."""
+        if self._count == self._said:
+            return None
+        self._said = self._count
+        return Update({"count": self._count})
+
+    def problem(self) -> str:
+        """Return why the last one was not published."""
+        return self._fault
+
+    def _publish(self) -> None:
+        due = due_times(self._rate)
+        while not self._over.wait(max(0.0, next(due) - time.monotonic())):
+            self._fault = self._send()
+            self._count += not self._fault
+
+    def _send(self) -> str:
+        """Publish once; return the reason if that failed, else ""."""
+        try:
+            self._form.send()
+        except LcmtoolsError as error:
+            return str(error)
+        return ""

@@ -1,0 +1,1 @@
+"""Rates, bandwidths, delays, counters and curves. Arithmetic takes times as arguments."""

@@ -1,0 +1,145 @@
+"""Rates and durations from the counters that nodes announce: arithmetic on two samples.
+
+A rate that a node does not announce is computed from two samples of its counters and their times,
+however short the time between them is.
+"""
+
+from collections.abc import Mapping
+
+from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
+from lcmtools.observe.reading.losses import Loss, Losses, total
+from lcmtools.observe.reports.describe import behind_record
+
+_SHORTEST = 200_000_000  # [ns] at least between two samples that tell how busy a node is
+_TEN, _THOUSAND = 9.95, 999.5  # what rounds to 10 and 1000
+
+
+def average_rate(node: Node, endpoint: Endpoint) -> float | None:
+    """Return the rate of an endpoint's messages from its node's start to the last one [Hz].
+
+    None before two messages, or if the times contradict each other.
+    """
+    span = endpoint.last_time - node.start_time
+    if endpoint.messages < 2 or span <= 0:  # noqa: PLR2004 - an interval
+        return None
+    return endpoint.messages * 1e9 / span
+
+
+def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
+    """Return the average duration of a call between two announcements [ns].
+
+    A call that is still running counts by its time so far. None if there was no call.
+    """
+    calls, busy = later.calls - earlier.calls, later.busy - earlier.busy
+    if calls < 0 or busy <= 0:
+        return None
+    mean, overall = busy / max(1, calls), later.busy / max(1, later.calls)
+    # the first and the last call may be only partly between the two: if the average of all calls
+    # is consistent with them, it is more accurate
+    fits = calls and busy / (calls + 1) <= overall <= busy / max(1, calls - 1)
+    return overall if fits else mean
+
+
+def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | None:
+    """Return the part of the time between two announcements spent in callbacks, 1 at most.
+
+    ``busy`` is the time in the callbacks that count [ns]; None for all of them. Returns None if the
+    announcements are too close together, or have no time of sending.
+    """
+    span = later.sent - earlier.sent
+    spent = later.busy - earlier.busy if busy is None else busy
+    if not earlier.sent or span < _SHORTEST or spent < 0:
+        return None
+    return min(1.0, spent / span)
+
+
+def duration_text(nanoseconds: float) -> str:
+    """Return a time for people: "0.012 ms", "1.2 ms", "250 ms", "2.5 s"."""
+    for value, unit in ((nanoseconds / 1e6, "ms"), (nanoseconds / 1e9, "s")):
+        if value < _TEN:
+            return f"{value:.2g} {unit}"
+        if value < _THOUSAND:
+            return f"{value:.0f} {unit}"
+    return f"{nanoseconds / 1e9:.0f} s"
+
+
+def callback_times(endpoint: Endpoint) -> str:
+    """Return "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first call."""
+    if not endpoint.calls:
+        return ""
+    mean = duration_text(endpoint.busy / endpoint.calls)
+    return f"callbacks: {mean} mean, {duration_text(endpoint.longest)} longest"
+
+
+def callback_record(endpoint: Endpoint) -> dict[str, object]:
+    """Return the same for JSON, in nanoseconds."""
+    return {
+        "callbacks": endpoint.calls,
+        "callback_time": endpoint.busy,
+        "longest_callback": endpoint.longest,
+    }
+
+
+class Counters:
+    """The counters of endpoints from two samples of a bus, and the loss of each sender."""
+
+    def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
+        self._now = after.time
+        self._lost = lost or {}
+        self._before: Mapping[object, Endpoint] = {
+            (n.id, e.key): e for n in before.nodes for e in n.endpoints
+        }
+
+    def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
+        """Return an endpoint's counters as one line."""
+        parts = [f"messages: {endpoint.messages}", f"bytes: {endpoint.bytes}"]
+        parts += [f"drops: {endpoint.drops}"]
+        parts += [f"depth: {endpoint.depth}"] if endpoint.depth else []
+        measured, average = self._measured(node, endpoint), average_rate(node, endpoint)
+        if measured is not None:
+            parts.append(f"rate: {measured:.2f} Hz")
+        elif average is not None:
+            parts.append(f"rate: {average:.2g} Hz on average since its start")
+        parts.append(_last(endpoint.last_time, node.time_there(self._now)))
+        return ", ".join(filter(None, [*parts, callback_times(endpoint)]))
+
+    def of_program(self, seen: Traffic) -> str:
+        """Return the observed traffic of a program that is not a node, as one line."""
+        rate = seen.rate()
+        rates = [] if rate is None else [f"rate: {rate:.2f} Hz"]
+        counts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
+        return ", ".join([*counts, *rates, _last(seen.last_time, self._now)])
+
+    def record(self, node: Node, endpoint: Endpoint) -> dict[str, object]:
+        """Return an endpoint and its counters, for JSON."""
+        return {
+            "node": node.name,
+            "host": node.host,
+            "address": node.sender.address if node.sender else None,
+            "pid": node.pid,
+            "stale": bool(node.stale),
+            **behind_record(node),
+            "types": list(endpoint.types),
+            "depth": endpoint.depth,
+            "messages": endpoint.messages,
+            "bytes": endpoint.bytes,
+            "drops": endpoint.drops,
+            "rate": self._measured(node, endpoint),
+            "average_rate": average_rate(node, endpoint),
+            "last_time": endpoint.last_time or None,
+            **callback_record(endpoint),
+        }
+
+    def lost(self, sender: Node | Traffic) -> Loss | None:
+        """Return the loss of a node or a program, over all its topics; None if unknown."""
+        senders = sender.senders() if isinstance(sender, Node) else [sender.sender]
+        return total(senders, self._lost)
+
+    def _measured(self, node: Node, endpoint: Endpoint) -> float | None:
+        before = self._before.get((node.id, endpoint.key))
+        measured = endpoint.rate_since(before) if before else None
+        return measured or endpoint.rate or None
+
+
+def _last(last: int, now: int) -> str:
+    return f"last: {max(0.0, (now - last) / 1e9):.1f} s ago" if last else "last: never"

@@ -1,0 +1,342 @@
+"""Measuring topics over windows of messages: the loop that hz, bw and delay share.
+
+Belongs here: when a report is due, and which is the last. Must not know the measured quantity.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
+from typing import Generic, TypeVar
+
+from lcmtools.bus.tap import LONG_NAP
+from lcmtools.clock import join_stamp
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType, UsageError
+from lcmtools.graph.model import Graph
+from lcmtools.messages.fields import stamp, utime
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.layout import stamp_reader
+from lcmtools.messages.registry import message_class, type_name
+from lcmtools.names import Resolver, has_wildcard
+from lcmtools.observe.measuring.counters import Counters
+from lcmtools.observe.measuring.rates import Window
+from lcmtools.observe.reading.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket
+from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
+from lcmtools.observe.reading.find import GLOBAL, find_topic, known_spelling
+from lcmtools.observe.reading.losses import total
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.selection import OneTopic
+from lcmtools.wire.packet import Packet
+
+_REPORT_PERIOD = 1.0  # [s]
+_MOST_SIZES = 1000  # sizes of messages that are remembered
+_LONGEST = 0.5  # [s] at most between two compared samples of counters
+_ENOUGH = 4  # messages on each topic are enough to end sooner
+_AWAKENING = 0.3  # [s] at most until publishers send a first message to a new listener
+_TOPIC: Callable[[SelectedPacket], str] = itemgetter(0)
+
+ItemT = TypeVar("ItemT")
+FoundT = TypeVar("FoundT")
+Notify = Callable[[str], None]
+
+
+class Delays:
+    """The delays of messages: from the stamps in their headers, or their utime, to their arrival.
+
+    ``notify`` is called with a sentence once, if a stamp is not a time.
+    """
+
+    def __init__(self, decoder: Decoder, notify: Notify) -> None:
+        self._decoder = decoder
+        self._notify = notify
+        self._has_notified = False
+        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
+
+    def __call__(self, arrival: SelectedPacket) -> int | None:
+        """Return the delay of a message [ns]; None if its stamp is not a time.
+
+        Raises:
+            LcmtoolsError: Its type is unknown or has no header.
+            DecodeError: It is malformed.
+        """
+        stamped = self._stamp(arrival.packet)
+        if stamped:
+            return arrival.time - stamped
+        if not self._has_notified:
+            self._has_notified = True
+            self._notify(f"the stamp of a message on {arrival.topic} is 0, which is not a time")
+        return None
+
+    def _stamp(self, packet: Packet) -> int:
+        """Read the stamp; if a message of equal type and size has been decoded, read only that."""
+        payload = packet.payload
+        key = packet.channel, payload[:8], len(payload)
+        if read := self._readers.get(key):
+            return join_stamp(*read(payload))
+        try:
+            message = self._decoder.decode(packet)
+        except UnknownFingerprint:
+            raise LcmtoolsError(
+                f"the type of the messages on {packet.channel} is not known",
+                f"lcmtools echo {packet.channel} shows their bytes",
+            ) from None
+        stamped = stamp(message)
+        if stamped is None:
+            stamped = utime(message)
+        if stamped is None:
+            what = "has no header with a stamp, and no utime"
+            raise LcmtoolsError(
+                f"{type_name(message)}, published on {packet.channel}, {what}",
+                "lcmtools msg find-field header lists the types that have one",
+            )
+        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
+            self._readers[key] = reader
+        return stamped
+
+
+@dataclass(frozen=True, slots=True)
+class ListenOptions:
+    """The messages that a measurement counts, and its end."""
+
+    timeout: float | None = None  # longest time without a message [s]; None for no limit
+    count: int | None = None  # number of reports; None for no limit
+    wall_time: bool = False  # use the system clock even if a simulator publishes /clock
+    condition: Filter | None = None  # that messages must fulfil
+    names: Resolver = GLOBAL  # namespace and remaps of the topics
+    log_time: bool = True  # for a log, use the times of recording even if it has /clock
+
+
+@dataclass(frozen=True, slots=True)
+class MeasurementReport(Generic[FoundT]):
+    """The values found, by topic; or the fact that simulated time went back."""
+
+    found: Mapping[str, FoundT | None]
+    is_reset: bool = False
+
+
+class Measurement(Generic[ItemT, FoundT]):
+    """A measurement of topics on a bus, or of a log, which is read at once by its own times.
+
+    ``windows`` has the window of each topic, as typed; ``item`` returns what a window needs of a
+    message, or None if the message does not count. ``notify`` is called with a sentence for the
+    user.
+
+    Raises:
+        ValueMismatch: The condition does not fit an announced type.
+        UsageError: A topic is a pattern, and not a channel on the bus.
+    """
+
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        windows: Mapping[str, Window[ItemT, FoundT]],
+        item: Callable[[SelectedPacket], ItemT | None],
+        options: ListenOptions,
+        notify: Notify,
+    ) -> None:
+        self._monitor, self._windows, self._item = monitor, windows, item
+        self._options, self._notify = options, notify
+        self._decoder = Decoder(monitor.types_of)
+        self._has_notified = False
+        self._silent = dict.fromkeys(windows)
+        self._now = 0
+        self._last_time: int | None = None  # [ns] of a log's latest arrival
+        self._goes_back = False
+        monitor.discover()
+        if monitor.tap:
+            monitor.tap.longest_nap = LONG_NAP
+        self._stream = ArrivalStream(
+            monitor,
+            [OneTopic(topic, options.names, with_path=False) for topic in windows],
+            options.names,
+            wall_time=options.wall_time or (options.log_time and not monitor.is_live),
+            strict_time=True,
+            keep=self._counts if options.condition else None,
+        )
+        self.is_simulated = self._stream.is_simulated  # the times are simulated
+        # The channels that it listens to, one for each topic; none for a log.
+        self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
+
+    def reports(self) -> Iterator[MeasurementReport[FoundT]]:
+        """Yield a report once a second, and a last one on Ctrl-C or at a log's end.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C, after the last report.
+            NothingReceived: No message came within the timeout.
+            LcmtoolsError: The log has no message on the topics.
+            ValueMismatch: The condition does not fit a message.
+        """
+        try:
+            yield from self._until_count()
+        except (KeyboardInterrupt, EOFError) as end:
+            last = self._report()
+            if any(last.found.values()):
+                yield last
+            if isinstance(end, KeyboardInterrupt):
+                raise
+            self._notify_missing()
+
+    def _until_count(self) -> Iterator[MeasurementReport[FoundT]]:
+        is_live, timeout = self._monitor.is_live, self._options.timeout
+        last = start = time.monotonic()
+        due = start + _REPORT_PERIOD if is_live else math.inf
+        reports = 0
+        while reports != self._options.count:
+            give_up = last + timeout if is_live and timeout is not None else math.inf
+            wait = min(due, give_up) - time.monotonic()
+            batch = self._stream.receive(min(_REPORT_PERIOD, max(0.0, wait)))
+            if batch.is_reset:
+                yield MeasurementReport({}, is_reset=True)
+            counted, now = self._feed(batch), time.monotonic()
+            if counted:
+                last = now
+            elif now >= give_up:
+                what = "nothing that counts" if batch.arrivals else "nothing"
+                raise NothingReceived(f"{what} {self._which()} within {timeout:g} s")
+            if now >= due:
+                report = self._report()
+                yield report
+                reports += any(report.found.values())
+                due += _REPORT_PERIOD
+                if PATIENCE <= now - start < PATIENCE + _REPORT_PERIOD:
+                    self._notify_silent()
+
+    def _report(self) -> MeasurementReport[FoundT]:
+        return MeasurementReport(
+            {topic: window.take(self._now) for topic, window in self._windows.items()}
+        )
+
+    def _feed(self, batch: Batch) -> int:
+        """Add arrivals to the windows; return the number of those that count."""
+        before = sum(window.total for window in self._windows.values())
+        self._now = batch.now if self._monitor.is_live else 0  # a log has no current time
+        if not self._monitor.is_live:
+            self._check_order(batch)
+        if batch.is_reset:
+            for window in self._windows.values():
+                window.clear()
+        for topic, arrivals in groupby(batch.arrivals, _TOPIC):
+            items = [item for item in map(self._item, arrivals) if item is not None]
+            self._windows[topic].add(*items)
+        if self._silent:
+            for topic in {arrival.topic for arrival in batch.arrivals}:
+                self._silent.pop(topic, None)
+        return sum(window.total for window in self._windows.values()) - before
+
+    def _check_order(self, batch: Batch) -> None:
+        for arrival in batch.arrivals:
+            if self._last_time is not None and arrival.time < self._last_time:
+                self._goes_back = True
+            self._last_time = arrival.time
+
+    def _counts(self, packet: Packet) -> bool:
+        """Return whether a message meets the condition; one that cannot be decoded does not."""
+        try:
+            message = self._decoder.decode(packet)
+        except DecodeError as reason:
+            if not self._has_notified:
+                self._has_notified = True
+                self._notify(f"a message on {packet.channel} has no known fields: {reason}")
+            return False
+        return self._options.condition is None or self._options.condition.matches(message)
+
+    def _channel(self, topic: str) -> str:
+        """The channel of a topic, for which the condition is checked if its type is announced."""
+        graph, names = self._stream.graph, self._options.names
+        found = known_spelling(graph, topic, names)
+        if found is None and has_wildcard(topic):
+            what = f"{topic} is a pattern, which has no single rate"
+            raise UsageError(what, f"lcmtools list --hz '{topic}' shows all that match")
+        channel = found or names.spellings(topic)[-1]
+        types = graph.topic(channel).types
+        if self._options.condition and len(types) == 1:
+            with suppress(UnknownType):
+                self._options.condition.check(message_class(types[0]))
+        return channel
+
+    def _which(self) -> str:
+        condition = self._options.condition
+        return f"came on {', '.join(self._windows)}{f', with {condition},' if condition else ''}"
+
+    def _notify_silent(self) -> None:
+        """Say on which topics nothing has come, and which topic was probably meant."""
+        condition = f" with {self._options.condition}" if self._options.condition else ""
+        for topic in self._silent:
+            self._notify(f"no message on {topic}{condition} yet; {self._stream.situation(topic)}")
+
+    def _notify_missing(self) -> None:
+        """Say the same for a log, and whether its times make the measurement useless."""
+        if len(self._silent) == len(self._windows):
+            topics = ", ".join(self._windows)
+            hint = self._stream.near(next(iter(self._windows)))
+            raise LcmtoolsError(f"the log has no message on {topics}", hint)
+        if self._goes_back:
+            self._notify("the times of the log go back; lcmtools bag sort sorts them")
+        for topic in self._silent:
+            self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
+
+
+def lossy_senders(
+    monitor: BusMonitor, topics: Sequence[str], names: Resolver = GLOBAL
+) -> Iterator[str]:
+    """Return a sentence for each sender of the topics whose messages did not all arrive."""
+    graph, known = monitor.graph(), monitor.losses()
+    for spelling in (spelling for topic in topics for spelling in names.spellings(topic)):
+        for seen in graph.topic(spelling).traffic:
+            loss = total([seen.sender], known)
+            if loss and loss.lost:
+                what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
+                yield f"{what} arrive here; lcmtools wtf shows more"
+
+
+def watch_counters(
+    monitor: BusMonitor,
+    words: Sequence[str],
+    wait: float | None,
+    names: Resolver = GLOBAL,
+    *,
+    with_messages: bool = False,
+) -> tuple[Graph, Counters]:
+    """Return a bus's graph, and the counters of the endpoints of topics, which are as typed.
+
+    It counts for ``wait`` [s], or for as long as needed, at most half a second: ``with_messages``
+    also if the rates are announced but no message has come.
+
+    Raises:
+        LcmtoolsError: A topic is not on the bus; the hint has the topic that was probably meant.
+    """
+    monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
+    graph = monitor.settle()
+    topics = [find_topic(graph, name, names) for name in words]
+    publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
+    if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
+        return graph, Counters(graph, graph, monitor.losses())
+    ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
+    is_known = all(end.rate for end in ends) and not any(topic.foreign for topic in topics)
+    is_seen = all(topic.traffic for topic in topics) or not with_messages
+    if wait is None and is_known and is_seen:
+        return graph, Counters(graph, graph, monitor.losses())
+    channels = [topic.name for topic in topics]
+    # some nodes publish only for a listener: their first messages may take a moment
+    came = _listen(monitor, channels, _AWAKENING, 1)
+    before = monitor.settle(foreign=False)
+    if wait is not None:
+        _listen(monitor, channels, wait, math.inf)
+    elif came:
+        _listen(monitor, channels, _LONGEST, _ENOUGH)
+    after = monitor.settle(foreign=False)
+    return after, Counters(before, after, monitor.losses())
+
+
+def _listen(monitor: BusMonitor, channels: Sequence[str], longest: float, enough: float) -> bool:
+    """Count messages until there are enough on each channel; return True if any came."""
+    counts = dict.fromkeys(channels, 0)
+    deadline = time.monotonic() + longest
+    while (left := deadline - time.monotonic()) > 0 and min(counts.values()) < enough:
+        for packet in monitor.receive(left):
+            if packet.channel in counts:
+                counts[packet.channel] += 1
+    return any(counts.values())

@@ -1,0 +1,87 @@
+"""Reports of rates, bandwidths and delays: as text, in the words of rostopic, and for JSON."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from lcmtools.observe.measuring.rates import Bandwidth, Statistics
+
+_GAP = "   "
+_KILO = 1e3
+_SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
+
+
+@dataclass(frozen=True, slots=True)
+class ReportForm:
+    """The form of measured values by topic; None stands for a topic with nothing new."""
+
+    keys: Sequence[str]  # of the fields in JSON
+    columns: Sequence[str]  # of the table, after the topic
+    text: str  # a format for the fields, as lines of rostopic
+    cells: Callable[[Any], list[str]]
+    fields: Callable[[Any], Sequence[object]] = tuple  # the values that ``text`` formats
+    nothing: str = "no new messages"
+
+    def records(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """Yield a line of JSON for each topic."""
+        for topic, value in found.items():
+            pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
+            yield json.dumps({"topic": topic, **dict(pairs)})
+
+    def rows(self, found: Mapping[str, Any]) -> list[str]:
+        """Return the lines of one topic, or the table of several."""
+        if not any(found.values()):
+            return [self.nothing] * bool(self.nothing)
+        if len(found) == 1:
+            return [
+                r for v in found.values() for r in self.text.format(*self.fields(v)).split("\n")
+            ]
+        rows = [[topic, *(self.cells(one) if one else "-----")] for topic, one in found.items()]
+        return table(("topic", *self.columns), rows)
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return a table as rostopic hz prints it: centred header, a rule, rows, an empty line."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    rule = "=" * (sum(widths) + len(_GAP) * (len(widths) - 1))
+    head, *body = (
+        _GAP.join(f"{cell:{side}{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for side, row in (("^", header), *(("<", row) for row in rows))
+    )
+    return [head, rule, *body, ""]
+
+
+def _seconds(value: Statistics) -> list[str]:
+    numbers = (value.mean, value.shortest, value.longest, value.deviation)
+    return [*(f"{number:.4}" for number in numbers), str(value.window)]
+
+
+def _bytes(value: Bandwidth) -> list[str]:
+    """Average, mean, smallest and largest, all in the average's unit."""
+    sizes = ((1.0, "B"), (_KILO, "KB"), (_KILO**2, "MB"))
+    factor, unit = sizes[(value.average >= _KILO) + (value.average >= _KILO**2)]
+    numbers = (value.average, value.mean, value.smallest, value.largest)
+    average, *others = [f"{number / factor:.2f}{unit}" for number in numbers]
+    return [f"{average}/s", *others, str(value.window)]
+
+
+def _statistics_form(name: str, of: str) -> ReportForm:
+    return ReportForm(
+        (name, "min", "max", "std_dev", "window"),
+        (name, f"min_{of}", f"max_{of}", "std_dev", "window"),
+        f"average {name}: {{:.3f}}{_SPREAD}",
+        _seconds,
+    )
+
+
+RATE = _statistics_form("rate", "delta")
+DELAY = _statistics_form("delay", "delay")
+BANDWIDTH = ReportForm(
+    ("bytes_per_second", "mean_bytes", "min_bytes", "max_bytes", "window"),
+    ("average", "mean", "min", "max", "window"),
+    "average: {}\n\tmean: {} min: {} max: {} window: {}",
+    _bytes,
+    _bytes,
+    nothing="",
+)

@@ -1,0 +1,211 @@
+"""Requests over the bus to nodes, to answer or to end; finding programs that are not nodes."""
+
+import os
+import socket
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
+from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
+from lcmtools.observe.reading.find import find_nodes
+from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.reading.senders import Program, is_gone, is_here, programs
+from lcmtools.observe.reports.describe import behind_text, host_text
+
+_PING_PERIOD = 1.0  # [s]
+_ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
+
+
+def _nonce() -> int:
+    """Return a number that no other request has; never 0, which unrequested announcements have."""
+    return int.from_bytes(os.urandom(7), "big") | 1
+
+
+def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
+    """Return the round trip time of one request to a node [s].
+
+    Raises:
+        NothingReceived: The node did not answer in time, or has ended.
+    """
+    if node.stale is Staleness.ENDED:
+        raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
+    nonce = _nonce()
+    monitor.receive(0.0)  # a backlog must not count in the measured time
+    start = time.monotonic()
+    monitor.probe(node.name, nonce)
+    while (left := start + timeout - time.monotonic()) > 0:
+        for said in _announcements(monitor, left):
+            if said.answers == nonce and said.node.id == node.id:
+                return time.monotonic() - start
+    raise NothingReceived(
+        f"{node.name} did not answer within {timeout:g} s",
+        f"its process is {node.pid} on {node.host}; lcmtools wtf shows more",
+    )
+
+
+def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[float]:
+    """Yield the round trip time of one request per second, without end; see ``ping``."""
+    while True:
+        yield ping(monitor, node, timeout)
+        time.sleep(_PING_PERIOD)
+
+
+@dataclass(slots=True)
+class NodeEnd:
+    """The end of one node that was requested to end."""
+
+    node: Node
+    nonce: int  # which its answer repeats
+    has_answered: bool = False  # to the request
+    has_ended: bool = False  # it has said goodbye, or its process is gone
+    others: tuple[str, ...] = ()  # names of other nodes of its process, which end with it
+
+    def learn(self, announcement: Announcement) -> None:
+        """Update from an announcement."""
+        if announcement.node.id == self.node.id:
+            self.has_answered |= announcement.answers == self.nonce
+            self.has_ended |= announcement.leaving
+
+    def check_process(self) -> None:
+        """Update from this computer's processes, because a goodbye may be lost."""
+        self.has_ended |= is_gone(self.node)
+
+    def record(self) -> dict[str, object]:
+        """Return the result for JSON."""
+        return {
+            "node": self.node.name,
+            "host": self.node.host,
+            "pid": self.node.pid,
+            "heard": self.has_answered or self.has_ended,
+            "ended": self.has_ended,
+            "ended_with_it": list(self.others) if self.has_ended else [],
+        }
+
+    def complaint(self, timeout: float) -> str:
+        """Return the state of a node that does not end, and the command that ends it."""
+        what = f"{self.node.name} does not answer"
+        if self.has_answered:
+            what = f"{self.node.name} was asked to shut down and still runs after {timeout:g} s"
+        where = "" if is_here(self.node) else f"on {self.node.host}, "
+        return f"{what}; {where}to end it by force, type: kill -9 {self.node.pid}"
+
+
+def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
+    """Request nodes to end and wait until they have, for ``timeout`` seconds at most."""
+    known = monitor.graph().nodes
+    ends = [NodeEnd(node, _nonce(), others=_others_of_process(node, known)) for node in nodes]
+    deadline, request_time = time.monotonic() + timeout, 0.0
+    while (now := time.monotonic()) < deadline and (left := [e for e in ends if not e.has_ended]):
+        if now >= request_time:
+            request_time = now + _ASK_AGAIN
+            for end in left:
+                end.check_process()
+                monitor.ask_to_end(end.node, end.nonce)
+        for said in _announcements(monitor, min(request_time, deadline) - now):
+            for end in ends:
+                end.learn(said)
+    for end in ends:
+        end.check_process()
+    return ends
+
+
+def nodes_to_end(graph: Graph) -> list[Node]:
+    """Return all running nodes of this bus that are not commands."""
+    return [
+        node
+        for node in graph.nodes
+        if not (node.is_hidden or node.tool or node.path or node.stale is Staleness.ENDED)
+    ]
+
+
+def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
+    """Return the one node that a name, a pid or HOST:PID means.
+
+    Raises:
+        UsageError: The word is empty.
+        LcmtoolsError: There is none, there are several, or it has ended or is not a node.
+    """
+    try:
+        found = find_nodes(graph, word)
+    except UsageError:
+        raise
+    except LcmtoolsError:
+        if others := find_programs(monitor, word):
+            raise _not_a_node(others[0], word) from None
+        raise
+    if found[0].path:
+        what = f"{found[0].name} is on another bus and cannot be shut down from here"
+        raise LcmtoolsError(what, f"end it there: it is on {behind_text(found[0])}")
+    if len(set(map(_process_key, found))) > 1:
+        what = "pid" if word.isdecimal() else "name"
+        raise LcmtoolsError(f"{len(found)} nodes have the {what} {word}", _distinction(found))
+    if found[0].stale is Staleness.ENDED:
+        raise LcmtoolsError(
+            f"{found[0].name} has ended already, without saying goodbye",
+            "lcmtools node cleanup forgets it",
+        )
+    return found[0]
+
+
+def find_programs(monitor: BusMonitor, word: str) -> list[Program]:
+    """Return the programs that a word means (see ``program_names``)."""
+    return [one for one in programs(monitor.settle(), monitor.url) if word in program_names(one)]
+
+
+def program_place(program: Program) -> str:
+    """Return a program's place: "host:pid", or the address that its messages come from."""
+    if program.process:
+        return f"{socket.gethostname()}:{program.process.pid}"
+    if program.ports:
+        return f"{program.address}:{program.ports[0]}"
+    return program.address or "unknown address"
+
+
+def program_names(program: Program) -> set[str]:
+    """Return the words that name a program: its place, pid, command and the command's words."""
+    names = {program_place(program)}
+    if program.process:
+        command = program.process.command
+        names |= {str(program.process.pid), command}
+        names |= {part.rpartition("/")[2] for part in command.split()}
+    return names
+
+
+def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement]:
+    for packet in monitor.receive(seconds):
+        if packet.channel == NODE_CHANNEL and (said := decode_announcement(packet.payload)):
+            yield said
+
+
+def _process_key(node: Node) -> tuple[str, str, int]:
+    """A key for a node's process: computers may share names, and often have the same pids."""
+    return node.host, node.sender.address if node.sender else node.bus, node.pid
+
+
+def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
+    return tuple(
+        other.name
+        for other in known
+        if _process_key(other) == _process_key(node) and other.id != node.id and not other.stale
+    )
+
+
+def _distinction(nodes: Sequence[Node]) -> str:
+    if len({node.pid for node in nodes}) == len(nodes):
+        pids = [f"{node.pid} on {host_text(node)}" for node in nodes]
+        return f"write a pid: {', '.join(pids)}"
+    has_names = len({node.host for node in nodes}) > 1
+    keys = map(_process_key, nodes)
+    places = [f"{host if has_names else address}:{pid}" for host, address, pid in keys]
+    return f"write HOST:PID: {', '.join(places)}"
+
+
+def _not_a_node(program: Program, word: str) -> LcmtoolsError:
+    if program.process is None:
+        what = f"the program at {word} is not a node and cannot be shut down"
+        return LcmtoolsError(what, "end it on its computer")
+    pid = program.process.pid
+    what = f"{program.process.command} (pid {pid}) is not a node and cannot be shut down"
+    return LcmtoolsError(what, f"type: kill {pid}")

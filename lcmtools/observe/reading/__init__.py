@@ -1,0 +1,1 @@
+"""Sources of messages, a bus or a log, and streams of them: selected, decoded, with senders."""

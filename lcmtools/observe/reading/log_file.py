@@ -1,0 +1,224 @@
+"""A log file with the index beside it: its messages, their senders, and the index's information."""
+
+import mmap
+import stat
+from bisect import bisect_right
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import BinaryIO
+
+from lcmtools.errors import BusError, os_errors_as
+from lcmtools.graph.protocol import NODE_CHANNEL
+from lcmtools.observe.reading.losses import Loss
+from lcmtools.wire.log_compression import Compression, compression_of, decompressed
+from lcmtools.wire.log_events import SYNC, Event, events
+from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
+from lcmtools.wire.packet import Packet, Sender
+
+_MOST_CHECKED = 100  # blocks of an index that are checked for belonging to the log
+_FOREIGN = {
+    b"\x89MCAP0\r\n": "an MCAP file",
+    b"#ROSBAG V": "a ROS bag",
+    b"SQLite format 3\0": "an SQLite database, like a ROS 2 bag",
+    b"\x89PNG\r\n": "a PNG image",
+    b"\xff\xd8\xff": "a JPEG image",
+    b"%PDF": "a PDF document",
+    b"\x7fELF": "a program",
+    b"PK\x03\x04": "a ZIP archive",
+    b"\x1f\x8b": "a file compressed by gzip",
+    b'{"index":': "the index of a log, not the log",
+}
+_CHUNK = 1 << 20  # bytes of a compressed log that are read at once
+_BAGS = ("MCAP", "ROS")
+
+
+class LogFile(AbstractContextManager["LogFile"]):
+    """A log file that is open for reading.
+
+    Raises:
+        BusError: The file cannot be read, or is not a log.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)  # the file
+        with os_errors_as(f"cannot read the log '{path}'", kind=BusError):
+            self.data = _mapped(self.path)  # its bytes; of a compressed log, decompressed
+        # The index beside it; an empty one if there is none that fits.
+        self.index = _fitting(_read_index(self.path), self.data)
+        # The senders by their numbers in the index, with their names.
+        self.senders = {
+            number: one.sender._replace(name=one.name)
+            for number, one in self.index.senders.items()
+            if one.sender
+        }
+        # the first message of a log may not be written completely yet
+        begins = SYNC.startswith(self.data[: len(SYNC)])
+        if not begins and not self.index.blocks and next(self.events(), None) is None:
+            self.close()
+            raise BusError(f"there are no messages in {path}", "it is not an LCM log")
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        if isinstance(self.data, mmap.mmap):
+            self.data.close()
+
+    @property
+    def size(self) -> int:
+        """Bytes of the log."""
+        return len(self.data)
+
+    def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
+        """Yield the places of the events that begin in this range of bytes, in the file's order."""
+        return events(self.data, start, end)
+
+    def packets(self, start: int = 0) -> Iterator[Packet]:
+        """Yield the messages from a byte on, with their senders if the index has them."""
+        for event, sender in self.placed(start):
+            yield event.packet(self.data)._replace(sender=sender)
+
+    def placed(self, start: int = 0) -> Iterator[tuple[Event, Sender | None]]:
+        """Yield the places of the events from a byte on, with their senders as in ``packets``."""
+        for block in self.index.blocks:
+            if block.end > start:
+                yield from self._of_block(block, start)
+        for event in self.events(max(start, self.index.end)):
+            yield event, None
+
+    def blocks(self, announced: Callable[[Packet], object] = lambda _: None) -> Iterator[Block]:
+        """Yield the blocks of the index, and those found in the log after them.
+
+        ``announced`` is called with the announcements of nodes in the latter.
+        """
+        yield from self.index.blocks
+        block = Block(self.index.end)
+        for event in self.events(self.index.end):
+            if block.is_full(event.start):
+                yield block
+                block = Block(event.start)
+            if not block.channels:
+                block.start = event.start
+            block.add(event.head(self.data))
+            block.end = event.end
+            if event.channel == NODE_CHANNEL:
+                announced(event.packet(self.data))
+        if block.channels:
+            yield block
+
+    def announcements(self) -> Iterator[Packet]:
+        """Yield the announcements of nodes in the index."""
+        for node in self.index.nodes:
+            yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
+
+    def losses(self) -> dict[Sender, Loss]:
+        """Return the loss of each sender, as the recorder saw it."""
+        found: dict[Sender, Loss] = {}
+        for lost in self.index.lost:
+            for number, counts in lost.counts.items():
+                if sender := self.senders.get(number):
+                    found[sender] = found.get(sender, Loss()) + Loss(*counts)
+        return {sender: Loss(max(0, one.lost), one.sent) for sender, one in found.items()}
+
+    def offset_at(self, time: int) -> int:
+        """Return, by the index, an offset before which all events are before ``time`` [ns]."""
+        latest, last_times = 0, []
+        for block in self.index.blocks:
+            latest = max(latest, block.last_time)
+            last_times.append(latest)
+        # the first block with an event of that time or later; times may go back from block to block
+        place = bisect_right(last_times, time - 1)
+        return self.index.blocks[place].start if place < len(last_times) else self.index.end
+
+    def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+        found: Iterable[Event] = self.events(block.start, block.end)
+        channels = block.channels
+        if any(len(count.senders) > 1 for count in channels.values()):
+            # if events were damaged later, their order no longer tells the others' senders
+            found = list(found)
+            counts = Counter(event.channel for event in found)
+            channels = {
+                name: count
+                for name, count in channels.items()
+                if len(count.senders) == 1 or count.messages == counts[name]
+            }
+        senders = {name: self._in_order(count.senders) for name, count in channels.items()}
+        for event in found:
+            sender = next(senders.get(event.channel, iter(())), None)
+            if event.start >= start:
+                yield event, sender
+
+    def _in_order(self, runs: list[list[int]]) -> Iterator[Sender | None]:
+        for number, messages in runs:
+            sender = self.senders.get(number)
+            for _ in range(messages):
+                yield sender
+
+
+def _mapped(path: Path) -> "bytes | mmap.mmap":
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # reading a pipe may never end
+        raise BusError(f"{path} is not a file", "a log is read from a file")
+    with path.open("rb") as file:
+        if path.stat().st_size == 0:  # an empty file cannot be mapped
+            return b""
+        head = file.read(max(map(len, _FOREIGN)))
+        if kind := compression_of(head):
+            return _decompressed(file, kind)
+        if not head.startswith(SYNC):
+            _refuse_foreign(path, head)
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _refuse_foreign(path: Path, head: bytes) -> None:
+    for magic, name in _FOREIGN.items():
+        if head.startswith(magic):
+            is_bag = any(word in name for word in _BAGS)
+            hint = f"lcmtools bag import {path} makes a log of it" if is_bag else ""
+            raise BusError(f"{path} is not an LCM log but {name}", hint)
+
+
+def _decompressed(file: BinaryIO, kind: Compression) -> "bytes | mmap.mmap":
+    """Return the bytes of a compressed log, in an unnamed temporary file."""
+    file.seek(0)
+    with TemporaryFile() as plain:
+        for part in decompressed(kind, iter(lambda: file.read(_CHUNK), b"")):
+            plain.write(part)
+        plain.flush()
+        if plain.tell() == 0:
+            return b""
+        return mmap.mmap(plain.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def index_path(log: Path) -> Path:
+    """Return the path of a log's index."""
+    return log.with_name(log.name + SUFFIX)
+
+
+def _read_index(log: Path) -> LogIndex | None:
+    path = index_path(log)
+    try:
+        if not path.is_file():  # a pipe may never end
+            return None
+        with path.open(encoding="utf-8", errors="replace") as lines:
+            return parse_index(lines)
+    except OSError:
+        return None
+
+
+def _fitting(index: LogIndex | None, data: "bytes | mmap.mmap") -> LogIndex:
+    """Return the index if it belongs to these bytes, else an empty one.
+
+    Blocks must begin with an event. The index of another file, or of this one before it was
+    rewritten, is useless.
+    """
+    if index is None or index.end > len(data) or index.size not in (None, len(data)):
+        return LogIndex()
+    checked = index.blocks[:: len(index.blocks) // _MOST_CHECKED + 1]
+    is_of_these = all(data[block.start : block.start + len(SYNC)] == SYNC for block in checked)
+    return index if is_of_these else LogIndex()

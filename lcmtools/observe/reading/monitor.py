@@ -1,0 +1,312 @@
+"""The monitor of a bus or a log, which pulls packets and learns the graph from them.
+
+It announces the topics that it listens to, as a node does with its subscriptions.
+"""
+
+import contextlib
+import math
+import os
+import socket
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.protocol import (
+    PERIOD,
+    PROBE_CHANNEL,
+    SHUTDOWN_CHANNEL,
+    TALK_CHANNELS,
+    Probe,
+    Shutdown,
+    encode_probe,
+    encode_shutdown,
+)
+from lcmtools.observe.reading.losses import Losses, losses
+from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.observe.reading.senders import is_here
+from lcmtools.observe.reading.sources import LogObserver, Observer, open_observer
+from lcmtools.wire.packet import Packet
+
+if TYPE_CHECKING:  # not needed for a bus
+    from lcmtools.observe.reading.log_file import LogFile
+
+QUIET = 0.03  # the graph counts as complete when no node has appeared for this time [s]
+_AT_LEAST = 0.05  # [s] that nodes have to answer, several times as long as they need
+_AT_LEAST_AFAR = 0.1  # [s] the same between computers: a wireless link may take some tens of ms
+_AHEAD = 0.025  # [s] at most that count as waiting if the request was sent ahead
+_AGAIN = 0.02  # [s] before a second request, if datagrams may be lost
+_AT_MOST = 0.25  # [s] at most in addition, if nodes keep appearing
+_FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
+
+
+class BusMonitor:
+    """The monitor of a bus or a log.
+
+    Args:
+        url: The URL of the bus, or of a log.
+        tool: The command's name, announced while it listens ("echo").
+        environment: The process's environment variables.
+        observer: The source of the messages; None for the best observer that the bus allows.
+        whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
+        plays: Play a log at its own speed; else it is read at once.
+        on_outage: Called with a sentence when the connection to a server is lost or restored.
+        on_shutdown: Called when another program requests this one to end; None to ignore that.
+        asked: The time at which ``observer`` requested all nodes to announce themselves [s of
+            ``time.monotonic``]; 0 if it has not.
+
+    Raises:
+        BusError: The bus cannot be reached; the error says what to type.
+    """
+
+    def __init__(  # noqa: PLR0913 - each is a separate option
+        self,
+        url: BusUrl,
+        tool: str,
+        environment: Mapping[str, str],
+        observer: Observer | None = None,
+        *,
+        whole: bool = False,
+        plays: bool = True,
+        on_outage: Callable[[str], None] = lambda _: None,
+        on_shutdown: Callable[[], None] | None = None,
+        asked: float = 0.0,
+    ) -> None:
+        self.url = url
+        self._asked = asked
+        self.trouble = ""  # of the connection; "" for none
+        self._on_outage = on_outage
+        self._observer = observer or open_observer(
+            url, whole=whole, plays=plays, on_outage=self._note_outage
+        )
+        self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
+        self._last_time = 0
+        self._records = NodeRecords(url, environment)
+        node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
+        self._presence = Presence(node, self._observer.send, on_shutdown)
+        self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
+        if self.log:
+            self._learn_from(self.log)
+
+    def __enter__(self) -> "BusMonitor":
+        """Use the monitor as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Say goodbye and leave the bus."""
+        self.close()
+
+    def close(self) -> None:
+        """Say goodbye and leave the bus."""
+        if self._is_present:
+            self._presence.announce(leaving=True)
+        self._observer.close()
+
+    def listen_to(self, topics: Sequence[str]) -> None:
+        """Announce that this command listens to these topics; does nothing on a log."""
+        if not self.is_log:
+            self._presence.listen_to([Endpoint(topic, Role.SUBSCRIBER) for topic in topics])
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
+
+        Returns as soon as a message arrives; hidden channels are included.
+
+        Raises:
+            EOFError: The bus is a log, and it has ended.
+        """
+        if self._is_present:
+            self._presence.attend()
+        packets = self._observer.receive(timeout)
+        if not self.is_live:
+            self._last_time = packets[-1].time
+        for packet in self._builder.add_all(packets):
+            if self._is_present:
+                self._presence.answer(packet.channel, packet.payload)
+        return packets
+
+    def packets(self, duration: float | None = None) -> Iterator[Packet]:
+        """Yield every packet as it comes, for ``duration`` [s]; None for without end.
+
+        Ends at the end of a log; ``duration`` does not apply to one that is read at once.
+        """
+        deadline = math.inf if duration is None or not self.is_live else time.monotonic() + duration
+        with contextlib.suppress(EOFError):
+            while (left := deadline - time.monotonic()) > 0:
+                yield from self.receive(min(PERIOD, left))
+
+    def probe(self, target: str = "", nonce: int = 0) -> None:
+        """Request a node, or all, to announce itself."""
+        self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
+
+    def ask(self) -> None:
+        """Request all nodes to announce themselves, ahead of ``settle``, which waits for them."""
+        self.probe()
+        self._asked = time.monotonic()
+
+    def ask_to_end(self, node: Node, nonce: int) -> None:
+        """Request a node's program to end, as SIGTERM does; it answers with the nonce first."""
+        requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
+        request = Shutdown(node.id, nonce, requester)
+        self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
+
+    def discover(self) -> Graph:
+        """Return the graph with all nodes that answer; at once for a log, where none can."""
+        return self.graph() if self.is_log else self.settle(foreign=False)
+
+    def settle(
+        self,
+        *,
+        foreign: bool = True,
+        wait: float | None = None,
+        count: Callable[[Packet], None] = lambda _: None,
+    ) -> Graph:
+        """Request all nodes to announce themselves and wait until the graph is complete.
+
+        A log that is read at once is read to its end.
+
+        Args:
+            foreign: Wait longer if programs that are not nodes publish or, on this computer, may be
+                about to: these do not answer.
+            wait: The time to listen for such programs, instead of ``foreign`` [s].
+            count: Called with each packet that arrives during ``wait``, or in a log.
+        """
+        if self.is_live:
+            self._await_nodes(foreign=foreign and wait is None)
+        if wait is not None or not self.is_live:
+            for packet in self.packets(wait):
+                count(packet)
+        return self.graph()
+
+    def _request(self) -> float:
+        """Request all nodes to announce themselves, unless ``ask`` did; return the time of that."""
+        asked, self._asked = self._asked, 0.0
+        if not asked:
+            self.probe()
+        now = time.monotonic()
+        start = max(asked, now - _AHEAD) if asked else now
+        if self._is_between_computers:
+            # the request or an answer may be lost, but seldom both of two
+            deque(self.packets(start + _AGAIN - now), maxlen=0)
+            self.probe()
+            start = time.monotonic()
+        return start
+
+    def _await_nodes(self, *, foreign: bool) -> None:
+        start = changed = self._request()
+        soonest = start + (_AT_LEAST_AFAR if self._is_between_computers else _AT_LEAST)
+        with contextlib.suppress(EOFError):  # the graph of a log that has ended is complete
+            # if this process itself was delayed, messages that came meanwhile still count
+            while (
+                time.monotonic() <= min(max(soonest, changed + QUIET), soonest + _AT_MOST)
+                or self._observer.is_awaiting
+                or self._receives_talk(0.0)
+                or self._awaits_known_node()
+            ):
+                if time.monotonic() - start > _FOREIGN:
+                    self._recall()
+                    break
+                if self._receives_talk(QUIET / 2):
+                    changed = time.monotonic()
+        if foreign and self.url.is_multicast:
+            self._await_foreign(start + _FOREIGN)
+        elif foreign and self._observer.has_strangers:
+            deque(self.packets(start + _FOREIGN - time.monotonic()), maxlen=0)
+
+    def graph(self) -> Graph:
+        """Return the graph as known now; for a log that is read at once, at its last message."""
+        return self._builder.snapshot(time.time_ns() if self.is_live else self._last_time)
+
+    @property
+    def send_trouble(self) -> str:
+        """The reason why the last announcement was not sent; "" for none."""
+        return self._presence.trouble
+
+    @property
+    def _is_between_computers(self) -> bool:
+        return self.url.is_multicast and self.url.ttl > 0
+
+    @property
+    def _is_present(self) -> bool:
+        """True once it listens to topics, and is thus visible to others."""
+        return bool(self._presence.node.endpoints)
+
+    @property
+    def tap(self) -> Tap | None:
+        """The tap, which knows the senders' datagrams; None if the bus is not multicast."""
+        return self._observer if isinstance(self._observer, Tap) else None
+
+    @property
+    def log(self) -> "LogFile | None":
+        """The log that is read at once; None if the source is a bus."""
+        return self._observer.file if isinstance(self._observer, LogObserver) else None
+
+    def losses(self, since: Losses | None = None) -> Losses:
+        """Return the loss of each sender, since an earlier count; empty if none is known."""
+        if self.log:
+            return self.log.losses()
+        return losses(self._observer.numbered, since)
+
+    def types_of(self, channel: str) -> tuple[str, ...]:
+        """Return the types that nodes announce for a channel."""
+        return self._builder.types_of(channel)
+
+    def forget(self, node: Node) -> None:
+        """Drop a stale node and its record."""
+        self._builder.forget(node.id)
+        self._records.remove(node.id)
+
+    def _learn_from(self, log: "LogFile") -> None:
+        """Learn the nodes and types that a log's index has."""
+        from lcmtools.packages import provide_recorded_types
+
+        for packet in log.announcements():
+            self._builder.add(packet)
+        provide_recorded_types(log.index.types.values())
+
+    def _note_outage(self, text: str, trouble: str) -> None:
+        self.trouble = trouble
+        if not trouble and self._is_present:
+            self._presence.announce()
+        self._on_outage(text)
+
+    def _receives_talk(self, timeout: float) -> bool:
+        return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
+
+    def _recall(self) -> None:
+        """Learn of the nodes of this computer that left a record and have not answered."""
+        here, silent = socket.gethostname(), self._records.read(but=self._builder.heard())
+        self._builder.recall(node for node in silent if node.host == here)
+
+    def _awaits_known_node(self) -> bool:
+        """True while a node of this computer that left a record and runs may answer late.
+
+        A computer with many busy programs runs each only now and then.
+        """
+        self._recall()
+        silent = (node for node in self.graph().nodes if node.stale is Staleness.HANGS)
+        return any(not is_stopped(node.pid) for node in silent)
+
+    def _await_foreign(self, deadline: float) -> None:
+        """Listen while there may be programs that do not answer; to the deadline if any publishes.
+
+        A program's channels show only in its messages, and the first shows only one of many.
+        """
+        while (left := deadline - time.monotonic()) > 0:
+            ports = {s.port for s in self._builder.senders() if is_local(s.address)}
+            ports.add(self._observer.port)
+            graph = self.graph()
+            if graph.foreign() or not sockets_are_known():
+                deque(self.packets(left), maxlen=0)
+                return
+            known = {node.pid for node in graph.nodes if is_here(node)}
+            if not silent_senders(self.url.host, self.url.port, ports, known):
+                return
+            self.receive(min(left, 0.1))

@@ -1,0 +1,1 @@
+"""Nodes, topics and the graph as text and as values for JSON."""

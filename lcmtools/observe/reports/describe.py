@@ -1,0 +1,224 @@
+"""Texts for topics, types, nodes, senders and computers, shared by commands that show them."""
+
+import socket
+from collections.abc import Iterable, Sequence
+
+from lcmtools.bus.processes import Process, is_local
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
+from lcmtools.messages.registry import candidates
+from lcmtools.names import did_you_mean
+from lcmtools.observe.reading.senders import SocketTable
+
+UNKNOWN = "unknown type"
+
+
+def size_text(value: float | None) -> str:
+    """A number of bytes as text, a KB being 1000: "812 B", "36.2 KB"; "-" for an unknown number."""
+    if value is None:
+        return "-"
+    units = ["B", "KB", "MB", "GB"]
+    while value >= 999.5 and len(units) > 1:  # noqa: PLR2004 - would round to four digits
+        value, units = value / 1000, units[1:]
+    digits = 0 if units[0] == "B" or value >= 99.95 else 1 if value >= 9.995 else 2  # noqa: PLR2004
+    return f"{value:.{digits}f} {units[0]}"
+
+
+def type_text(topic: Topic) -> str:
+    """Return a topic's types as one line; "unknown type" if none is known.
+
+    If types differ, all are named: that is a fault, which lcmtools wtf explains.
+    """
+    return ", ".join(topic_types(topic)) or UNKNOWN
+
+
+def topic_types(topic: Topic) -> tuple[str, ...]:
+    """Return a topic's types: as announced, else from the fingerprints seen.
+
+    Other types that plain programs send are included, as "unknown type" if unknown.
+    """
+    declared = {f for _, end in topic.publishers + topic.subscribers for f in end.fingerprints}
+    plain = (f for seen in topic.foreign if declared and not seen.types for f in seen.fingerprints)
+    odd = ((*candidates(value), UNKNOWN)[0] for value in plain if value not in declared)
+    return tuple(dict.fromkeys((*(topic.types or seen_types(topic.fingerprints)), *odd)))
+
+
+def seen_types(fingerprints: Iterable[int]) -> tuple[str, ...]:
+    """Return the likeliest type of each fingerprint."""
+    return tuple(dict.fromkeys(name for value in fingerprints for name in candidates(value)[:1]))
+
+
+def fingerprint_rows(topic: Topic) -> list[str]:
+    """Return the fingerprints seen on a topic, a line each; one line if they keep changing."""
+    if len(topic.fingerprints) > 1 and not seen_types(topic.fingerprints):
+        return [
+            "Fingerprint: changes from message to message, as in data that is not an LCM message"
+        ]
+    return [
+        f"Fingerprint: {value:#018x} ({' or '.join(candidates(value)) or UNKNOWN})"
+        for value in topic.fingerprints
+    ]
+
+
+def node_record(node: Node) -> dict[str, object]:
+    """Return a node, its host and pid, for JSON."""
+    return {
+        "node": node.name,
+        "host": node.host,
+        "address": node.sender.address if node.sender else None,
+        "pid": node.pid,
+        "command": node.command,
+        "start_time": node.start_time,
+        "stale": node.stale.value or None,
+        **behind_record(node),
+    }
+
+
+def behind_record(node: Node) -> dict[str, object]:
+    """Return the bus of a node behind relays, and the relays, nearest first, for JSON."""
+    return {"bus": node.bus, "relays": [step.relay for step in node.path]} if node.path else {}
+
+
+def node_text(node: Node) -> str:
+    """Return a node with its host and pid."""
+    stale = f", stale: {node.stale}" if node.stale else ""
+    return f"{node.name} ({host_text(node)}, pid {node.pid}{stale})"
+
+
+def host_text(node: Node) -> str:
+    """Return a node's computer; if it is another one, with its address: "ada at 10.0.0.1"."""
+    address = address_of(node)
+    place = f"{node.host} at {address}" if address else node.host
+    return f"{place}, on {behind_text(node)}" if node.path else place
+
+
+def behind_text(node: Node) -> str:
+    """Return the bus of a node behind relays: "udpm://... by /relay_ada_7700"."""
+    return f"{node.bus} by {', '.join(step.relay for step in node.path)}"
+
+
+def listed_node(node: Node) -> str:
+    """Return a node's name, and the reason why it is stale."""
+    state = [f"stale: {node.stale}"] if node.stale else []
+    state += [f"on {node.bus}"] if node.path else []
+    return f"{node.name} ({', '.join(state)})" if state else node.name
+
+
+def callback_errors(node: Node) -> list[str]:
+    """Return the errors that the node's callbacks raised, newest first."""
+    return [
+        f"{error.callback} raised {error.exception}"
+        f" {'once' if error.count == 1 else f'{error.count} times'}, {error.place}: {error.message}"
+        for error in reversed(node.errors)
+    ]
+
+
+def all_callback_errors(graph: Graph) -> list[str]:
+    """Return the errors of the callbacks of all living nodes, each with the node's name."""
+    living = (node for node in graph.nodes if not node.stale)
+    return [f"{node.name}: {text}" for node in living for text in callback_errors(node)]
+
+
+def program_text(traffic: Traffic) -> str:
+    """Return the program behind a sender that is not a node, as far as the system shows it."""
+    sender = traffic.sender
+    if sender is None:
+        return "a plain LCM program (this kind of bus does not identify senders)"
+    if sender.name:
+        return f"{sender.name} (when it was recorded)"
+    if not sender.port:
+        place = "of this computer" if is_local(sender.address) else "on another computer"
+        return f"a program {place} (session {sender} of Zenoh)"
+    if not is_local(sender.address):
+        return f"a program on {sender.address}, port {sender.port}"
+    found = SocketTable.read({sender.port}).processes(sender)
+    if found.only:
+        return f"{found.only.command} (pid {found.only.pid}, port {sender.port})"
+    return f"a program of this computer, port {sender.port}{candidates_text(found.candidates)}"
+
+
+def candidates_text(processes: Sequence[Process]) -> str:
+    """Return ": maybe …" with the processes that may be the program; "" for none."""
+    names = [f"{process.command} (pid {process.pid})" for process in processes]
+    return f": maybe {' or '.join(names)}" if names else ""
+
+
+class Computers:
+    """The names of the computers on which ``nodes``, all known nodes, run.
+
+    The names are those that the nodes announce. If a name is unknown, or two computers have the
+    same one, the address is shown.
+    """
+
+    def __init__(self, nodes: Iterable[Node]) -> None:
+        self._own = socket.gethostname()
+        self._names: dict[str, str] = {}  # names of other computers, by address
+        for node in nodes:
+            if address := address_of(node):
+                self._names.setdefault(address, node.host)
+        names = [self._own, *self._names.values()]
+        self._twice = {self._own, *(name for name in names if names.count(name) > 1)}
+
+    def of(self, node: Node) -> str:
+        """Return the name of the computer that a node is on."""
+        if node.path:
+            return f"{node.host} ({node.bus})"
+        address = address_of(node)
+        return f"{node.host} ({address})" if address and node.host in self._twice else node.host
+
+    def nodes_on(self, host: str, nodes: Iterable[Node]) -> list[Node]:
+        """Return the nodes on a computer, given by its name or address.
+
+        Raises:
+            LcmtoolsError: No node is on this computer.
+        """
+        wanted = self._own if host in ("localhost", "127.0.0.1") else host
+        known = {one: (one.host, self.of(one), one.sender and one.sender.address) for one in nodes}
+        if not (found := [node for node, names in known.items() if wanted in names]):
+            hint = did_you_mean(host, {node.host for node in known})
+            what = f"no node runs on machine {host}"
+            raise LcmtoolsError(what, hint or "lcmtools node machine lists the machines")
+        return found
+
+    def of_traffic(self, traffic: Traffic) -> str:
+        """Return the name of the computer that a sender is on."""
+        if traffic.sender is None:
+            return "unknown"
+        address = traffic.sender.address
+        if is_local(address):
+            return self._own
+        name = self._names.get(address, address)
+        return f"{name} ({address})" if name in self._twice else name
+
+
+def address_of(node: Node) -> str:
+    """Return the address of a node's computer; "" for this computer, on Zenoh, and if unknown."""
+    sender = node.sender
+    return "" if sender is None or not sender.port or is_local(sender.address) else sender.address
+
+
+def by_computer(topics: Iterable[Topic]) -> dict[str, list[Topic]]:
+    """Return the part of each topic on each computer, sorted by the computer's name."""
+    topics = list(topics)
+    nodes = {topic: [node for node, _ in topic.publishers + topic.subscribers] for topic in topics}
+    computers = Computers(node for found in nodes.values() for node in found)
+    parts: dict[str, list[Topic]] = {}
+    for topic in topics:
+        names = [*map(computers.of, nodes[topic]), *map(computers.of_traffic, topic.foreign)]
+        for name in dict.fromkeys(names):
+            parts.setdefault(name, []).append(_part(topic, name, computers))
+    return dict(sorted(parts.items()))
+
+
+def _part(topic: Topic, name: str, computers: Computers) -> Topic:
+    def there(ends: Ends) -> Ends:
+        return tuple(end for end in ends if computers.of(end[0]) == name)
+
+    foreign = tuple(seen for seen in topic.foreign if computers.of_traffic(seen) == name)
+    publishers = there(topic.publishers)
+    return topic._replace(
+        publishers=publishers,
+        subscribers=there(topic.subscribers),
+        traffic=topic.traffic if publishers else foreign,
+        foreign=foreign,
+    )

@@ -1,0 +1,121 @@
+"""A topic, or a service, as lines of text and as values for JSON."""
+
+from collections.abc import Iterator, Sequence
+
+from lcmtools.graph.model import Endpoint, Node, Topic
+from lcmtools.observe.measuring.counters import Counters, callback_record, callback_times
+from lcmtools.observe.reading.find import OfferedService
+from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reports.describe import (
+    fingerprint_rows,
+    listed_node,
+    node_record,
+    node_text,
+    program_text,
+    type_text,
+)
+
+
+def topic_rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
+    """Return the lines of rostopic info, each node with its process and, below, its counters."""
+    rows = [f"Type: {type_text(topic)}"]
+    if not topic.types or verbose:
+        rows += fingerprint_rows(topic)
+    accepted = {name for _, e in topic.subscribers for name in e.types[1:]} - set(topic.types)
+    if accepted:
+        rows.append(f"Also accepted: {', '.join(sorted(accepted))}")
+    published = _nodes(topic.publishers, counters, verbose=verbose)
+    for rows_of_node, (node, _) in zip(published, topic.publishers, strict=True):
+        rows_of_node.extend(_lost(counters.lost(node)))
+    published += [
+        [program_text(seen), counters.of_program(seen), *_lost(counters.lost(seen))]
+        for seen in topic.foreign
+    ]
+    subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
+    rows += ["", *_section("Publishers", published), ""]
+    rows += [*_section("Subscribers", subscribed), "", ""]
+    return rows
+
+
+def topic_record(topic: Topic, counters: Counters) -> dict[str, object]:
+    """Return the same for JSON."""
+    return {
+        "topic": topic.name,
+        "type": type_text(topic),
+        "types": list(topic.types),
+        "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
+        "publishers": [
+            {**counters.record(node, e), **_lost_record(counters.lost(node))}
+            for node, e in topic.publishers
+        ],
+        "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
+        "other_publishers": [
+            {
+                "program": program_text(seen),
+                "sender": str(seen.sender),
+                "messages": seen.messages,
+                "bytes": seen.bytes,
+                "rate": seen.rate(),
+                "last_time": seen.last_time,
+                **_lost_record(counters.lost(seen)),
+            }
+            for seen in topic.foreign
+        ],
+    }
+
+
+def service_rows(service: OfferedService, *, is_only: bool) -> Iterator[str]:
+    """Yield the lines of a service with its nodes, with its name unless it is the only one."""
+    yield from [] if is_only else [f"Service: {service.name}"]
+    for node, endpoint in service.servers:
+        took = callback_times(endpoint)
+        yield from (f"Node: {listed_node(node)}", f"Host: {node.host}", f"Pid: {node.pid}")
+        yield f"Calls: {endpoint.messages}{f', {took}' if took else ''}"
+    names = service.arguments()
+    yield f"Type: {service.type_text}"
+    yield f"Args: {'unknown' if names is None else ' '.join(names)}"
+    if service.clients:
+        yield from ("Clients:", *(f" * {listed_node(node)}" for node in service.clients))
+
+
+def service_record(service: OfferedService) -> dict[str, object]:
+    """Return the same for JSON."""
+    return {
+        "service": service.name,
+        "types": list(service.types),
+        "args": service.arguments(),
+        "servers": [
+            {**node_record(n), "calls": e.messages, **callback_record(e)}
+            for n, e in service.servers
+        ],
+        "clients": [node.name for node in service.clients],
+    }
+
+
+def _nodes(
+    endpoints: Sequence[tuple[Node, Endpoint]], counters: Counters, *, verbose: bool
+) -> list[list[str]]:
+    """The lines of each node: its description, then its counters."""
+    return [
+        [node_text(node), counters.of_endpoint(node, end), *[f"command: {node.command}"] * verbose]
+        for node, end in endpoints
+    ]
+
+
+def _lost(loss: Loss | None) -> list[str]:
+    return [f"did not arrive here: {loss}, all its topics together"] if loss and loss.lost else []
+
+
+def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
+    if not members:
+        return [f"{title}: None"]
+    rows = [f"{title}: "]
+    for name, *details in members:
+        rows += [f" * {name}", *(f"     {detail}" for detail in details)]
+    return rows
+
+
+def _lost_record(loss: Loss | None) -> dict[str, object]:
+    """The messages that did not arriveand all that were sent; null if unknown."""
+    known = loss if loss and loss.sent else None
+    return {"lost": known and known.lost, "lost_of": known and known.sent}
