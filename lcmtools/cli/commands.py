@@ -192,7 +192,7 @@ COMMANDS = {
 spy         cli.spy.spy:command                Watch all channels of the bus, live.
 plot        cli.plot:command                   Draw fields of messages over time, live.
 bag         cli.commands:bag                   Record, play and inspect logs.
-relay       cli.relay.relay:command            Carry messages between buses; serve tcpq.
+relay       cli.relay:command                  Carry messages between buses; serve tcpq.
 foxglove    cli.foxglove:command               Serve the bus to Foxglove and Lichtblick.
 node        cli.commands:node                  Query nodes: list, info, ping and more.
 msg         cli.commands:msg                   Show message types: list, show, proto and more.
@@ -200,12 +200,12 @@ service     cli.commands:service               List and call services.
 param       cli.commands:param                 Read and set parameters of nodes.
 srv         cli.commands:srv                   Show service types: list, show.
 gui         cli.commands:gui                   Open a window in the browser: topics and more.
-graph       cli.graph.graph:command            Draw the graph of nodes and topics.
+graph       cli.graph:command                  Draw the graph of nodes and topics.
 wtf         cli.wtf:command                    Report faults and how to fix them.
 sim         cli.commands:sim                   Control a simulator: pause, reset, set-pose and more.
 run         cli.run:command                    Run a node, or the simulator.
 lab         cli.commands:lab                   Work on the labs: list, start, check and more.
-launch      cli.launch.launch:command          Run the nodes of a launch file.
+launch      cli.launch:command                 Run the nodes of a launch file.
 pkg         cli.commands:pkg                   Create and find packages: create, list, build.
 config      cli.config:command                 Show the settings and their sources.
 completion  cli.completion.completion:command  Complete words with TAB.
