@@ -7,6 +7,7 @@ import click
 from lcmtools.arguments import split_arguments
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import (
+    accepted_for_ros,
     argument,
     duration,
     examples,
@@ -50,7 +51,7 @@ publish_options = together(
     ),
     option("--keep-alive", type=duration, help="Keep latching the last message for this long."),
     flag("-v", "--verbose", help="Print every message to standard error."),
-    flag("-s", "--substitute-keywords", help="Accepted as in rostopic; always on."),
+    accepted_for_ros("-s", "--substitute-keywords"),  # stamps are always set on sending
     flag("--use-rostime", "--use-sim-time", "simulated", help="Take stamps from /clock."),
     flag("--literal", help="TOPIC is the exact LCM channel."),
     option(
@@ -89,7 +90,6 @@ def command(
     timeout: float | None,
     keep_alive: float | None,
     verbose: bool,
-    substitute_keywords: bool,
     literal: bool,
     name: str | None,
     **others: Any,  # noqa: ANN401 - of ``publish``
@@ -109,7 +109,6 @@ def command(
     message is repeated. "-" in place of VALUES is standard input: each message is sent as soon as
     it is complete.
     """
-    del substitute_keywords  # stamps are always set on sending
     if once and (rate is not None or times is not None):
         raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
     check_topic(topic, literal=literal)
