@@ -22,7 +22,7 @@ def _entries(table: str) -> Mapping[str, Entry]:
     return {name: Entry(home, said.removeprefix("= "), said[0] == "=") for name, home, said in rows}
 
 
-_TOPIC = _entries("""\
+TOPIC_VERBS = _entries("""\
 list   cli.topic.list:command          List the topics on the bus.
 info   cli.topic.info:command          Show a topic's type, publishers and subscribers.
 echo   cli.topic.echo:command          Print the messages of a topic.
@@ -33,7 +33,7 @@ delay  cli.topic.hz_bw_delay:delay     Measure the delay of a topic's messages.
 type   cli.topic.type_find:print_type  Print a topic's type.
 find   cli.topic.type_find:find        List the topics of a type.
 """)
-topic = _group("topic", "Look at topics and publish on them.", _TOPIC, "list", "echo /chatter")
+topic = _group("topic", "Look at topics and publish on them.", TOPIC_VERBS, "list", "echo /chatter")
 _NODE = _entries("""\
 list     cli.node.list:list_nodes  List the nodes on the bus.
 info     cli.node.info:command     Show a node's publications and more.
@@ -187,7 +187,7 @@ lab = _group(
     'check husky --controller "python my_controller.py"',
 )
 COMMANDS = {
-    **_TOPIC,
+    **TOPIC_VERBS,
     **_entries("""\
 spy         cli.spy.spy:command                Watch all channels of the bus, live.
 plot        cli.plot:command                   Draw fields of messages over time, live.

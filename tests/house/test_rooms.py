@@ -14,6 +14,7 @@ from pathlib import Path
 import grimp
 import pytest
 
+from lcmtools.cli.commands import COMMANDS, TOPIC_VERBS
 from lcmtools.cli.lazy import LazyGroup
 
 ROOT = Path(__file__).parents[2]
@@ -111,6 +112,11 @@ def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback() -> None:
         if re.search(r"""f?["']/(proc|sys)\b""", path.read_text())
     }
     assert readers == LINUX_ONLY
+
+
+def test_no_topic_verb_has_the_name_of_another_command() -> None:
+    hidden = [name for name, entry in TOPIC_VERBS.items() if COMMANDS[name] != entry]
+    assert not hidden, f"lcmtools topic {hidden[0]} is not lcmtools {hidden[0]}: rename the verb"
 
 
 HEAVY = {"lcm", "yaml", "numpy", "pybullet", "textual", "rich"}
