@@ -1,5 +1,6 @@
 """Commands of ROS and catkin, typed behind lcmtools, do what is meant and say how it is typed."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from lcmtools.cli.param.read import get
 from lcmtools.cli.ros import instead
 from lcmtools.cli.topic.pub import command as pub
 from lcmtools.errors import UsageError
+from lcmtools.ros_words.commands import COMMANDS, OPTIONS
 
 Run = Callable[..., Any]
 
@@ -134,3 +136,22 @@ def test_an_option_without_effect_is_accepted_and_not_shown(option: str) -> None
     assert place
     assert option in {name for one in place.command.options for name in one.names}
     assert option not in {name for one in place.unused_options() for name in one.names}
+
+
+HINTS = [*COMMANDS.values(), *OPTIONS.values()]
+
+
+@pytest.mark.parametrize("words", sorted({hint for hint in HINTS if isinstance(hint, tuple)}))
+def test_the_words_in_place_of_a_command_of_ros_are_a_command(words: tuple[str, ...]) -> None:
+    assert describe(words[:1]) is not None
+
+
+@pytest.mark.parametrize("hint", sorted({hint for hint in HINTS if isinstance(hint, str)}))
+def test_a_hint_names_commands_that_exist(hint: str) -> None:
+    for words in re.findall(
+        r"lcmtools ((?!finds)[a-z][a-z-]*(?: (?!opens)[a-z][a-z0-9-]*)?)", hint
+    ):
+        group, *verb = words.split()
+        command = describe([group])
+        assert command is not None, words
+        assert not command.commands or set(verb) <= command.commands.keys(), words

@@ -208,6 +208,7 @@ def test_list_loads_only_what_it_needs() -> None:
     ("line", "unneeded"),
     [
         ("--help", "lcmtools.messages.type_source"),
+        ("--help", "lcmtools.ros_words"),
         ("list --domain 99", "hashlib"),
         ("lab list", "importlib.metadata"),
         ("msg show geometry_msgs/Twist", "importlib.metadata"),
