@@ -10,6 +10,7 @@ from itertools import chain, islice
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
+    REMAPS,
     NearNames,
     expanded,
     give_reason,
@@ -22,6 +23,11 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 
+CONNECTIONS = {
+    **REMAPS,
+    "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
+}
+"""The sentences of remedies that connect a subscription."""
 # Topics that nodes publish or subscribe to as a matter of course; roswtf excepts /clock, /rosout.
 _COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
 
@@ -213,8 +219,11 @@ class Connecting:
         if announced and self._is_misplaced(node, end.topic, command=command):
             publisher, other = announced[0]
             first, *more = dict.fromkeys(namespace_of(one.topic) for _, one in announced)
-            parts = {"or": tuple(more)} if more else {}
-            remedy = state("namespace", node=node, namespace=first, **parts)
+            remedy = state("namespace", node=node, namespace=first)
+            if more:
+                parts = {**remedy.parts, "or": tuple(more)}
+                sentence = f"{remedy.sentence} (or {{or:namespaces}})"
+                remedy = replace(remedy, parts=parts, sentence=sentence)
             yield _way(node, remedy, other.topic, publisher)
         elif misplaced:
             yield _moved(node, end, *misplaced[0])

@@ -13,6 +13,25 @@ from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
 from lcmtools.names import base_name_of, namespace_of
 
+DROP_REMAP = {"drop-remap": "start {node} without {argument}"}
+REMAPS = {
+    **DROP_REMAP,
+    "namespace": "start {node} with __ns:={namespace}",
+    "remap": "start {node} with {old}:={new}",
+    "remove-slash": "let {node} use '{name}' in place of '{topic}': the slash at its start keeps it"
+    " out of the namespace {namespace}",
+    "replace-remap": "start {node} with {old}:={new} in place of {argument}",
+    "republish": "let it publish on '{topic}'",
+}
+"""The sentences of remedies that give a topic another name."""
+_REASONS = {
+    "no-subscriber": "{channel} of the same type has no subscriber",
+    "offered": "{channel} is offered",
+    "published": "{channel} is published",
+    "publishes": "{publisher} publishes {channel}",
+    "same-type": "{channel} is of the same type",
+    "subscribes": "{listener} subscribes to {channel}",
+}
 _SHORT, _LONG = 4, 8  # characters: shorter names are near by chance; longer ones have more slips
 _ABBREVIATED = 4  # consonants of a word that may be shortened, as command to cmd
 
@@ -106,9 +125,15 @@ def is_legal(channel: str) -> bool:
 
 
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
-    """Give a remedy its reason."""
+    """Give a remedy its reason, and the alternative in the part ``or_publish_on``, if any."""
     known = state("", because=reason, **parts).parts
-    return replace(remedy, parts={**known, **remedy.parts})
+    sentence = _REASONS[reason]
+    if reason == "published" and remedy.kind == "republish":
+        sentence = sentence.replace("{channel}", "'{channel!s}'")  # spaces may be the fault
+    sentence += ", by {by}: " if "by" in parts else ": "
+    if "or_publish_on" in parts:
+        sentence += "let it publish on '{or_publish_on}', or "
+    return replace(remedy, parts={**known, **remedy.parts}, sentence=f"{sentence}{remedy.sentence}")
 
 
 def start_with(node: Node, topic: str, target: str) -> Statement:

@@ -19,6 +19,12 @@ _MANY = 0.05  # of all messages: so many are not lost in the first seconds only
 _SECOND_LOOK = 3.5  # [s]
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
+_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
+_BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
+_SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
+
 
 @dataclass(frozen=True, slots=True)
 class _Work:
@@ -85,7 +91,34 @@ class _Subscription:
         return {"seconds": self.hangs / 1e9}
 
 
-@rule("queue-drops", "make the callback faster, or increase the queue depth")
+@rule(
+    "queue-drops",
+    remedy="make the callback faster, or increase the queue depth",
+    title="The following nodes are too slow for the messages they receive:",
+    facts={
+        "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
+        "dropped-by-queue": _LOST,
+        "dropped-hanging": f"{_LOST}: {_NEVER_ENDS}",
+        "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}}"
+        " meanwhile",
+        "dropped-in-bursts": f"{_LOST}: they come in bursts",
+        "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
+        "dropped-slow-callback": f"{_LOST}: {_PACE}",
+        "dropped-without-spin": f"{_LOST}: no callback has run",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less-or-depth": "let the callback of {topic} do less, or increase the queue"
+        " depth",
+        "callback-less-or-rate": "let the callback of {topic} do less, or publish it only every"
+        " {seconds:time}",
+        "depth": "increase the queue depth of the subscription of {topic}",
+        "never-wait-or-depth": "let the callback of {topic} never wait, or increase the queue"
+        " depth",
+    },
+    evidence="the counters in two announcements of each node",
+)
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
@@ -99,7 +132,26 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "slow-callbacks",
-    "make the callback faster, or call it less often: lcmtools info TOPIC shows how long it takes",
+    remedy="make the callback faster, or call it less often: lcmtools info TOPIC shows how long it"
+    " takes",
+    title={
+        "never-called": "The following nodes do not run their callbacks:",
+        "slow-callbacks": "The following callbacks take too long:",
+    },
+    facts={
+        "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, mostly in"
+        " {busiest:work}",
+        "hanging-callback": f"{{node}}, {{topic}}: {_NEVER_ENDS}",
+        "received": "{node} has received {messages} messages of {topic}",
+        "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less": "let the callback of {topic} do less",
+    },
+    evidence="the counters in two announcements; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.

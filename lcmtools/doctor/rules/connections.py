@@ -5,16 +5,32 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import Connecting, End, Way, is_simulator, loose_ends
+from lcmtools.doctor.connecting import CONNECTIONS, Connecting, End, Way, is_simulator, loose_ends
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.renaming import REMAPS
 from lcmtools.graph.model import Role
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
+MAY_PUBLISH = {
+    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely",
+}
+_NODE_TOPICS = {"node-topics": "{node}:"}
 _LONG_NAME = 60  # bytes; LCM takes 63
 
 
-@rule("unconnected-subscriptions", "start the node with __ns:=/NAMESPACE or with OLD:=NEW")
+@rule(
+    "unconnected-subscriptions",
+    remedy="start the node with __ns:=/NAMESPACE or with OLD:=NEW",
+    title="The following node subscriptions are unconnected:",
+    facts=MAY_PUBLISH | _NODE_TOPICS,
+    remedies={
+        **CONNECTIONS,
+        "start-publisher": "start a publisher of {topics:and}; to see what is published:"
+        " `lcmtools list -v`",
+    },
+    evidence="announcements, with command lines; channels of all messages",
+)
 def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
@@ -40,8 +56,12 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "unconnected-publications",
-    "start the node with OLD:=NEW, where a subscriber is missing",
-    Severity.NOTE,
+    remedy="start the node with OLD:=NEW, where a subscriber is missing",
+    severity=Severity.NOTE,
+    title="The following node publications have no announced subscriber:",
+    facts=_NODE_TOPICS,
+    remedies=REMAPS,
+    evidence="announcements; sockets that listen without a node",
 )
 def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """Every publication has a subscriber.
@@ -107,7 +127,27 @@ def _facts(loose: Iterable[End]) -> Iterator[Statement]:
         yield state("node-topics", node=ends[0][0], topics=dict.fromkeys(e.topic for _, e in ends))
 
 
-@rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")
+@rule(
+    "names",
+    remedy="use letters, digits, _ and /, at most 63 bytes, and the same everywhere",
+    title={
+        "long-names": "The following names are nearly as long as LCM can carry (63 bytes):",
+        "similar-names": "The following channels look the same, but differ:",
+        "unusable-names": "The following channels have names that few programs can subscribe to:",
+    },
+    facts={
+        "channel": "{topic} from {sender}",
+        "odd-channel": "{topic:repr} from {sender}: {reason}",
+        "two-channels": "{topic:repr} from {sender}, and {other_topic:repr} from {other_sender}",
+    },
+    remedies={
+        "plain-name": "use a name of letters, digits, _ and / only",
+        "same-name": "publish both under the same name",
+        "shorter-name": "use a shorter name",
+        "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
+    },
+    evidence="channels of all messages",
+)
 def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     """Channels have names that every program can subscribe to, and no two names look the same.
 

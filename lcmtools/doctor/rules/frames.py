@@ -5,9 +5,28 @@ from collections.abc import Iterator, Mapping
 
 from lcmtools.doctor.evidence import Evidence, FrameParent
 from lcmtools.doctor.findings import Finding, found, rule, state
+from lcmtools.doctor.rules.shared import DECODED
 
 
-@rule("frames", "send each child_frame_id from one program, below one header.frame_id")
+@rule(
+    "frames",
+    remedy="send each child_frame_id from one program, below one header.frame_id",
+    title={
+        "frame-loop": "The following frames form a loop:",
+        "frame-parents": "The following frames have several parents:",
+    },
+    facts={
+        "frame-loop": "{frames}, from {senders:and}",
+        "frame-parents": "{frame} is in {parents:and}",
+    },
+    remedies={
+        "exchange-frames": "header.frame_id is the parent, child_frame_id the child: swap them in"
+        " one of the transforms",
+        "one-parent": "let one program publish the pose of a frame, in one header.frame_id, or"
+        " give the frames of different things different names",
+    },
+    evidence=DECODED,
+)
 def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
     """Frames form trees: each has one parent at most, and none is below itself.
 

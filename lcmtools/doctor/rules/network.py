@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, HostClock
 from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM, SET_CLOCKS
 
 _LOOPBACK = "lo"
 _SHARE = 0.5  # of the capacity of an interface
@@ -13,7 +14,16 @@ _BEHIND = 0.3  # [s]: a slow network looks the same
 _MOST = 6  # nodes that are named
 
 
-@rule("large-messages", "let the firewall pass large datagrams of UDP")
+@rule(
+    "large-messages",
+    remedy="let the firewall pass large datagrams of UDP",
+    title="A message of {bytes} bytes does not come back: {problem}",
+    remedies={
+        "look-at-firewall": "see whether a firewall drops large datagrams: `sudo nft list ruleset`",
+        "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
+    },
+    evidence="a message of five datagrams that wtf sends to itself",
+)
 def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     """A message of several full datagrams comes back to this computer, as a small one does.
 
@@ -26,7 +36,14 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, None, "look-at-firewall", "macos-large-datagrams")
 
 
-@rule("sending", "lcmtools wtf prints the command that fixes it", Severity.ERROR)
+@rule(
+    "sending",
+    remedy="lcmtools wtf prints the command that fixes it",
+    severity=Severity.ERROR,
+    title="Messages cannot leave this computer: {problem}",
+    remedies=MEND_BUS,
+    evidence="a datagram that wtf sends with the bus's ttl",
+)
 def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams with the bus's own ttl can be sent.
 
@@ -40,7 +57,18 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, None, *remedies)
 
 
-@rule("link", "connect the interface, or: sudo ip route replace 224.0.0.0/4 dev X")
+@rule(
+    "link",
+    remedy="connect the interface, or: sudo ip route replace 224.0.0.0/4 dev X",
+    title="The interface {interface}, to which the route to the bus leads, has no link: nothing"
+    " leaves this computer",
+    remedies={
+        "connect": "plug its cable in, or connect its Wi-Fi",
+        "route-to": "or set the route to another interface:"
+        " `sudo ip route replace 224.0.0.0/4 dev {interface}`",
+    },
+    evidence="the interface's carrier, the routing table",
+)
 def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
     """The interface to which the route to the bus leads has a link: a cable, or Wi-Fi.
 
@@ -56,7 +84,17 @@ def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, None, "connect", *remedies[:1])
 
 
-@rule("loopback-route", "sudo ip route replace 224.0.0.0/4 dev eth0", Severity.NOTE)
+@rule(
+    "loopback-route",
+    remedy="sudo ip route replace 224.0.0.0/4 dev eth0",
+    severity=Severity.NOTE,
+    title="ttl={ttl}, but the route to the bus leads to lo: no other computer receives anything",
+    remedies={
+        "route": "if they should: `sudo ip route replace 224.0.0.0/4 dev eth0` (with your"
+        " interface)",
+    },
+    evidence="the routing table, the ttl of the URL",
+)
 def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
     """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
@@ -64,7 +102,19 @@ def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, None, "route")
 
 
-@rule("container", "docker run --network host; WSL: networkingMode=mirrored", Severity.NOTE)
+@rule(
+    "container",
+    remedy="docker run --network host; WSL: networkingMode=mirrored",
+    severity=Severity.NOTE,
+    title="This is a {container} with its own network, and no other computer is seen",
+    remedies={
+        **HOST_NETWORK,
+        "mirrored-network": "write networkingMode=mirrored under [wsl2] into"
+        " %UserProfile%\\.wslconfig",
+        "use-server": "or connect both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
+    },
+    evidence="marks of containers and of WSL in the file system, the interface",
+)
 def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     """The private network of a container or WSL forwards multicast.
 
@@ -80,8 +130,18 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "igmp-querier",
-    "echo 1 | sudo tee /sys/class/net/BRIDGE/bridge/multicast_querier",
-    Severity.NOTE,
+    remedy="echo 1 | sudo tee /sys/class/net/BRIDGE/bridge/multicast_querier",
+    severity=Severity.NOTE,
+    title="The bridge {bridge} sends no IGMP queries, and no other computer is seen",
+    facts={
+        "switch-forgets": "if messages stop some minutes after a start, a switch has forgotten the"
+        " members of the group",
+    },
+    remedies={
+        "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
+    },
+    evidence="the settings of a bridge on the route",
+    root_only="other switches, even with root",
 )
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """The network has an IGMP querier, which queries for group members.
@@ -96,7 +156,14 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, [state("switch-forgets")], remedy)
 
 
-@rule("bandwidth", "send smaller messages, or less often: lcmtools bw TOPIC")
+@rule(
+    "bandwidth",
+    remedy="send smaller messages, or less often: lcmtools bw TOPIC",
+    title="{interface} is too slow for the bus, which carries {megabytes_per_second:.1f} MB/s:",
+    facts={"stream-bandwidth": "{topic} from {sender}: {megabytes_per_second:.2f} MB/s"},
+    remedies={"use-ttl-0": "keep what only this computer needs on a bus with ttl=0"},
+    evidence="bytes during the look, the interface's speed",
+)
 def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
     """The bus does not fill the network.
 
@@ -123,7 +190,22 @@ def _is_alone(evidence: Evidence) -> bool:
     return evidence.ttl > 0 and not (evidence.has_others() or evidence.bus_problem)
 
 
-@rule("clocks", "sudo timedatectl set-ntp true, on both; or sudo chronyc makestep")
+@rule(
+    "clocks",
+    remedy="sudo timedatectl set-ntp true, on both; or sudo chronyc makestep",
+    title={
+        "clock-ahead": "The clock of {host} ({host.address}) is {seconds:time} ahead of this"
+        " computer's:",
+        "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
+        " computer's:",
+    },
+    facts=MORE | PROGRAM,
+    remedies={
+        **SET_CLOCKS,
+        "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
+    },
+    evidence="the times in announcements, and their times of arrival",
+)
 def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
     """The clocks of all computers agree.
 

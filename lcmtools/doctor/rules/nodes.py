@@ -5,6 +5,8 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, found, rule, state
+from lcmtools.doctor.renaming import DROP_REMAP
+from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Node, Staleness
 
 _CLOCK = "/clock"
@@ -12,7 +14,23 @@ _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
 
-@rule("stale-nodes", "wake it: kill -CONT PID; or forget it: lcmtools node cleanup", Severity.ERROR)
+@rule(
+    "stale-nodes",
+    remedy="wake it: kill -CONT PID; or forget it: lcmtools node cleanup",
+    severity=Severity.ERROR,
+    title="The following nodes do not answer any more:",
+    facts={
+        "may-be-late": "this computer is too busy to tell: they may only be late",
+        "stale": "{node} (pid {pid}): {why}",
+        "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
+    },
+    remedies={
+        **WAKE_OR_END,
+        "look-there": "check there whether the network and the node work: `lcmtools wtf`",
+        "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
+    },
+    evidence="announcements, the records of nodes of this computer",
+)
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was seen before and did not say goodbye still answers.
 
@@ -64,7 +82,15 @@ def _runs(node: Node) -> bool:
     return node.stale is not Staleness.ENDED
 
 
-@rule("duplicate-names", "start one of them with __name:=ANOTHER", Severity.ERROR)
+@rule(
+    "duplicate-names",
+    remedy="start one of them with __name:=ANOTHER",
+    severity=Severity.ERROR,
+    title="{count} nodes have the name {name}:",
+    facts={"node-process": "pid {pid} on {host}: {command}"},
+    remedies={"end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}"},
+    evidence="announcements",
+)
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """No two nodes have the same name.
 
@@ -87,7 +113,18 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             yield from found(title, facts, remedy)
 
 
-@rule("no-clock", "start the simulator, or the node without _use_sim_time:=true", Severity.ERROR)
+@rule(
+    "no-clock",
+    remedy="start the simulator, or the node without _use_sim_time:=true",
+    severity=Severity.ERROR,
+    title="The following nodes use simulated time, and nothing publishes {topic}:",
+    facts={"node-pid": "{node} (pid {pid})"},
+    remedies={
+        **DROP_REMAP,
+        "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
+    },
+    evidence="announcements",
+)
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     """Simulated time has a publisher, if any node uses it.
 
@@ -106,7 +143,20 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
         yield from found(title, facts, *remedies, "start-simulator")
 
 
-@rule("open-files", "close files and sockets that are not needed")
+@rule(
+    "open-files",
+    remedy="close files and sockets that are not needed",
+    title="The following programs have nearly as many files open as LCM can handle:",
+    facts={
+        "open-files": "pid {process.pid} has {open_files} files open, of {most_files}: {process}",
+    },
+    remedies={
+        "close-files": "close unneeded files, or restart the programs; a limit above 1024 does not"
+        " help, because liblcm waits with select",
+    },
+    evidence="the open files of your programs",
+    root_only="other users' programs",
+)
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
 

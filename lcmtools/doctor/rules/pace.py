@@ -9,6 +9,7 @@ from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
@@ -72,7 +73,23 @@ class _Pace:
         return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
 
 
-@rule("silent", "check the node's log, and that its inputs still arrive")
+@rule(
+    "silent",
+    remedy="check the node's log, and that its inputs still arrive",
+    title={
+        "silent": "The following have stopped publishing:",
+        "stopped-programs": "The following programs are stopped: they send and receive nothing:",
+    },
+    facts={
+        "process": "{process} (pid {process.pid})",
+        "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
+        "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
+    },
+    remedies=WAKE_OR_END,
+    evidence="the nodes' counters, times of arrival, the state of processes; earlier looks with"
+    " --watch",
+    root_only="the state of other users' programs",
+)
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -124,8 +141,18 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "slow-rate",
-    "see what the node or its computer is busy with: lcmtools node info, top",
-    Severity.NOTE,
+    remedy="see what the node or its computer is busy with: lcmtools node info, top",
+    severity=Severity.NOTE,
+    title="The following have become slower:",
+    facts={
+        "slower": "{node}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+        "slower-program": "{sender}: {rate:.3g} Hz in all, and {usual:.3g} Hz on average since its"
+        " start",
+        "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+    },
+    evidence="the nodes' counters, LCM's sequence numbers with the age of processes; earlier looks"
+    " with --watch",
+    root_only="the age of other users' programs",
 )
 def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     """Publishers are as fast as they were.
@@ -161,8 +188,12 @@ def may_have_fallen(evidence: Evidence) -> bool:
 
 @rule(
     "irregular",
-    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
-    Severity.NOTE,
+    remedy="lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
+    severity=Severity.NOTE,
+    title="The following come at irregular intervals:",
+    facts={"gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}"},
+    evidence="times of arrival; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     """Frequent messages come at regular intervals.

@@ -7,7 +7,17 @@ from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, st
 from lcmtools.graph.model import Role
 
 
-@rule("relay-bus", "start the bus that the relay joins, or check the connection to it")
+@rule(
+    "relay-bus",
+    remedy="start the bus that the relay joins, or check the connection to it",
+    title="The following relays do not reach one of their buses:",
+    facts={"relay-bus": "{relay} on {host}: {trouble}"},
+    remedies={
+        "mend-line": "start the bus that the relay joins, or repair the connection; the relay"
+        " retries",
+    },
+    evidence="the reports of relays",
+)
 def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     """Every relay reaches both of its buses.
 
@@ -19,7 +29,17 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     return found("relay-bus", facts, "mend-line")
 
 
-@rule("relay-losses", "let the relay carry less: --rate '/camera/**=5', --newest, --deny")
+@rule(
+    "relay-losses",
+    remedy="let the relay carry less: --rate '/camera/**=5', --newest, --deny",
+    title="The following relays drop messages:",
+    facts={"relay-dropped": "{relay} on {host}: {count} messages for {bus}"},
+    remedies={
+        "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
+        " '/camera/**', or --deny",
+    },
+    evidence="two reports of each relay",
+)
 def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     """No relay drops messages.
 
@@ -33,7 +53,17 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     return found("relay-losses", facts, "carry-less")
 
 
-@rule("relay-commands", "start the relay with --allow TOPIC")
+@rule(
+    "relay-commands",
+    remedy="start the relay with --allow TOPIC",
+    title="Commands do not pass a relay, and a node behind it waits for them:",
+    facts={"relay-command": "{topic}, at {relay} on {host}"},
+    remedies={
+        "allow-command": "if they should pass: start {relay} with --allow {topic} (and --allow"
+        " '**', if it has no other); else with --deny {topic}",
+    },
+    evidence="the reports of relays, announcements and all messages of the look",
+)
 def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """Commands to actuators pass a relay if a node on the other bus waits for them.
 
@@ -49,7 +79,18 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     return found("relay-commands", facts, *remedies, severity=Severity.NOTE)
 
 
-@rule("relay-standby", "end it, if it should not take over", Severity.NOTE)
+@rule(
+    "relay-standby",
+    remedy="end it, if it should not take over",
+    severity=Severity.NOTE,
+    title="The following relays stand by, because others join the same buses:",
+    facts={"relay-standby": "{relay} on {host}"},
+    remedies={
+        "end-standby": "if it should not take over from the other one:"
+        " `lcmtools node kill {relay}`",
+    },
+    evidence="the reports of relays",
+)
 def relays_carry_messages(evidence: Evidence) -> Iterator[Finding]:
     """Every relay carries messages, unless it should take over from another one.
 

@@ -9,7 +9,18 @@ from lcmtools.graph.model import CallbackError, Node
 _RECENT = 10.0  # [s]
 
 
-@rule("callback-errors", "correct the line that is named, and start the node again", Severity.ERROR)
+@rule(
+    "callback-errors",
+    remedy="correct the line that is named, and start the node again",
+    severity=Severity.ERROR,
+    title="Callbacks of the following raise exceptions:",
+    facts={
+        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in"
+        " {callback:call})",
+    },
+    remedies={"correct": "correct {place}, and start {node} again"},
+    evidence="the exceptions that nodes announce",
+)
 def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks raise no exceptions.
 
@@ -44,7 +55,14 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
         yield from found("callback-errors", facts, *remedies, severity=severity)
 
 
-@rule("logged", "read the whole log: lcmtools echo /rosout")
+@rule(
+    "logged",
+    remedy="read the whole log: lcmtools echo /rosout",
+    title="The following nodes log warnings or errors:",
+    facts={"logged": "{node}: {level}: {text}{messages:count}"},
+    remedies={"read-log": "read the whole log: `lcmtools echo /rosout`"},
+    evidence="messages on /rosout during the look",
+)
 def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     """Nodes log neither warnings nor errors on /rosout during the look.
 

@@ -5,12 +5,32 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Statement, found, rule, state, subject
-from lcmtools.doctor.renaming import NearNames, give_reason, remap_argument, start_with
+from lcmtools.doctor.renaming import REMAPS, NearNames, give_reason, remap_argument, start_with
+from lcmtools.doctor.rules.shared import END_OR_REMAP
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 
 
-@rule("services", "start one of them with OLD:=NEW, or the node that offers what is called")
+@rule(
+    "services",
+    remedy="start one of them with OLD:=NEW, or the node that offers what is called",
+    title={
+        "services": "The following services are offered by more than one node, and each executes a"
+        " request:",
+        "unconnected-clients": "The following call services that no node offers:",
+    },
+    facts={
+        "calls": "{node} calls {service}",
+        "offered": "{service}: {nodes:and}",
+    },
+    remedies={
+        **REMAPS,
+        **END_OR_REMAP,
+        "start-server": "start a node that offers {service}; to see what is offered:"
+        " `lcmtools service list`",
+    },
+    evidence="announcements",
+)
 def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     """Services that nodes call are offered, and by one node each.
 

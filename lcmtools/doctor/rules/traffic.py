@@ -7,11 +7,13 @@ from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
 from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
+from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
 
+_SENT = "{lost} of {sent} ({percent:.1f} %)"
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SOME = 3  # messages that are the same are no chance
 _SLOWER = 0.9  # of the target rate
@@ -19,7 +21,19 @@ _BUSY = 0.85
 _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
 
 
-@rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
+@rule(
+    "loss",
+    remedy="less data, a wired network, or recv_buf_size=N in the URL",
+    title="Messages of the following senders were lost:",
+    facts={
+        "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
+        "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
+    },
+    remedies={
+        "send-less": "send less or smaller messages; a large one is lost with any of its parts",
+    },
+    evidence="LCM's sequence numbers, the drops of wtf's own socket",
+)
 def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     """Every message that is sent arrives at this computer.
 
@@ -35,7 +49,17 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     return found("loss", facts, "send-less")
 
 
-@rule("doubled", "remove the second path, or let the sender send once")
+@rule(
+    "doubled",
+    remedy="remove the second path, or let the sender send once",
+    title="Messages of the following come more than once, with the same sequence number:",
+    facts={"doubled": "{sender}: {count} messages"},
+    remedies={
+        "find-second-way": "look for a second path to this computer: a loop of cables or bridges,"
+        " two interfaces on one network, a mirroring port; or a sender that sends everything twice",
+    },
+    evidence="LCM's sequence numbers, the content of messages",
+)
 def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     """No message arrives twice with the same sequence number.
 
@@ -54,7 +78,24 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     return found("doubled", facts, "find-second-way")
 
 
-@rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
+@rule(
+    "competing-publishers",
+    remedy="end one of them, or remap it: OLD:=NEW",
+    title="{count} programs publish on {topics:and} at the same time:",
+    facts={
+        "publisher": "{sender}: {topic}",
+        "repeats": "{sender}: {topic}, {count} messages that another sender had sent before",
+    },
+    remedies={
+        **END_OR_REMAP,
+        "end-one-or-part": "end one of them{pids:kills}, or start {other} on another bus",
+        "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
+        "open-circle": "a program that forwards what it receives creates a loop if that comes back"
+        " to it: let it publish on another channel",
+    },
+    evidence="channels, senders and times of messages; announcements of commands",
+    root_only="the names of other users' programs",
+)
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
@@ -151,7 +192,30 @@ def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str
     return state("end-one-or-remap", other=node, old=old, new=f"{topic}_2", **known)
 
 
-@rule("slow-simulator", "subscribe to fewer sensors, or simulate fewer robots")
+@rule(
+    "slow-simulator",
+    remedy="subscribe to fewer sensors, or simulate fewer robots",
+    title={
+        "jumping-simulator": "Simulated time jumps back:",
+        "paused-simulator": "Simulated time stands still:",
+        "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
+        " the simulator is overloaded",
+        "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
+    },
+    facts={
+        **PROGRAM,
+        "jumps-back": "{program}: {count:times}",
+    },
+    remedies={
+        "resume": "if that was not intended: `lcmtools sim resume`",
+        "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
+        "simulate-less": "end programs that subscribe to cameras, or give it fewer robots",
+        "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
+        " time that only rises",
+    },
+    evidence="/clock, the processor time of its publisher",
+    root_only="its processor time, if it is another user's program",
+)
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 

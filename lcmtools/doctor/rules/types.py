@@ -27,6 +27,9 @@ from lcmtools.wire.packet import Sender
 _BITS = (1 << 64) - 1
 _MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
+_SAME_LCM_FILES = {
+    "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
+}
 _OLDER, _NEWER = "without the field", "with "  # in a difference from the version that is known
 
 
@@ -50,7 +53,33 @@ class _User:
         return state(f"{self.kind}-as", program=self.subject, topic=topic, types=types)
 
 
-@rule("type-mismatch", "use the same type, from the same .lcm file, on both sides", Severity.ERROR)
+@rule(
+    "type-mismatch",
+    remedy="use the same type, from the same .lcm file, on both sides",
+    severity=Severity.ERROR,
+    title={
+        "type-mismatch": "The types on {topic} do not match:",
+        "type-names-differ": "The types on {topic} have the same fields, but different names:",
+    },
+    facts={
+        "expects": "{node} expects {type}",
+        "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
+        "older-type": "the older version is probably that of {senders:and}",
+        "publishes": "{node} publishes {type}",
+        "sends": "{sender} sends {type}",
+    },
+    remedies={
+        **_SAME_LCM_FILES,
+        "expects-as": "let {program} subscribe to {topic} as {types:or}",
+        "publishes-as": "let {program} publish {topic} as {types:or}",
+        "remap-one": "remap one of them to another topic, for example {topic}:={topic}_2",
+        "rename-one": "let one of them use another channel",
+        "same-type": "it works; declare the same type on both sides, so that all commands show the"
+        " same",
+        "sends-as": "let {program} send {types:or} on {topic}",
+    },
+    evidence="announced types, fingerprints in messages, the known types",
+)
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """All publishers and subscribers of a topic use the same type.
 
@@ -69,7 +98,25 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
             yield from found(title, facts, "same-type", severity=Severity.NOTE)
 
 
-@rule("unknown-type", "generate the sender's types again from the same .lcm files", Severity.NOTE)
+@rule(
+    "unknown-type",
+    remedy="generate the sender's types again from the same .lcm files",
+    severity=Severity.NOTE,
+    title={
+        "no-lcm-messages": "The following are not LCM messages:",
+        "types-without-file": "The types of the following are not known here:",
+        "unknown-type": "The types of the following are similar to known ones:",
+    },
+    facts={"unknown-type": "{topic} from {senders:and}: {type}"},
+    remedies={
+        **_SAME_LCM_FILES,
+        "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them"
+        " with the code that lcm-gen generates",
+        "correct-file": "correct the file that cannot be read: {problem}",
+        "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
+    },
+    evidence="fingerprints and beginnings of messages, the known types",
+)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """The types of all messages are known, and everything sent is an LCM message.
 
