@@ -127,9 +127,9 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     remedy="export LCM_DEFAULT_URL with the same value in every shell",
     title="The following programs of yours are on other buses{topics:with}{awaited:wait}:",
     facts={
-        **MORE,
         "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
         "on-bus-by-code": "pid {process.pid} probably on {bus} (its code names it): {process}",
+        **MORE,
     },
     remedies={
         "export": "`export {variable}='{value}'`",

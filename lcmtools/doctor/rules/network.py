@@ -141,7 +141,6 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
         "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
     },
     evidence="the settings of a bridge on the route",
-    root_only="other switches, even with root",
 )
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """The network has an IGMP querier, which queries for group members.
@@ -199,7 +198,7 @@ def _is_alone(evidence: Evidence) -> bool:
         "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
         " computer's:",
     },
-    facts=MORE | PROGRAM,
+    facts=PROGRAM | MORE,
     remedies={
         **SET_CLOCKS,
         "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
