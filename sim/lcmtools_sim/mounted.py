@@ -110,7 +110,7 @@ class MountedTogether:
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
-    """Return a robot's sensors in its model's order, but transforms last: they need all frames."""
+    """Return a robot's sensors in its model's order, but those that need frames last."""
     context = SensorContext(
         robot.namespace,
         robot.body,
@@ -120,8 +120,8 @@ def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
         scene.gravity,
         scene.seed,
     )
-    in_order = sorted(robot.model.sensors, key=lambda mount: mount.kind == "transforms")
-    mounts = [(SENSORS[mount.kind], mount) for mount in in_order]
+    mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
+    mounts.sort(key=lambda one: one[0].needs_frames)
     return [
         MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
     ]

@@ -10,7 +10,7 @@ from lcmtools_sim.engines.engine import Motion
 from lcmtools_sim.geometry import Frame, Pose, yaw_of
 from lcmtools_sim.held import HeldRobots, pulled
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.motion import OdometrySettings
+from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
 from lcmtools_sim.vehicles import (
     Variables,
@@ -46,10 +46,8 @@ class Robot:
         self._fall = scene.gravity * scene.dt  # [m/s] speed that a falling body gains in a step
         timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
         friction = scene.gravity * scene.ground.friction
-        settings = [mount.settings for mount in placement.model.sensors]
-        noise = max(  # all its odometry sensors share the encoders
-            (s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0
-        )
+        settings = (SENSORS[mount.kind].settings_of(mount) for mount in self.model.sensors)
+        noise = max((one.encoder_noise for one in settings), default=0.0)
         random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
         known = constants(self.model, scene.dt, timeout, friction)
         # The vehicles with its values, alone or with others.

@@ -18,7 +18,7 @@ from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.markers import WORLD, true_frame, wheel_frames, world_markers
 from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.sensors.motion import transform_message
+from lcmtools_sim.sensors.sensor import transform_message
 from lcmtools_sim.simulation import Simulation
 
 _RATE = 30.0  # [Hz]

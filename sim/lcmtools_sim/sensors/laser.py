@@ -37,7 +37,7 @@ class LaserSettings(Settings):
     first_angle: float = number(-np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
     last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)  # [rad]
     shortest: float = number(0.05, 0.0, 1e3)  # least range [m]
-    longest: float = number(10.0, 0.01, 1e3)  # greatest range [m]
+    longest: float = number(10.0, 0.01, 1e3, above="shortest")  # greatest range [m]
     noise: float = deviation()  # standard deviation of a range [m]
 
 
