@@ -28,7 +28,8 @@ def true_frame(body: Robot | MovableObject, part: str = "") -> str:
     A robot's is its base_footprint; an object's is on the ground below its centre.
     """
     name = f"{body.namespace}/base_footprint" if isinstance(body, Robot) else body.name
-    return "/".join(("ground_truth", name.strip("/"), *([part] if part else [])))
+    frame = f"ground_truth/{name.strip('/')}"
+    return f"{frame}/{part}" if part else frame
 
 
 def wheel_frames(robot: Robot) -> list[str]:
