@@ -14,12 +14,12 @@ from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
 from lcmtools_sim.geometry import Frame, Pose, to_euler
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.snapshot import snapshot
+from lcmtools_sim.world import MovableObject
 
 _MOST_STEPS = 1_000_000
 _MOST_PIXELS = 4096

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import MarkedPath, Scene
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.world import MovableObject
 
 WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)

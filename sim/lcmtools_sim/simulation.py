@@ -14,13 +14,12 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import MountedSensor, MountedTogether, Sample, Subscribers, mount_sensors
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
-from lcmtools_sim.world import START_OVERLAP, World
+from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
 CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0

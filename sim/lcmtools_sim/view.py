@@ -16,10 +16,10 @@ from lcmtools.types.visualization_msgs import MarkerArray
 from lcmtools_sim.geometry import Frame, from_euler
 from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.markers import WORLD, true_frame, wheel_frames, world_markers
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.sensors.sensor import transform_message
 from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.world import MovableObject
 
 _RATE = 30.0  # [Hz]
 _LOOK_PERIOD = 0.1  # [s]; the longest delay for a new subscriber
