@@ -169,12 +169,12 @@ class Control:
         return _named(name, self._robots(), "robot")
 
 
-def _named(name: str, known: Mapping[str, BodyT], kind: str) -> BodyT:
+def _named(name: str, bodies: Mapping[str, BodyT], kind: str) -> BodyT:
     """Return the body with a name; a robot's namespace may lack its slash."""
     namespace = f"/{name.strip('/')}"
-    if found := known.get(namespace) or known.get(name):
+    if found := bodies.get(namespace) or bodies.get(name):
         return found
-    hint = did_you_mean(namespace, known) or f"known: {', '.join(known) or 'none'}"
+    hint = did_you_mean(namespace, bodies) or f"known: {', '.join(bodies) or 'none'}"
     raise UsageError(f"there is no {kind} '{name}'", hint)
 
 

@@ -15,7 +15,7 @@ from lcmtools_sim.sensors.sensor import RobotState, random_numbers
 from lcmtools_sim.vehicles import (
     Variables,
     Vehicles,
-    constants,
+    constants_of,
     measured,
     planar_motion,
     planar_motions,
@@ -49,11 +49,11 @@ class Robot:
         settings = (SENSORS[mount.kind].settings_of(mount) for mount in self.model.sensors)
         noise = max((one.encoder_noise for one in settings), default=0.0)
         random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
-        known = constants(self.model, scene.dt, timeout, friction)
+        constants = constants_of(self.model, scene.dt, timeout, friction)
         # The vehicles with its values, alone or with others.
-        self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
+        self.vehicles = Vehicles(self.model, constants, Variables(), scene.dt, noise, random)
         self.index = 0  # its index there
-        self._known, self._tyres = known, self.vehicles.tyres
+        self._constants, self._tyres = constants, self.vehicles.tyres
         # Its body's number in the world.
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
@@ -91,16 +91,16 @@ class Robot:
         """Let the wheels pull the body, before the engine's step."""
         left, right = self.vehicles.get(self.index, "left", "right")
         times = self._dt, self._fall
-        pull = pulled(self._motions[0], (left, right), self._known, self._tyres, times)
+        pull = pulled(self._motions[0], (left, right), self._constants, self._tyres, times)
         self.world.set_velocity(self.body, *pull)
 
     def observe(self) -> None:
         """Read the body's motion, after the engine's step."""
         self._motions = self.world.motion(self.body), self._motions[0]
 
-    def join(self, group: HeldRobots, place: int) -> None:
+    def join(self, group: HeldRobots, index: int) -> None:
         """Let a group pull and observe this robot, until it leaves."""
-        self._group, self._place = group, place
+        self._group, self._group_index = group, index
 
     def leave(self) -> None:
         """Leave the group, if there is one."""
@@ -109,13 +109,13 @@ class Robot:
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """Return its body's motion in the engine, and that of one step ago."""
-        return self._group.row(self._place) if self._group else self._motions
+        return self._group.row(self._group_index) if self._group else self._motions
 
     @property
-    def together(self) -> tuple[Robots, int] | None:
+    def batch(self) -> tuple[Robots, int] | None:
         """Return the robots whose state arrays include this robot's, and its index there."""
         if not self.is_free:
-            return (self._group, self._place) if self._group else None
+            return (self._group, self._group_index) if self._group else None
         return None if self.vehicles.is_single else (self.vehicles, self.index)
 
     @property

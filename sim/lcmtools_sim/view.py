@@ -39,7 +39,7 @@ class View:
         self._timer: Timer | None = None
         self._last: list[Frame] | None = None
         self._still = 0
-        node.create_timer(_LOOK_PERIOD, self._look)
+        node.create_timer(_LOOK_PERIOD, self._follow_subscribers)
 
     def refresh(self) -> None:
         """Show the current bodies, because some have come or gone."""
@@ -53,7 +53,7 @@ class View:
     def _objects(self) -> Sequence[MovableObject]:
         return self._simulation.objects if self._whole else ()
 
-    def _look(self) -> None:
+    def _follow_subscribers(self) -> None:
         """Start or stop publishing, depending on subscribers."""
         is_wanted = self._publisher.subscriber_count() > 0
         if is_wanted and not self._timer:

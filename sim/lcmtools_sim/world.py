@@ -218,10 +218,10 @@ class World(AbstractContextManager["World"]):
     def moving_bodies(self) -> Mapping[int, PlacedSolids]:
         """Return the movable bodies by their numbers."""
         if not self._bodies:
-            known, motion = self._solids, self.motion
-            for body in self._moving.keys() - known.keys():
-                known[body] = solids_of(self._moving[body])
-            self._bodies = {body: (known[body], *motion(body)[:2]) for body in self._moving}
+            solids, motion = self._solids, self.motion
+            for body in self._moving.keys() - solids.keys():
+                solids[body] = solids_of(self._moving[body])
+            self._bodies = {body: (solids[body], *motion(body)[:2]) for body in self._moving}
         return self._bodies
 
     def moving_parts(self, but: int | None = None) -> list[Part]:

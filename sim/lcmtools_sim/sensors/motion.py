@@ -27,12 +27,12 @@ from lcmtools_sim.geometry import (
 )
 from lcmtools_sim.sensors.payloads import Payloads, Row
 from lcmtools_sim.sensors.sensor import (
+    BatchSensor,
+    MeasureBatch,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    SharedSensor,
-    Together,
     deviation,
     transform_message,
 )
@@ -45,14 +45,14 @@ COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 """Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
 
 
-class MotionSensor(SharedSensor):
+class MotionSensor(BatchSensor):
     """A sensor whose messages are numbers in a template, computed only from a robot's state."""
 
     template: PayloadTemplate  # of its messages
     is_noisy: bool  # True if it draws its own random numbers for each sample
 
     @property
-    def is_shared(self) -> bool:
+    def is_batchable(self) -> bool:
         """True unless it draws its own random numbers."""
         return not self.is_noisy
 
@@ -70,9 +70,9 @@ class MotionSensor(SharedSensor):
         del wanted
         return {"": self.template.fill(*self.rows(state))}
 
-    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """Return the function that measures these sensors at once; see SharedSensor."""
-        payloads = Payloads([(sensor.template, place) for sensor, place in sensors])
+    def batch(self, sensors: Sequence[tuple["Self", int]]) -> MeasureBatch:
+        """Return the function that measures these sensors at once; see BatchSensor."""
+        payloads = Payloads([(sensor.template, index) for sensor, index in sensors])
         return lambda state: payloads.fill(self.rows(state))
 
 

@@ -200,7 +200,7 @@ class SensorContext:
         return Noise(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
-Together = Callable[[RobotState], Iterable[bytes]]
+MeasureBatch = Callable[[RobotState], Iterable[bytes]]
 """Measures several robots' sensors of one kind; returns payloads of one step in the sensors' order.
 
 The argument is the state of all the robots, as arrays.
@@ -218,17 +218,17 @@ class Sensor(Protocol):
         """Return the payloads of the wanted outputs for one step."""
 
 
-class SharedSensor(ABC):
-    """A sensor that can be measured together with identically mounted ones on other robots."""
+class BatchSensor(ABC):
+    """A sensor that can be measured in one batch with those mounted identically on other robots."""
 
     @property
-    def is_shared(self) -> bool:
+    def is_batchable(self) -> bool:
         """False if its settings make it an exception."""
         return True
 
     @abstractmethod
-    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """Return the function for these shared sensors, each given with its robot's index."""
+    def batch(self, sensors: Sequence[tuple["Self", int]]) -> MeasureBatch:
+        """Return the function for these batchable sensors, each given with its robot's index."""
 
 
 @dataclass(frozen=True, slots=True)
