@@ -183,7 +183,7 @@ def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server: Any, wait_until:
     tcpq_server.close()
     wait_until(lambda: told)
     bus.close()
-    assert not any(thread.name == "lcm receiver" for thread in threading.enumerate())
+    assert not any(thread.name == "bus receiver" for thread in threading.enumerate())
 
 
 def test_nodes_hear_again_and_say_once_what_happened(

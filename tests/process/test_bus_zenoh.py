@@ -169,7 +169,7 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
 ) -> None:
     monkeypatch.setitem(sys.modules, "zenoh", None)
     for name in ("opening", "session", "listener"):
-        monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh_{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh.{name}", raising=False)
     done = cli("list", "--lcm-url", "zenoh://")
     assert (done.code, done.out) == (3, "")
     assert done.err == (
