@@ -13,8 +13,8 @@ import pytest
 
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh.bus import ZenohBus
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.zenoh.listener import ZenohListener
-from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
@@ -68,7 +68,7 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
     put = ZenohSession._put
 
     def put_when_there_is_room(session: ZenohSession, message: Outgoing) -> None:
-        if threading.current_thread().name == "outbox" and not message.is_large:
+        if threading.current_thread().name == "keep-last sender" and not message.is_large:
             has_room.wait(20.0)
         put(session, message)
         session._is_slow = True  # from now on small ones wait, too

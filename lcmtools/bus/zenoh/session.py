@@ -1,10 +1,10 @@
-"""A Zenoh session and its pitfalls. Only this and ``zenoh_opening`` import Zenoh's package.
+"""A Zenoh session and its pitfalls. Only this and ``bus.zenoh.opening`` import Zenoh's package.
 
 - A message to a program that does not read waits; after a second, Zenoh disconnects that program,
   which reconnects when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit. A forked process
   can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
-- A message is sent at once, or waits for room: see ``bus.outbox`` for messages that come meanwhile.
+- A message is sent at once, or waits for room: later ones wait in a ``KeepLastSender``.
 - After an interruption, a connection resumes: messages that waited for it are dropped on arrival.
 - Messages still under way when a session closes are lost: closing waits until the others have them.
 - Callbacks run on Zenoh's own threads, which must not wait: messages are queued at once.
@@ -28,8 +28,8 @@ from lcmtools.bus.kernel import computer_id
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh.config import is_own
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, KeepLastSender, Outgoing
 from lcmtools.bus.zenoh.opening import open_session, reason_of, zenoh
-from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
 from lcmtools.errors import BusError
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
@@ -86,7 +86,8 @@ class ZenohSession:
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
         self._large_keys: set[str] = set()
         self._is_slow = False  # True if small messages have to wait for the network
-        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_large)
+        self._small = KeepLastSender(self._put_quietly)
+        self._large = KeepLastSender(self._put_large)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session, is_client = open_session(url, self.id)
         self._wakeup = WakeupEvent()
@@ -210,7 +211,7 @@ class ZenohSession:
         self._wakeup.set()
 
     def _put(self, message: Outgoing) -> None:
-        """Send a message: a small one waits for room; later ones then go to the outbox."""
+        """Send a message: a small one waits for room; later ones then wait in a queue."""
         publisher = self._publishers.get((message.key, message.is_large))
         if publisher is None:
             publisher = self._publishers[message.key, message.is_large] = self._declare(message)
