@@ -193,7 +193,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if self._requests is None:
             time.sleep(seconds)
         elif self._requests.wait(seconds):
-            self._requests.take()  # the request also arrives at the tap's own socket
+            self._requests.receive()  # the request also arrives at the tap's own socket
 
     def _read(self) -> list[Packet]:
         """Return what has arrived; from several sockets, in order of arrival.
@@ -237,7 +237,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
             if datagram_batch.IS_POSSIBLE:
                 batch = self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
-        return batch.take(_BATCH) if batch else self._one_by_one(receiver)
+        return batch.receive(_BATCH) if batch else self._one_by_one(receiver)
 
     def _one_by_one(self, receiver: socket.socket) -> Iterator[Datagram]:
         receive, buffer = receiver.recvmsg_into, self._buffer

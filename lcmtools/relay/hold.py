@@ -34,7 +34,7 @@ class Hold:
         """Start waiting, because a bus was lost or restored."""
         self._until, self._deaf_until = now + _HOLD, now + _DEAF
 
-    def learn(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
+    def update(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
         """Update from all relays, this one first, and the ids of those that should now carry."""
         own, *others = links
         deaf = {end.id for end in own.ends if not end.heard}
