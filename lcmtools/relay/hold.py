@@ -12,7 +12,7 @@ from lcmtools.relay.line_queue import LATE
 from lcmtools.relay.topology import Link, State
 
 _HOLD = 0.7  # [s]
-_DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``zenoh_config``), a server in about 1
+_DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``bus.zenoh.config``), a server in about 1
 _HANDOVER = LATE + 0.2  # [s]
 
 

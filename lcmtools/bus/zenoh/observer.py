@@ -13,7 +13,7 @@ from lcmtools.wire.sequence import Sequence
 from lcmtools.wire.stamp import Origin
 
 
-class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
+class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
     """An observer of a Zenoh bus: a subscription to everything, with the senders of messages.
 
     ``on_outage`` is that of ``ZenohSession``.
