@@ -130,7 +130,7 @@ class Finding:
         return list(dict.fromkeys(one for s in statements for one in s.subjects()))
 
 
-def found(
+def finding(
     title: str | Statement,
     facts: Iterable[Statement] | None = None,
     *remedies: str | Statement,

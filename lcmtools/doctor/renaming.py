@@ -52,7 +52,7 @@ def are_near(one: str, other: str) -> bool:
         return False
     bases = base_name_of(one), base_name_of(other)
     is_long = min(len(_folded(base)) for base in bases) >= _LONG
-    if _are_within(first, second, 2 if is_long else 1):
+    if _has_distance_within(first, second, 2 if is_long else 1):
         return True
     return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
 
@@ -90,7 +90,7 @@ def _folded(name: str) -> str:
     return re.sub(r"[\s/_]", "", name).casefold()
 
 
-def _are_within(one: str, other: str, edits: int) -> bool:
+def _has_distance_within(one: str, other: str, edits: int) -> bool:
     """Return whether so many characters more, less or changed, or pairs swapped, are enough."""
     if abs(len(one) - len(other)) > edits or len(set(one) ^ set(other)) > 2 * edits:
         return False
@@ -99,9 +99,9 @@ def _are_within(one: str, other: str, edits: int) -> bool:
     one, other = one[start:], other[start:]
     if not edits or one == other:
         return one == other
-    swapped = one[1::-1] == other[:2] and _are_within(one[2:], other[2:], edits - 1)
+    swapped = one[1::-1] == other[:2] and _has_distance_within(one[2:], other[2:], edits - 1)
     pairs = (one[1:], other), (one, other[1:]), (one[1:], other[1:])
-    return swapped or any(_are_within(first, second, edits - 1) for first, second in pairs)
+    return swapped or any(_has_distance_within(first, second, edits - 1) for first, second in pairs)
 
 
 def _are_abbreviations(one: str, other: str) -> bool:
@@ -112,10 +112,10 @@ def _are_abbreviations(one: str, other: str) -> bool:
 
 def _are_near_words(one: str, other: str) -> bool:
     if min(len(one), len(other)) > _SHORT:
-        return _are_within(one, other, 1)
+        return _has_distance_within(one, other, 1)
     first, second = (re.sub(r"[aeiou]|(.)(?=\1)", "", word) for word in (one, other))
     return one == other or (
-        max(len(first), len(second)) >= _ABBREVIATED and _are_within(first, second, 1)
+        max(len(first), len(second)) >= _ABBREVIATED and _has_distance_within(first, second, 1)
     )
 
 

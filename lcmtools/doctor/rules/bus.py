@@ -9,7 +9,7 @@ from lcmtools.doctor.findings import (
     Severity,
     Statement,
     Subject,
-    found,
+    finding,
     rule,
     state,
     subject,
@@ -51,7 +51,7 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     if host.container == "container" and host.interface:
         remedies.append(state("host-network"))
     title = state("bus", problem=evidence.bus_problem)
-    yield from found(title, list(_obstacles(host)) or None, *remedies)
+    yield from finding(title, list(_obstacles(host)) or None, *remedies)
 
 
 def _obstacles(host: Host) -> Iterator[Statement]:
@@ -93,7 +93,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     quiet = quiet_programs(evidence)
     facts = [state("listens", listener=one) for one in there]
     facts += [state("may-publish", process=one) for one in quiet]
-    yield from found(
+    yield from finding(
         state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened),
         facts or None,
         *("start-something", "compare-buses"),
@@ -119,7 +119,7 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     Other programs' datagrams on its port can crash programs of the lcm package.
     """
     facts = (state("sender-reason", sender=who, reason=why) for who, why in evidence.malformed)
-    return found("malformed", facts, "send-elsewhere")
+    return finding("malformed", facts, "send-elsewhere")
 
 
 @rule(
@@ -175,7 +175,7 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
         if not all(p.variable for p in others):
             remedies.append(state("name-here"))
     title = state("other-buses", topics=topics, awaited=awaited)
-    yield from found(title, facts, *remedies, severity=severity)
+    yield from finding(title, facts, *remedies, severity=severity)
 
 
 def _url(process: LcmProcess) -> str:
@@ -219,7 +219,7 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     }
     facts = (state("program", program=one) for one in sorted(programs, key=str))
     remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
-    yield from found("mpudpm", facts, remedy)
+    yield from finding("mpudpm", facts, remedy)
 
 
 def _has_mpudpm(process: LcmProcess, evidence: Evidence) -> bool:
@@ -264,12 +264,12 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
         missed = [name for name in at_home if name in wanted]
         title = state("ttl-0", hosts=others)
         remedy = state("use-ttl-1", url=evidence.url.partition("?")[0] + "?ttl=1")
-        yield from found(title, (state("program", program=name) for name in missed), remedy)
+        yield from finding(title, (state("program", program=name) for name in missed), remedy)
         if not missed and len(at_home) == len(own):
             facts = (state("program", program=name) for name in at_home)
-            yield from found(title, facts, remedy, severity=Severity.NOTE)
+            yield from finding(title, facts, remedy, severity=Severity.NOTE)
     far = (state("sends-with-ttl", sender=name, ttl=ttl) for name, ttl in own if ttl and ttl > 1)
-    yield from found("ttl-far", far, "ttl-1-is-enough")
+    yield from finding("ttl-far", far, "ttl-1-is-enough")
 
 
 def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
@@ -311,4 +311,4 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
         state("user-programs", user=evidence.users.get(uid, str(uid)), programs=found)
         for uid, found in sorted(programs.items())
     )
-    return found("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))
+    return finding("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))

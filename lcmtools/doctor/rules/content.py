@@ -5,7 +5,7 @@ from dataclasses import replace
 from shlex import quote
 
 from lcmtools.doctor.evidence import Evidence, Oddity
-from lcmtools.doctor.findings import Finding, Severity, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
 from lcmtools.doctor.rules.shared import DECODED, SET_CLOCKS
 
@@ -141,7 +141,7 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     if evidence.damaged_bytes:
         log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
-        return found(title, None, state("fix-log", log=quote(log)))
+        return finding(title, None, state("fix-log", log=quote(log)))
     return iter(())
 
 
@@ -169,4 +169,4 @@ def _odd(
         for odd in evidence.oddities
         if odd.kind == kind
     )
-    return found(kind, facts, *remedies, severity=severity)
+    return finding(kind, facts, *remedies, severity=severity)

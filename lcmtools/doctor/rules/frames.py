@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from lcmtools.doctor.evidence import Evidence, FrameParent
-from lcmtools.doctor.findings import Finding, found, rule, state
+from lcmtools.doctor.findings import Finding, finding, rule, state
 from lcmtools.doctor.rules.shared import DECODED
 
 
@@ -46,8 +46,8 @@ def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
             senders = dict.fromkeys(tree[child][0].name for child in loop)
             way = " -> ".join((*loop, loop[0]))
             loops.append(state("frame-loop", frames=way, senders=senders))
-    yield from found("frame-parents", several, "one-parent")
-    yield from found("frame-loop", loops, "exchange-frames")
+    yield from finding("frame-parents", several, "one-parent")
+    yield from finding("frame-loop", loops, "exchange-frames")
 
 
 def _loops(parents: Mapping[str, str]) -> list[tuple[str, ...]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import PurePath
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 
 _PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
@@ -44,7 +44,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     facts = (
         state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0) for x in slow
     )
-    return found("kernel-drops", facts, *_larger_buffer(evidence))
+    return finding("kernel-drops", facts, *_larger_buffer(evidence))
 
 
 @rule(
@@ -80,7 +80,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
             remedies.append(
                 state("wake-or-end" if is_stopped else _inspect(x, evidence), pid=x.pid)
             )
-    return found("stuck-listeners", facts, *remedies)
+    return finding("stuck-listeners", facts, *remedies)
 
 
 @rule(
@@ -102,7 +102,7 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
         title = state("small-buffer", topic=stream.channel, sender=stream, bytes=size)
         small = _too_small(evidence)
         facts = (state("buffer", listener=x, buffer_bytes=x.buffer_bytes or 0) for x in small)
-        yield from found(title, facts, *_larger_buffer(evidence, 2 * size))
+        yield from finding(title, facts, *_larger_buffer(evidence, 2 * size))
 
 
 @rule(
@@ -133,10 +133,10 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
         facts = [state("listens-on", listener=x, interfaces=x.joined) for x in astray]
         # of some programs the system does not tell on which interfaces they are
         if not all(listener.joined for listener in evidence.listeners):
-            told = {host.interface, *(name for x in astray for name in x.joined)}
-            others = (name for name in host.joined if name not in told)
+            named = {host.interface, *(name for x in astray for name in x.joined)}
+            others = (name for name in host.joined if name not in named)
             facts += [state("joined-on", interface=name) for name in others]
-        yield from found(title, facts, "restart-listeners")
+        yield from finding(title, facts, "restart-listeners")
 
 
 @rule(
@@ -153,7 +153,7 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """
     failed = evidence.host.reassembly_failures
     if failed:
-        yield from found(state("reassembly", datagrams=failed), None, "smaller-messages")
+        yield from finding(state("reassembly", datagrams=failed), None, "smaller-messages")
 
 
 @rule(
@@ -176,10 +176,10 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     host = evidence.host
     remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
     if evidence.ttl and host.rp_filter_drops:
-        yield from found(state("rp-filter-drops", datagrams=host.rp_filter_drops), None, remedy)
+        yield from finding(state("rp-filter-drops", datagrams=host.rp_filter_drops), None, remedy)
     elif evidence.ttl and host.rp_filter == 1 and host.others:
         title = state("rp-filter", interface=host.interface or "all interfaces")
-        yield from found(title, None, remedy, severity=Severity.NOTE)
+        yield from finding(title, None, remedy, severity=Severity.NOTE)
 
 
 @rule(
@@ -202,7 +202,7 @@ def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
     if evidence.ttl and evidence.host.firewall and not evidence.has_others():
         title = state("firewall", firewall=evidence.host.firewall)
         chain = evidence.host.firewall_chain
-        yield from found(title, None, state(f"allow-by-{evidence.host.firewall}", chain=chain))
+        yield from finding(title, None, state(f"allow-by-{evidence.host.firewall}", chain=chain))
 
 
 @rule(
@@ -219,7 +219,7 @@ def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
 def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     """Environment variables are valid, and Python finds LCM's package and no other."""
     facts = (state("text", text=fault) for fault in evidence.host.environment)
-    return found("environment", facts, "correct-environment")
+    return finding("environment", facts, "correct-environment")
 
 
 def _inspect(listener: Listener, evidence: Evidence) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, HostClock
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
 from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM, SET_CLOCKS
 
 _LOOPBACK = "lo"
@@ -33,7 +33,7 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     host = evidence.host
     if host.large_problem and not evidence.bus_problem:
         title = state("large-messages", bytes=host.large_bytes, problem=host.large_problem)
-        yield from found(title, None, "look-at-firewall", "macos-large-datagrams")
+        yield from finding(title, None, "look-at-firewall", "macos-large-datagrams")
 
 
 @rule(
@@ -54,7 +54,7 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     if host.send_problem and not evidence.bus_problem:
         remedies = [state("mend-bus", hint=host.send_remedy)] if host.send_remedy else []
         title = state("sending", problem=host.send_problem)
-        yield from found(title, None, *remedies)
+        yield from finding(title, None, *remedies)
 
 
 @rule(
@@ -81,7 +81,7 @@ def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
             state("route-to", interface=name) for name in host.others if name != host.interface
         ]
         title = state("link", interface=host.interface)
-        yield from found(title, None, "connect", *remedies[:1])
+        yield from finding(title, None, "connect", *remedies[:1])
 
 
 @rule(
@@ -99,7 +99,7 @@ def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
     """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
         title = state("loopback-route", ttl=evidence.ttl)
-        yield from found(title, None, "route")
+        yield from finding(title, None, "route")
 
 
 @rule(
@@ -125,7 +125,7 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     if _is_alone(evidence) and is_walled:
         remedy = "mirrored-network" if kind == "WSL" else "host-network"
         title = state("container", container=kind)
-        yield from found(title, None, remedy, "use-server")
+        yield from finding(title, None, remedy, "use-server")
 
 
 @rule(
@@ -152,7 +152,7 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     bridge = evidence.host.bridge
     if _is_alone(evidence) and bridge:
         title, remedy = (state(kind, bridge=bridge) for kind in ("igmp-querier", "enable-querier"))
-        yield from found(title, [state("switch-forgets")], remedy)
+        yield from finding(title, [state("switch-forgets")], remedy)
 
 
 @rule(
@@ -181,7 +181,7 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
             state("stream-bandwidth", topic=s.channel, sender=s, megabytes_per_second=megabytes)
             for s, megabytes in rates
         )
-        yield from found(title, facts, "use-ttl-0")
+        yield from finding(title, facts, "use-ttl-0")
 
 
 def _is_alone(evidence: Evidence) -> bool:
@@ -218,7 +218,7 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
             facts.append(state("more", count=len(clock.nodes) - _MOST))
         kind = "clock-ahead" if clock.lag < 0 else "clock-behind"
         title = state(kind, host=clock, seconds=abs(clock.lag))
-        yield from found(title, facts, "set-clocks", "compare-clocks")
+        yield from finding(title, facts, "set-clocks", "compare-clocks")
 
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:

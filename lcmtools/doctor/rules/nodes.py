@@ -4,7 +4,16 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, found, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Part,
+    Severity,
+    Statement,
+    Subject,
+    finding,
+    rule,
+    state,
+)
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Node, Staleness
@@ -53,7 +62,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         if facts and not is_sure:
             facts.append(state("may-be-late"))
         remedies = (remedy for _, remedy in pairs)
-        yield from found("stale-nodes", facts, *remedies, severity=severity)
+        yield from finding("stale-nodes", facts, *remedies, severity=severity)
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
@@ -62,7 +71,7 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
     is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
     is_known = node.stale is Staleness.ENDED or node.pid in stopped
-    return is_known or not (is_deaf or evidence.crowd())
+    return is_known or not (is_deaf or evidence.wait_share())
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
@@ -110,7 +119,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
             kills = pids if len(pids) > 1 else ()
             remedy = state("end-or-rename", pids=kills, name=f"{name.rpartition('/')[2]}2")
-            yield from found(title, facts, remedy)
+            yield from finding(title, facts, remedy)
 
 
 @rule(
@@ -140,7 +149,7 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
         title = state("no-clock", topic=_CLOCK)
-        yield from found(title, facts, *remedies, "start-simulator")
+        yield from finding(title, facts, *remedies, "start-simulator")
 
 
 @rule(
@@ -169,4 +178,4 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         for p, most in limits
         if p.open_files > _MOST_FILES * most
     )
-    return found("open-files", facts, "close-files")
+    return finding("open-files", facts, "close-files")

@@ -7,7 +7,7 @@ from statistics import median
 
 from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -62,7 +62,7 @@ class _Pace:
         """The rate now [Hz]; where no message came, the fastest that it may be."""
         return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
 
-    def doubt(self) -> float:
+    def needed_duration(self) -> float:
         """The duration of a look [s] that would show whether the rate has fallen; 0 for no doubt.
 
         One or two messages less than expected are no reason to look longer.
@@ -100,7 +100,7 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     for kind, by, name, topic, age, rate in _silent(evidence):
         fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
         facts.setdefault((name, topic), fact)
-    yield from found("silent", facts.values(), severity=Severity.NOTE)
+    yield from finding("silent", facts.values(), severity=Severity.NOTE)
     yield from _stopped(evidence)
 
 
@@ -136,7 +136,7 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
     ]
     remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
-    return found("stopped-programs", facts, *remedies)
+    return finding("stopped-programs", facts, *remedies)
 
 
 @rule(
@@ -169,16 +169,18 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
             parts = {"node": by} if isinstance(by, Node) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
             facts.setdefault(key, fact)
-    return found("slow-rate", facts.values())
+    return finding("slow-rate", facts.values())
 
 
-def doubt(evidence: Evidence) -> float:
+def needed_duration(evidence: Evidence) -> float:
     """The duration of a look [s] that would show which rates have fallen; 0 for no doubt.
 
     What has just stopped may come in bursts.
     """
     stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    return max(_BURSTS if stops else 0.0, *(pace.doubt() for pace in _paces(evidence)), 0.0)
+    return max(
+        _BURSTS if stops else 0.0, *(pace.needed_duration() for pace in _paces(evidence)), 0.0
+    )
 
 
 def may_have_fallen(evidence: Evidence) -> bool:
@@ -210,7 +212,7 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             if is_late and longest > max(SHORTEST, UNEVEN * interval):
                 times = {"longest": longest, "usual": interval}
                 facts.append(state("gap", sender=stream, topic=stream.channel, **times))
-    return found("irregular", facts)
+    return finding("irregular", facts)
 
 
 def _comes_in_bursts(stream: Stream) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, RelayEnd
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
 from lcmtools.graph.model import Role
 
 
@@ -24,9 +24,10 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     A relay that does not retries until it does; messages for the bus are dropped meanwhile.
     """
     facts = (
-        state("relay-bus", **_who(end), trouble=end.trouble) for end in _with(evidence, "trouble")
+        state("relay-bus", **_relay_and_host(end), trouble=end.trouble)
+        for end in _ends_with(evidence, "trouble")
     )
-    return found("relay-bus", facts, "mend-line")
+    return finding("relay-bus", facts, "mend-line")
 
 
 @rule(
@@ -47,10 +48,10 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     for a second is not sent.
     """
     facts = (
-        state("relay-dropped", **_who(end), bus=end.bus, count=end.dropped)
-        for end in _with(evidence, "dropped")
+        state("relay-dropped", **_relay_and_host(end), bus=end.bus, count=end.dropped)
+        for end in _ends_with(evidence, "dropped")
     )
-    return found("relay-losses", facts, "carry-less")
+    return finding("relay-losses", facts, "carry-less")
 
 
 @rule(
@@ -72,11 +73,13 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """
     sent = {one.channel for one in evidence.streams}
     sent |= {end.topic for node in evidence.graph.nodes for end in node.having(Role.PUBLISHER)}
-    pairs = [(end, topic) for end in _with(evidence, "commands") for topic in end.commands]
+    pairs = [(end, topic) for end in _ends_with(evidence, "commands") for topic in end.commands]
     pairs = [(end, topic) for end, topic in pairs if topic in sent]
-    facts = (state("relay-command", **_who(end), topic=topic) for end, topic in pairs)
-    remedies = (state("allow-command", relay=_who(end)["relay"], topic=t) for end, t in pairs)
-    return found("relay-commands", facts, *remedies, severity=Severity.NOTE)
+    facts = (state("relay-command", **_relay_and_host(end), topic=topic) for end, topic in pairs)
+    remedies = (
+        state("allow-command", relay=_relay_and_host(end)["relay"], topic=t) for end, t in pairs
+    )
+    return finding("relay-commands", facts, *remedies, severity=Severity.NOTE)
 
 
 @rule(
@@ -97,14 +100,14 @@ def relays_carry_messages(evidence: Evidence) -> Iterator[Finding]:
     If several relays join the same buses, one carries messages, and only its rules apply.
     """
     names = {end.relay: end for end in evidence.relays if end.stands_by and not end.trouble}
-    facts = (state("relay-standby", **_who(end)) for end in names.values())
-    remedies = (state("end-standby", relay=_who(end)["relay"]) for end in names.values())
-    return found("relay-standby", facts, *remedies)
+    facts = (state("relay-standby", **_relay_and_host(end)) for end in names.values())
+    remedies = (state("end-standby", relay=_relay_and_host(end)["relay"]) for end in names.values())
+    return finding("relay-standby", facts, *remedies)
 
 
-def _with(evidence: Evidence, field: str) -> list[RelayEnd]:
+def _ends_with(evidence: Evidence, field: str) -> list[RelayEnd]:
     return [end for end in evidence.relays if getattr(end, field)]
 
 
-def _who(end: RelayEnd) -> dict[str, Subject]:
+def _relay_and_host(end: RelayEnd) -> dict[str, Subject]:
     return {"relay": Subject("node", end.relay), "host": Subject("host", end.host)}

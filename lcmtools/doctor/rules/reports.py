@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
 from lcmtools.graph.model import CallbackError, Node
 
 _RECENT = 10.0  # [s]
@@ -52,7 +52,7 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
             for node, error in chosen
         )
         remedies = (state("correct", node=node, place=error.place) for node, error in chosen)
-        yield from found("callback-errors", facts, *remedies, severity=severity)
+        yield from finding("callback-errors", facts, *remedies, severity=severity)
 
 
 @rule(
@@ -81,7 +81,7 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
         for line in evidence.logs
         if not any(error.exception in line.text for error in raising.get(line.node, ()))
     ]
-    return found("logged", facts, "read-log")
+    return finding("logged", facts, "read-log")
 
 
 def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:

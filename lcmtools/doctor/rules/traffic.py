@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
@@ -46,7 +46,7 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
         kind, sent = "lost-in-sender" if s.is_local else "lost-on-network", s.lost + s.messages
         percent = 100 * Loss(s.lost, sent).share
         facts.append(state(kind, sender=s, lost=s.lost, sent=sent, percent=percent))
-    return found("loss", facts, "send-less")
+    return finding("loss", facts, "send-less")
 
 
 @rule(
@@ -75,7 +75,7 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
         for name, count in counts.items()
         if count >= _SOME
     ]
-    return found("doubled", facts, "find-second-way")
+    return finding("doubled", facts, "find-second-way")
 
 
 @rule(
@@ -125,10 +125,10 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             for one in several
         )
         circle = ["open-circle"] if repeat else []
-        yield from found(title, facts, *circle, _parting(evidence, several, names))
+        yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
-def doubt(evidence: Evidence) -> float:
+def needed_duration(evidence: Evidence) -> float:
     """The duration of a look [s] that would show who publishes at the same time; 0 for no doubt."""
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
@@ -177,7 +177,7 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
                     yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
-def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
+def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
     """The remedy for several that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
@@ -236,21 +236,23 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     if clock and clock.ratio == 0 and not paused:
         facts.append(state("program", program=clock.name))
     remedies = [state("resume")] if any(map(_is_ours, paused)) else []
-    yield from found("paused-simulator", facts, *remedies, severity=Severity.NOTE)
+    yield from finding("paused-simulator", facts, *remedies, severity=Severity.NOTE)
     if clock and clock.jumps:
         jumps = state("jumps-back", program=clock.name, count=clock.jumps)
         severity = Severity.WARNING if clock.jumps > 1 else Severity.NOTE
-        yield from found("jumping-simulator", [jumps], "time-rises", severity=severity)
+        yield from finding("jumping-simulator", [jumps], "time-rises", severity=severity)
     if not (clock and clock.target and clock.ratio and clock.ratio <= _SLOWER * clock.target):
         return
     known = {"ratio": clock.ratio, "target": clock.target}
     facts = [state("program", program=clock.name)]
     if clock.busy is not None and clock.busy > _BUSY:
-        yield from found(state("overloaded-simulator", **known), facts, "simulate-less")
+        yield from finding(state("overloaded-simulator", **known), facts, "simulate-less")
     else:
         is_ours = any(_is_ours(node) for node in evidence.graph.nodes if node.name == clock.name)
         remedies = [state("set-rate", rate=clock.target)] if is_ours else []
-        yield from found(state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE)
+        yield from finding(
+            state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE
+        )
 
 
 def _is_ours(node: Node) -> bool:

@@ -12,7 +12,7 @@ from lcmtools.doctor.findings import (
     Severity,
     Statement,
     Subject,
-    found,
+    finding,
     rule,
     state,
     subject,
@@ -90,12 +90,12 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         if disagree(topic):
             users = list(_users(topic, evidence))
             title, facts = state("type-mismatch", topic=topic.name), [one.fact() for one in users]
-            more, remedies = _judged(topic, users)
-            yield from found(title, [*facts, *more], *remedies)
+            more, remedies = _diagnosis(topic, users)
+            yield from finding(title, [*facts, *more], *remedies)
         elif not is_hidden(topic.name) and _differ_in_name(topic):
             title = state("type-names-differ", topic=topic.name)
             facts = [user.fact() for user in _users(topic, evidence)]
-            yield from found(title, facts, "same-type", severity=Severity.NOTE)
+            yield from finding(title, facts, "same-type", severity=Severity.NOTE)
 
 
 @rule(
@@ -146,11 +146,11 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
             kept.append(fact)
     note = Severity.NOTE
-    yield from found("unknown-type", near, "same-lcm-files", severity=note)
+    yield from finding("unknown-type", near, "same-lcm-files", severity=note)
     files = problems()[:1] if unknown else ()  # the one that is missed may be in there
     broken = (state("correct-file", problem=str(problem.error())) for problem in files)
-    yield from found("types-without-file", unknown, *broken, "type-path", severity=note)
-    yield from found("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
+    yield from finding("types-without-file", unknown, *broken, "type-path", severity=note)
+    yield from finding("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
 
 
 def disagree(topic: Topic) -> bool:
@@ -183,7 +183,9 @@ def _weight(node: Node) -> float:
     return 0.5 if node.tool else 1.5 if is_simulator(node) else 1.0
 
 
-def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list[Statement | str]]:
+def _diagnosis(
+    topic: Topic, users: Sequence[_User]
+) -> tuple[list[Statement], list[Statement | str]]:
     """Return the sides at fault, as far as that shows, and the remedies."""
     if any("difference" in user.type for user in users):
         return list(_older(users)), ["same-lcm-files"]

@@ -21,7 +21,7 @@ from lcmtools.doctor.evidence import (
     SimulatedClock,
     Stream,
 )
-from lcmtools.doctor.findings import Finding, Severity, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
@@ -203,13 +203,13 @@ def test_a_rule_has_its_sentences_beside_it() -> None:
         """Temperatures are low. Otherwise it is hot."""
         facts = [state("hot", sender=one.name, degrees=50.04) for one in evidence.senders]
         title = state("too-hot", count=len(facts))
-        yield from found(title, facts, *(state("cool", **fact.parts) for fact in facts))
+        yield from finding(title, facts, *(state("cool", **fact.parts) for fact in facts))
 
-    (finding,) = temperatures_are_low.examine(replace(GOOD, senders=(SenderFacts(ALICE, "alice"),)))
-    assert report.finding_text(finding) == [
+    (hot,) = temperatures_are_low.examine(replace(GOOD, senders=(SenderFacts(ALICE, "alice"),)))
+    assert report.finding_text(hot) == [
         "NOTE once too hot:",
         " * alice at 50.0",
         "   -> cool it: lcmtools cool alice",
     ]
-    assert commands(finding.remedies[0]) == ["lcmtools cool alice"]
+    assert commands(hot.remedies[0]) == ["lcmtools cool alice"]
     assert temperatures_are_low.summary == "Temperatures are low"
