@@ -111,6 +111,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "list": lambda values: ", ".join(_first(values)),
     "namespaces": lambda names: ", ".join(f"__ns:={name}" for name in names),
     "not": lambda target: f", not {target:g}" if target != 1 else "",
+    "run": lambda several: "runs" if len(several) == 1 else "run",
     "or": lambda values: " or ".join(map(str, values)),
     "call": lambda name: f"the callback of {name}" if str(name).startswith("/") else str(name),
     "repr": _quoted,

@@ -16,7 +16,8 @@ from lcmtools.doctor.findings import (
 )
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.graph.model import VERSION, Node, Staleness
+from lcmtools.graph.protocol import SOFTWARE
 
 _CLOCK = "/clock"
 _SELECT = 1024  # liblcm's binding waits with select(2)
@@ -179,3 +180,50 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         if p.open_files > _MOST_FILES * most
     )
     return finding("open-files", facts, "close-files")
+
+
+@rule(
+    "other-version",
+    remedy="update lcmtools where the older program runs",
+    severity=Severity.NOTE,
+    title="The following nodes speak another version of the protocol than this program ({own}):",
+    facts={
+        "speaks": "{node} (pid {pid} on {host}): version {version}{software:brackets}",
+        "speaks-unread": (
+            "{node} (pid {pid} on {host}): version {version}{software:brackets}, of which only"
+            " name and process can be read, and the topics that it is seen to publish on"
+        ),
+    },
+    remedies={
+        "update-there": "update lcmtools where {nodes:list} {nodes:run}",
+        "update-here": "update the lcmtools that wtf was started from: here it is {software}",
+    },
+    evidence="announcements",
+)
+def nodes_speak_the_same_version(evidence: Evidence) -> Iterator[Finding]:
+    """All nodes announce themselves by the same version of the protocol as this program.
+
+    Nodes of other versions work together, but may not tell everything of each other.
+    """
+    others = [
+        node
+        for node in evidence.graph.nodes
+        if (node.version != VERSION or not node.has_details) and not (node.stale or node.is_hidden)
+    ]
+    facts = (
+        state(
+            "speaks" if node.has_details else "speaks-unread",
+            node=node,
+            pid=node.pid,
+            host=node.host,
+            version=node.version,
+            software=node.software,
+        )
+        for node in others
+    )
+    older = tuple(dict.fromkeys(node.name for node in others if node.version < VERSION))
+    remedies = [state("update-there", nodes=older)] if older else []
+    if any(node.version > VERSION for node in others):
+        remedies.append(state("update-here", software=SOFTWARE))
+    title = state("other-version", own=VERSION)
+    yield from finding(title, facts, *remedies)
