@@ -54,7 +54,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         for node in nodes
         if node.stale
         and not node.is_hidden  # a command that was killed is no part of the system
-        and (_runs(node) or node.name not in alive)  # it has been started again
+        and (_runs(node) or node.name not in alive)  # it has been restarted
     ]
     for severity in (Severity.ERROR, Severity.NOTE):
         is_sure = severity is Severity.ERROR
@@ -67,7 +67,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
-    """Return whether a node that does not answer would have been heard."""
+    """Return whether the answer of a node would have been received."""
     stopped = {one.pid for one in evidence.listeners if one.state == "T"}
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
     is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
@@ -76,7 +76,7 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
-    """The fact and the remedy; a process number means something on its own computer only."""
+    """Return the fact and the remedy; a process number is valid only on its own computer."""
     known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
@@ -144,7 +144,7 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     topic = evidence.graph.topic(_CLOCK)
     waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
-    # one that was killed or hangs is reported by another rule
+    # a publisher that was killed or hangs is reported by another rule
     if not (sources or topic.foreign or _CLOCK in evidence.stale_published):
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
