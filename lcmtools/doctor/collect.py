@@ -89,9 +89,8 @@ def _observe(
     evidence = replace(evidence, before=baseline.graph)
     if wanted is None:
         observed = brief.BRIEF
-        _receive(
-            monitor, baseline.listening, observed - _ANSWER_TIME
-        )  # the rest while the counters come
+        # the rest of the time is for the answers of the nodes, with their counters
+        _receive(monitor, baseline.listening, observed - _ANSWER_TIME)
         found = _gather(monitor, evidence, baseline, observed)
         if brief.is_enough(found):
             return found

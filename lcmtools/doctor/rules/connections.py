@@ -164,9 +164,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
 
     liblcm matches names as UTF-8 text: other names never arrive. A name has at most 63 bytes.
     """
-    suggested = {
-        suggestion.channel for suggestion in all_suggestions(evidence)
-    }  # reported with its subscription
+    suggested = {one.channel for one in all_suggestions(evidence)}  # reported with a subscription
     senders = {s.channel: s.name for s in evidence.streams if s.channel not in suggested}
     bad = {channel: reason for channel in senders if (reason := _name_fault(channel))}
     odd = (

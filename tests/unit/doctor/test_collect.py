@@ -108,9 +108,9 @@ def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
     begin = SimpleNamespace(graph=Graph(), listening=None)
     monkeypatch.setattr(collect._Baseline, "now", lambda _: begin)
     monkeypatch.setattr(collect, "_receive", lambda _, __, seconds: parts.append(seconds))
-    monkeypatch.setattr(collect, "_gathered", lambda _, found, __, s: replace(found, listened=s))
+    monkeypatch.setattr(collect, "_gather", lambda _, found, __, s: replace(found, listened=s))
     monkeypatch.setattr(brief, "is_enough", lambda _: is_enough)
-    found = collect._look(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
+    found = collect._observe(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
     assert parts == pytest.approx(taken)
     assert found.listened == pytest.approx(listened)
 

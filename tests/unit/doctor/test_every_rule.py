@@ -21,7 +21,7 @@ from lcmtools.doctor.evidence import (
     SimulatedClock,
     Stream,
 )
-from lcmtools.doctor.findings import Finding, Severity, rule, state
+from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
