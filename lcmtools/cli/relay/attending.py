@@ -16,6 +16,7 @@ from lcmtools.cli.declare import rate
 from lcmtools.cli.output import columns, show
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.names import resolve
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
@@ -23,7 +24,6 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
 from lcmtools.relay.status import known_relays
-from lcmtools.relay.topology import Link, State
 
 _TWO = 2
 _HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
