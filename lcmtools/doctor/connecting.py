@@ -18,12 +18,11 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
+from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
-
-# Topics that nodes publish or subscribe to as a matter of course; roswtf excepts /clock, /rosout.
-_COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
+from lcmtools.observe.simulators import is_simulator
 
 _PERIODS = 3  # of a topic on average, without a message, are no sign that it is heard no more
 _FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
@@ -42,11 +41,6 @@ class Way:
     listener: str  # the id of the node that subscribes
     channel: str  # that it may have meant
     publisher: str = ""  # the id of the node that publishes that; "" where it is no node
-
-
-def is_simulator(node: Node) -> bool:
-    """Return whether a node publishes the time, and so has sensors for any subscriber."""
-    return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
 
 
 def loose_ends(
@@ -88,7 +82,7 @@ def _loose(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
     for end in ends:
-        is_apart = end.topic in connected | _COMMON or is_hidden(end.topic)
+        is_apart = end.topic in connected | OFTEN_UNCONNECTED or is_hidden(end.topic)
         if not is_apart and end.group not in groups:
             yield end
         if end.group:

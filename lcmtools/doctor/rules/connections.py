@@ -5,10 +5,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import Connecting, End, Way, is_simulator, loose_ends
+from lcmtools.doctor.connecting import Connecting, End, Way, loose_ends
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
 from lcmtools.graph.model import Role
+from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
 _LONG_NAME = 60  # bytes; LCM takes 63

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
 from lcmtools.messages.codec import decode
@@ -13,9 +13,9 @@ from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.reading.find import GLOBAL, known_spelling, near_topic
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern
+from lcmtools.observe.simulators import has_simulated_time
 from lcmtools.wire.packet import Packet
 
-CLOCK = "/clock"  # the topic of a simulator's time
 TOGETHER = 8  # messages that are shown at once, if they arrived together
 PATIENCE = 2.0  # [s] without a message before the user is told what is on the bus
 _LOOK_PERIOD = 0.5  # [s] between searches for topics that a pattern matches
@@ -50,7 +50,7 @@ class ArrivalClock:
 
     def learn(self, packet: Packet) -> bool:
         """Take the time from a message on ``/clock``; True if simulated time goes back."""
-        if not self.is_simulated or packet.channel != CLOCK:
+        if not self.is_simulated or packet.channel != CLOCK_TOPIC:
             return False
         from lcmtools.types.rosgraph_msgs import Clock
 
@@ -64,12 +64,6 @@ class ArrivalClock:
     def time(self, packet: Packet) -> int | None:
         """Return the time of an arrival [ns]; None while simulated time is not known."""
         return self.now if self.is_simulated else packet.time
-
-
-def is_simulated(graph: Graph) -> bool:
-    """Return whether a simulator keeps the time of a bus: ``/clock`` is published."""
-    clock = graph.topic(CLOCK)
-    return any(not node.stale for node, _ in clock.publishers) or bool(clock.traffic)
 
 
 class ArrivalStream:
@@ -205,13 +199,13 @@ class ArrivalStream:
 
     def _look_for_clock(self, packets: Sequence[Packet]) -> None:
         if self._strict_time and not (self._wall_time or self._monitor.is_live):
-            self._clock.is_simulated |= any(packet.channel == CLOCK for packet in packets)
+            self._clock.is_simulated |= any(packet.channel == CLOCK_TOPIC for packet in packets)
 
     def _look_again(self, packets: Sequence[Packet]) -> None:
         new = {packet.channel for packet in packets} - self._known
         self._known |= new
         # learning takes longer the more channels there are, so it is not done for each new one
-        is_told = CLOCK in new or any(one.is_told_by(new) for one in self._selections)
+        is_told = CLOCK_TOPIC in new or any(one.is_told_by(new) for one in self._selections)
         if is_told or time.monotonic() >= self._next_look:
             self._learn()
 
@@ -220,7 +214,7 @@ class ArrivalStream:
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.graph = graph = self._monitor.graph()
         self._routes.clear()
-        self._clock.is_simulated = not self._wall_time and is_simulated(graph)
+        self._clock.is_simulated = not self._wall_time and has_simulated_time(graph)
         for one in self._selections:
             one.learn(graph)
         # true if arrivals may be on several topics
@@ -229,7 +223,7 @@ class ArrivalStream:
         )
         wanted = {channel for one in self._selections for channel in one.channels()}
         # A simulator publishes the time rarely if nobody subscribes to it.
-        channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)
+        channels = sorted(wanted | {CLOCK_TOPIC} if self._clock.is_simulated else wanted)
         if channels != self._announced:
             self._announced = channels
             self._monitor.listen_to(channels)
