@@ -33,6 +33,7 @@ from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import callbacks, pace, traffic
 from lcmtools.errors import BusError, UsageError
+from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -321,6 +322,7 @@ def _listeners(
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
                 joined=joined_interfaces(process.pid, inode, group) if process else (),
+                interpreter=interpreter(process.command) if process else "",
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))

@@ -72,6 +72,7 @@ class Listener:
     is_tool: bool = False  # a command of lcmtools that looks, not a part of the system
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
     joined: tuple[str, ...] = ()  # interfaces on which it is in the bus's group, where known
+    interpreter: str = ""  # that runs it ("python3.11", "java"); "" for none
 
 
 @dataclass(frozen=True, slots=True)
