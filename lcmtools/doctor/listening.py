@@ -18,13 +18,12 @@ from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
-from lcmtools.messages.codec import decode
+from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
@@ -279,15 +278,12 @@ class RelayReports:
     """The reports that come during a look: of each relay the first and the last."""
 
     def __init__(self) -> None:
-        self._found: dict[str, tuple[RelayLink, RelayLink]] = {}
+        self._found: dict[str, tuple[Link, Link]] = {}
 
     def take(self, payload: bytes) -> None:
         """Take note of a report, which tells of other relays too."""
-        try:
-            links = decode(RelayReport, payload).links
-        except DecodeError:
-            return
-        for link in links:
+        report = decode_report(payload)
+        for link in report.links if report else ():
             first, last = self._found.get(link.id, (link, link))
             self._found[link.id] = first, link if link.number > last.number else last
 
@@ -297,9 +293,9 @@ class RelayReports:
             RelayEnd(
                 *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
                 commands=tuple(end.commands),
-                stands_by=last.state == RelayLink.STANDBY,
+                stands_by=last.state == State.STANDBY,
             )
             for first, last in self._found.values()
-            if last.state != RelayLink.LEFT
+            if last.state != State.LEFT
             for before, end in zip(first.ends, last.ends, strict=False)
         )

@@ -37,6 +37,7 @@ from lcmtools.graph.protocol import (
     encode_announcement,
     encode_probe,
 )
+from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
 from lcmtools.names import check_node
 from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
@@ -45,15 +46,7 @@ from lcmtools.relay.hold import Hold
 from lcmtools.relay.line_queue import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
-from lcmtools.relay.topology import (
-    End,
-    Knowledge,
-    KnownRelays,
-    Link,
-    State,
-    decode_report,
-    encode_report,
-)
+from lcmtools.relay.topology import KnownRelays
 from lcmtools.wire.packet import Packet
 
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost

@@ -14,13 +14,13 @@ from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import rate
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.names import resolve
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
 from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
-from lcmtools.relay.topology import Link, State
 
 _TWO = 2
 

@@ -6,9 +6,9 @@ from dataclasses import asdict
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.output import columns, show
 from lcmtools.cli.relay.attending import lost_text
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.status import known_relays
-from lcmtools.relay.topology import Link, State
 
 _HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from lcmtools.graph.relay_report import End, Link, State
 from lcmtools.relay.hold import Hold
-from lcmtools.relay.topology import End, Link, State
 
 
 def _relay(name: str, here: str = "", there: str = "", state: State = State.STANDBY) -> Link:
