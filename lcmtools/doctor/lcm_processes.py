@@ -246,8 +246,8 @@ class ProgramNames:
         self.senders = SenderNames(lambda _: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap
-        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
-        self.senders.learn((), nodes)
+        self.senders.update(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
+        self.senders.update((), nodes)
 
     def name(self, sender: Sender | None) -> str:
         """A sender's node, else its process; of a port that Java programs share, the candidates."""

@@ -48,8 +48,8 @@ class ArrivalClock:
         self.is_simulated = is_simulated
         self.now: int | None = None  # simulated time [ns]; None before one came on ``/clock``
 
-    def learn(self, packet: Packet) -> bool:
-        """Take the time from a message on ``/clock``; True if simulated time goes back."""
+    def update(self, packet: Packet) -> bool:
+        """Set the time by a message on ``/clock``; True if simulated time goes back."""
         if not self.is_simulated or packet.channel != CLOCK_TOPIC:
             return False
         from lcmtools.types.rosgraph_msgs import Clock
@@ -97,7 +97,7 @@ class ArrivalStream:
         self._next_look = 0.0
         self._clock = ArrivalClock(is_simulated=False)
         self.graph = Graph()
-        self._learn()
+        self._update_graph()
 
     @property
     def is_simulated(self) -> bool:
@@ -126,13 +126,13 @@ class ArrivalStream:
         """
         packets = self._monitor.receive(timeout)
         if not self._is_fixed:
-            self._look_again(packets)
-        self._look_for_clock(packets)
+            self._update_graph_if_due(packets)
+        self._detect_clock(packets)
         arrivals: list[SelectedPacket] = []
         is_reset, is_simulated = False, self._clock.is_simulated
         routes_of, keep = self._routes.get, self._keep
         for packet in packets:
-            if is_simulated and self._clock.learn(packet):
+            if is_simulated and self._clock.update(packet):
                 is_reset = True
                 arrivals.clear()
             routes = routes_of(packet[0])
@@ -197,26 +197,26 @@ class ArrivalStream:
                 found.setdefault(one.text if self._is_fixed else path, (one.text, path))
         return list(found.values())
 
-    def _look_for_clock(self, packets: Sequence[Packet]) -> None:
+    def _detect_clock(self, packets: Sequence[Packet]) -> None:
         if self._strict_time and not (self._wall_time or self._monitor.is_live):
             self._clock.is_simulated |= any(packet.channel == CLOCK_TOPIC for packet in packets)
 
-    def _look_again(self, packets: Sequence[Packet]) -> None:
+    def _update_graph_if_due(self, packets: Sequence[Packet]) -> None:
         new = {packet.channel for packet in packets} - self._known
         self._known |= new
-        # learning takes longer the more channels there are, so it is not done for each new one
+        # an update takes longer the more channels there are, so it is not done for each new one
         is_told = CLOCK_TOPIC in new or any(one.is_told_by(new) for one in self._selections)
         if is_told or time.monotonic() >= self._next_look:
-            self._learn()
+            self._update_graph()
 
-    def _learn(self) -> None:
+    def _update_graph(self) -> None:
         """Tell topics from paths, match patterns, and announce that it listens to the channels."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.graph = graph = self._monitor.graph()
         self._routes.clear()
         self._clock.is_simulated = not self._wall_time and has_simulated_time(graph)
         for one in self._selections:
-            one.learn(graph)
+            one.update(graph)
         # true if arrivals may be on several topics
         self.is_one_of_many = len(self._selections) > 1 or any(
             isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
@@ -234,24 +234,24 @@ T = TypeVar("T")
 
 def taken(
     stream: ArrivalStream,
-    take: Callable[[SelectedPacket], T | None],
+    process: Callable[[SelectedPacket], T | None],
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
 ) -> Iterator[T]:
-    """Yield the result of ``take`` for each packet; see ``taken_together``."""
-    for results in taken_together(stream, take, timeout, notify, most=1):
+    """Yield the result of ``process`` for each packet; see ``taken_together``."""
+    for results in taken_together(stream, process, timeout, notify, most=1):
         yield from results
 
 
 def taken_together(
     stream: ArrivalStream,
-    take: Callable[[SelectedPacket], T | None],
+    process: Callable[[SelectedPacket], T | None],
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
     *,
     most: int,
 ) -> Iterator[list[T]]:
-    """Yield the results of ``take`` for packets that arrived together; None is skipped.
+    """Yield the results of ``process`` for packets that arrived together; None is skipped.
 
     A list has at most ``most`` results, and no result waits for a later arrival. ``timeout`` is the
     longest time without a result [s], None for no limit. ``notify`` is called with a sentence if
@@ -274,7 +274,7 @@ def taken_together(
             _notify_silent(stream, notify, has_ended=True)
             return
         has_arrived = has_arrived or bool(batch.arrivals)
-        for results in _results(batch.arrivals, take, most):
+        for results in _results(batch.arrivals, process, most):
             last, has_notified = time.monotonic(), True
             yield results
         now = time.monotonic()
@@ -305,13 +305,13 @@ def _notify_silent(
 
 
 def _results(
-    arrivals: Sequence[SelectedPacket], take: Callable[[SelectedPacket], T | None], most: int
+    arrivals: Sequence[SelectedPacket], process: Callable[[SelectedPacket], T | None], most: int
 ) -> Iterator[list[T]]:
     """The results in lists of at most ``most``; those taken before an error are yielded first."""
     results: list[T] = []
     try:
         for arrival in arrivals:
-            if (result := take(arrival)) is not None:
+            if (result := process(arrival)) is not None:
                 results.append(result)
             if len(results) == most:
                 yield results

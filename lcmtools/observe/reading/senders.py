@@ -83,7 +83,7 @@ class SenderNames:
         self._processes: dict[Sender, Process] = {}
         self._next_look: dict[Sender, float] = {}
 
-    def learn(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
+    def update(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
         """Note the nodes, and look up the processes of unknown senders, all at once."""
         self._nodes = {sender: node for node in nodes for sender in node.senders()}
         now = self._now()

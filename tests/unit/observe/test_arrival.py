@@ -27,21 +27,21 @@ def _tick(seconds: int) -> Packet:
 
 def test_real_time_is_a_packets_own() -> None:
     clock = ArrivalClock(is_simulated=False)
-    assert not clock.learn(_tick(5))
+    assert not clock.update(_tick(5))
     assert clock.time(Packet("/a", b"", 7)) == 7
 
 
 def test_simulated_time_is_what_the_clock_last_said() -> None:
     clock = ArrivalClock(is_simulated=True)
     assert clock.time(Packet("/a", b"", 7)) is None
-    clock.learn(_tick(5))
-    clock.learn(Packet(CLOCK_TOPIC, b"noise", 8))
+    clock.update(_tick(5))
+    clock.update(Packet(CLOCK_TOPIC, b"noise", 8))
     assert clock.time(Packet("/a", b"", 9)) == 5_000_000_000
 
 
 def test_simulated_time_that_goes_back_is_noticed() -> None:
     clock = ArrivalClock(is_simulated=True)
-    assert [clock.learn(_tick(seconds)) for seconds in (5, 6, 6, 1, 2)] == [
+    assert [clock.update(_tick(seconds)) for seconds in (5, 6, 6, 1, 2)] == [
         False,
         False,
         False,
