@@ -34,11 +34,11 @@ _Type: TypeAlias = Any  # a type as annotations have it
 _Made: TypeAlias = Any  # a value of such a type
 
 
-class _Misfit(Exception):  # noqa: N818 - never leaves this module
+class _InvalidEvidence(Exception):  # noqa: N818 - never leaves this module
     """A value in the file that does not fit."""
 
 
-class _UnknownName(_Misfit):
+class _UnknownName(_InvalidEvidence):
     """A name of an enumeration in another version."""
 
 
@@ -52,8 +52,8 @@ def load(file: Path) -> Evidence:
     try:
         with os_errors_as(f"cannot read {file}"):
             return from_text(file.read_text(encoding="ascii"))
-    except (_Misfit, ValueError, RecursionError) as error:
-        why = error if isinstance(error, _Misfit) else "it is not JSON"
+    except (_InvalidEvidence, ValueError, RecursionError) as error:
+        why = error if isinstance(error, _InvalidEvidence) else "it is not JSON"
         raise LcmtoolsError(
             f"{file} does not contain evidence that wtf can judge: {why}"
         ) from error
@@ -70,7 +70,7 @@ def from_text(text: str) -> Evidence:
     document = json.loads(text)
     version = document.get(_KEY) if isinstance(document, dict) else None
     if not isinstance(version, int):
-        raise _Misfit("it is other JSON")
+        raise _InvalidEvidence("it is other JSON")
     found: Evidence = _value(document.get("evidence"), Evidence, "evidence")
     return found
 
@@ -168,4 +168,4 @@ def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
 
 def _expect(holds: bool, path: str) -> None:  # noqa: FBT001 - an assertion
     if not holds:
-        raise _Misfit(f"'{path[:80]}' is missing, unknown or wrong")
+        raise _InvalidEvidence(f"'{path[:80]}' is missing, unknown or wrong")

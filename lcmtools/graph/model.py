@@ -246,6 +246,10 @@ class Graph(_Known):  # a separate class, to cache the table of topics
             seen for one in self.topics() if one.name != SELF_TEST_CHANNEL for seen in one.foreign
         ]
 
+    def unexplained(self) -> list[Node]:
+        """Return the living nodes, except commands, of which only the head is known."""
+        return [one for one in self.nodes if not (one.has_details or one.stale or one.tool)]
+
     def named(self, name: str) -> list[Node]:
         """Return the nodes for a typed name: a full name, or the last part of one."""
         full = name if name.startswith("/") else f"/{name}"

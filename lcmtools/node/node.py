@@ -176,10 +176,8 @@ class Node(Parametric, Factory):
         listener counts, at once, instead of waiting a second or two to be sure.
         """
         listeners = self.__context.plain_listeners
-        if listeners and listeners.possible(at_once=at_once):
-            return True
-        nodes = self.graph().nodes
-        return any(not (node.has_details or node.stale or node.tool) for node in nodes)
+        is_possible = listeners and listeners.possible(at_once=at_once)
+        return bool(is_possible or self.graph().unexplained())
 
     def __forward_log(self, entry: Log) -> None:
         if self.__rosout is not None:

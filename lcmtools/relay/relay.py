@@ -246,7 +246,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.forget_routes()
         if not self._carries or other.has(said.node.id):
             return
-        passed = self._announced[index].take(said, time.monotonic_ns())
+        passed = self._announced[index].convert(said, time.monotonic_ns())
         if passed is not None:
             other.talk(NODE_CHANNEL, encode_announcement(passed))
 
@@ -286,7 +286,7 @@ class Relay(AbstractContextManager["Relay"]):
         own = self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)
-        self._hold.learn(self._known.links(), active, now)
+        self._hold.update(self._known.links(), active, now)
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits

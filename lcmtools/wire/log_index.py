@@ -212,7 +212,7 @@ def parse_index(lines: Iterable[str]) -> LogIndex | None:
         return None
     with suppress(ValueError, TypeError, LookupError, AttributeError):
         for key, value in rows:
-            _take(known, key, value)
+            _add_row(known, key, value)
     return known
 
 
@@ -227,7 +227,7 @@ def _rows(lines: Iterable[str]) -> Iterator[tuple[str, Any]]:
         yield next(iter(row.items()))
 
 
-def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
+def _add_row(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
     if key == "block":
         index.blocks.append(_block(value))
     elif key == "sender":

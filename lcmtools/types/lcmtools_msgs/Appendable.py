@@ -11,6 +11,7 @@ class Appendable(object):
     """
     A struct whose later versions may append fields: its encoding without a fingerprint. A reader
     ignores bytes after the fields that it knows; fields that are missing at the end have defaults.
+    Frozen: this struct never changes.
     """
 
     __slots__ = ["data_length", "data"]
