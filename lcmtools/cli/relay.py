@@ -17,6 +17,7 @@ from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import columns, show
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.names import resolve
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
@@ -24,11 +25,9 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules, check_rules
 from lcmtools.relay.status import known_relays
-from lcmtools.relay.topology import Link, State
-
-_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
 _TWO = 2
+_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
 
 @subcommand("relay", json_option, bus_options)
@@ -138,7 +137,7 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
     name = resolve(name) if name else ""
     latest: list[Link] = []
 
-    def show(link: Link) -> None:
+    def show_rates(link: Link) -> None:
         latest[:] = [link]
         here, there = link.ends
         if rates := line.rates(here.messages, here.bytes, there.messages, there.bytes):
@@ -157,7 +156,7 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
                 name=name,
                 on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
             ) as relay:
-                attend(relay, show)
+                attend(relay, show_rates)
         finally:
             for link in latest:
                 line.talk(last_word(link))

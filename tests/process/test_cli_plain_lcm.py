@@ -46,7 +46,7 @@ def programs(
     started = {
         "EXAMPLE": module_start(SOURCE, "-m", "EXAMPLE"),
         "SLOW": module_start(SOURCE, "-m", "SLOW", "-s", "100", "-p", "900000"),
-        "POSE": module_start(sys.executable, str(script)),
+        "POSE": module_start(sys.executable, "-u", str(script), "--speed", "0.5"),
     }
     started["POSE"].wait_for("sent")
     return started
@@ -78,7 +78,7 @@ def test_info_names_the_process_behind_the_channel(cli: Run, programs: dict[str,
     rows = cli("info", "EXAMPLE").out.splitlines()
     program = rows[rows.index("Publishers: ") + 1]
     assert re.fullmatch(
-        rf" \* \S+/lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
+        rf" \* lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
     )
     assert rows[0] == "Type: unknown type"
     assert rows[1].startswith("Fingerprint: ")
@@ -93,6 +93,15 @@ def test_info_of_a_known_type_names_all_that_it_may_be(cli: Run, programs: dict[
         "Fingerprint: 0xae7e5fba5eeca11e (geometry_msgs/Vector3 or geometry_msgs/Point)",
     ]
     assert f"(pid {programs['POSE'].pid}, port " in rows[4]
+
+
+@on_the_modules_bus
+def test_a_program_has_the_same_name_everywhere(cli: Run, programs: dict[str, Any]) -> None:
+    pid = programs["POSE"].pid
+    assert f" * plain.py --speed 0.5 (pid {pid}, port " in cli("info", "POSE").out
+    assert re.search(rf" plain\.py \(pid {pid}\)", cli("spy", "--once", "POSE").out)
+    assert f"plain.py --speed 0.5 (no node, pid {pid})" in cli("graph").out
+    assert f":{pid} \tplain.py --speed 0.5" in cli("node", "list", "-a").out
 
 
 @on_the_modules_bus
