@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from lcmtools.cli.options import bus_choice
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
 from lcmtools.settings import read_user_file, usual_namespace
@@ -27,7 +27,7 @@ def chosen_url() -> "BusUrl":
     choice = bus_choice()
     url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
     if choice.domain and source != "--domain":
-        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
+        write_note(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
     return url
 
 
@@ -77,7 +77,7 @@ def open_monitor(
         observer,
         whole=whole,
         plays=plays,
-        on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
+        on_outage=lambda text: write_note(f"lcmtools {tool}: {text}"),
         on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
         asked=asked,
     )
@@ -104,14 +104,14 @@ def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
 
 def notify(text: str) -> None:
     """Tell the person something in the name of the command that runs."""
-    talk(f"{click.get_current_context().command_path}: {text}")
+    write_note(f"{click.get_current_context().command_path}: {text}")
 
 
 def looking_names() -> Resolver:
     """The names of a command that looks: its namespace and its remaps."""
-    said = bus_choice().names
-    namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
-    return Resolver(resolve_namespace(namespace), remaps=said.remaps)
+    given = bus_choice().names
+    namespace = usual_namespace(os.environ) if given.namespace is None else given.namespace
+    return Resolver(resolve_namespace(namespace), remaps=given.remaps)
 
 
 def looking_pattern(text: str, *, hidden: bool) -> Pattern:
@@ -126,11 +126,11 @@ def in_names(word: str) -> str:
 
     Where neither is given the word stays as it is, for it may be a name's last part or a pid.
     """
-    said, names = bus_choice().names, looking_names()
-    if not word or not (said.namespace or said.remaps):
+    given, names = bus_choice().names, looking_names()
+    if not word or not (given.namespace or given.remaps):
         return word
     found = names.spellings(word)[-1]
-    if said.namespace and has_wildcard(word) and not word.startswith("/"):
+    if given.namespace and has_wildcard(word) and not word.startswith("/"):
         return f"{names.namespace.rstrip('/')}/{word}"
     is_remapped = found != spellings(word, names.namespace)[-1]
-    return found if said.namespace or is_remapped else word
+    return found if given.namespace or is_remapped else word

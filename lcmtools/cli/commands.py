@@ -19,7 +19,7 @@ def _group(
 def _entries(table: str) -> Mapping[str, Entry]:
     """Read a table: name, home and help line of each command; "=" is before an alias's."""
     rows = (line.split(None, 2) for line in table.splitlines())
-    return {name: Entry(home, said.removeprefix("= "), said[0] == "=") for name, home, said in rows}
+    return {name: Entry(home, text.removeprefix("= "), text[0] == "=") for name, home, text in rows}
 
 
 TOPIC_VERBS = _entries("""\

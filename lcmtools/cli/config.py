@@ -7,7 +7,7 @@ import click
 from lcmtools.bus.url import choose_url
 from lcmtools.cli.declare import examples, subcommand
 from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
-from lcmtools.cli.output import columns, show
+from lcmtools.cli.output import columns, write_result
 from lcmtools.settings import SETTINGS, read_user_file, said
 
 
@@ -46,4 +46,4 @@ def command(*, as_json: bool) -> None:
     table = columns([*rows, ("bus", str(url), source)])
     state = "" if file_exists else " (there is none)"
     place = f"file: {file.path or 'no home, no file'}{state}"
-    show(record, [*table, place], as_json=as_json)
+    write_result(record, [*table, place], as_json=as_json)

@@ -18,7 +18,7 @@ from typing import NoReturn, TextIO, cast
 import click
 from click.core import ParameterSource
 
-from lcmtools.cli.output import complain, talk
+from lcmtools.cli.output import write_error, write_note
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.signals import ENDING, Doubles
 
@@ -139,7 +139,7 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
     if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
         return None
     failure = _failure(error)
-    complain(command, failure, as_json=as_json and not isinstance(failure, UsageError))
+    write_error(command, failure, as_json=as_json and not isinstance(failure, UsageError))
     return failure.exit_code
 
 
@@ -165,7 +165,7 @@ def _usage_error(error: click.ClickException, command: str) -> int:
     words = {parameter.metavar for parameter in context.command.params} if context else ()
     if "extra argument" in message and "COMMAND" in words:
         message += "; a command line is one word, in quotes"
-    talk(f"{message} (see {command} --help)", command)
+    write_note(f"{message} (see {command} --help)", command)
     return error.exit_code
 
 
@@ -223,7 +223,7 @@ def flush(code: int) -> int:
         sys.stdout.flush()
     except OSError as error:
         if not (code or _is_without_reader(error)):  # else the command has said why it failed
-            talk(f"cannot write: {error.strerror}", "lcmtools")
+            write_note(f"cannot write: {error.strerror}", "lcmtools")
             code = 1
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     try:

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from lcmtools.cli.output import data, say, talk
+from lcmtools.cli.output import write_data, write_note, write_stderr
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.launch.node_process import NodeProcess
 
@@ -26,9 +26,9 @@ class Screen:
         if self._colors_talk if is_error else self._colors_lines:
             prefix = paint(prefix, _COLORS[node.number % len(_COLORS)])
         if not is_error:
-            data(f"{prefix} {text}")
+            write_data(f"{prefix} {text}")
             return
-        say(f"{prefix} {text}\n")
+        write_stderr(f"{prefix} {text}\n")
 
     def stream(self, *, is_error: bool) -> int:
         """Return the descriptor that is written to."""
@@ -37,6 +37,6 @@ class Screen:
     def event(self, text: str, *, is_bad: bool = False) -> None:
         """Show an event of the processes."""
         if is_bad and self._colors_talk:
-            say(f"{paint(text, BOLD_RED)}\n")
+            write_stderr(f"{paint(text, BOLD_RED)}\n")
         else:
-            talk(text)
+            write_note(text)

@@ -10,8 +10,8 @@ from typing import NamedTuple, cast
 
 import click
 
-from lcmtools.cli.options import is_looking, manner_options, take_names
-from lcmtools.cli.output import talk
+from lcmtools.cli.options import extract_names, is_looking, manner_options
+from lcmtools.cli.output import write_note
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import closest
 from lcmtools.settings import SETTINGS, read_user_file
@@ -53,7 +53,7 @@ class LazyGroup(click.Group):
         """Read the group's own options; without anything typed, print the help."""
         if not args and not ctx.resilient_parsing:
             for line in ctx.get_help().split("\n"):
-                talk(line)
+                write_note(line)
             ctx.exit(UsageError.exit_code)
         return super().parse_args(ctx, args)
 
@@ -70,7 +70,7 @@ class LazyGroup(click.Group):
         if command is not None:
             ctx.default_map = {name: _usual_values(command)}
             if is_looking(command):
-                return name, command, take_names(ctx, args[1:])
+                return name, command, extract_names(ctx, args[1:])
         return super().resolve_command(ctx, args)
 
     def _instead(self, ctx: click.Context, args: list[str]) -> list[str]:

@@ -58,7 +58,7 @@ def _remember_names(ctx: click.Context, parameter: click.Parameter, value: objec
     _add_names(ctx, [f"{parameter.opts[0]}={word}" for word in given])
 
 
-def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
+def extract_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
     """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others."""
     end = [*words, "--"].index("--")
     pairs = list(pairwise(["", *words[:end]]))  # behind --remap it is that option's value
@@ -71,12 +71,12 @@ def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
 
 
 def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
-    said, _ = split_arguments(words)
-    if said.parameters or said.name:
+    given, _ = split_arguments(words)
+    if given.parameters or given.name:
         raise UsageError(f"{words[0]} is for nodes", "this command takes __ns:= and a:=b")
     choice = ctx.ensure_object(BusChoice)
-    namespace = choice.names.namespace if said.namespace is None else said.namespace
-    choice.names = NodeArguments(namespace, remaps=choice.names.remaps + said.remaps)
+    namespace = choice.names.namespace if given.namespace is None else given.namespace
+    choice.names = NodeArguments(namespace, remaps=choice.names.remaps + given.remaps)
 
 
 names_options = together(
@@ -167,8 +167,8 @@ all_option = flag("-a", "--all", "show_all", help="Show hidden names too (a part
 
 
 def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
-    said = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
-    if value and said and not ctx.resilient_parsing:
+    given = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+    if value and given and not ctx.resilient_parsing:
         os.environ["LCMTOOLS_COLOR"] = value  # for nodes, and the processes that this one starts
         ctx.meta[COLOR] = value
 

@@ -1,4 +1,9 @@
-"""Printing: data to standard output, talk to standard error; each line flushed."""
+"""Printing: data to standard output, notes and errors to standard error; each line flushed.
+
+To standard output: ``write_result`` (a value, as JSON or as lines), ``write_json``, ``write_lines``
+(for people, control characters escaped) and ``write_data`` (as it is). To standard error:
+``write_note`` (a line), ``write_error`` and ``write_stderr`` (as it is).
+"""
 
 import contextlib
 import os
@@ -25,7 +30,7 @@ _PATIENCE = 0.5  # [s] before progress is shown
 _SHOWN_EVERY = 0.1  # [s]
 
 
-def data(text: str) -> None:
+def write_data(text: str) -> None:
     """Print a piece of data, ended by a newline, at once."""
     _write(f"{text}\n")
 
@@ -35,19 +40,19 @@ def on_screen(text: str) -> str:
     return text.translate(_ESCAPES_IN_LINES) if sys.stdout.isatty() else text
 
 
-def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
+def write_lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
     """Print lines of data together, control characters escaped; ``decorate`` then colours them."""
     _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
 
 
-def document(value: object) -> None:
+def write_json(value: object) -> None:
     """Print one JSON document."""
     import json
 
-    data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
+    write_data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
 
 
-def show(
+def write_result(
     value: object,
     rows: Iterable[str],
     decorate: Callable[[str], str] = str,
@@ -56,9 +61,9 @@ def show(
     none: str = "",
 ) -> None:
     """Print a value as a JSON document, or as lines; say ``none`` where it is an empty list."""
-    document(value) if as_json else lines(rows, decorate)
+    write_json(value) if as_json else write_lines(rows, decorate)
     if none and not value:
-        talk(none)
+        write_note(none)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -79,35 +84,35 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
         now = time.monotonic()
         if now - begin > _PATIENCE and now - shown > _SHOWN_EVERY and sys.stderr.isatty():
             shown = now
-            say(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
+            write_stderr(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
 
     try:
         yield report
     finally:
         if shown > begin:
-            say("\r\033[K")
+            write_stderr("\r\033[K")
 
 
-def talk(text: str, speaker: str = "") -> None:
+def write_note(text: str, speaker: str = "") -> None:
     """Print a message for the person to standard error, a line behind the name of its speaker."""
-    said = text.translate(_ESCAPES)
+    line = text.translate(_ESCAPES)
     if speaker:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
-        said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
-    say(f"{said}\n")
+        line = f"{paint(name, BOLD_RED) if wanted else name} {line}"
+    write_stderr(f"{line}\n")
 
 
-def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
+def write_error(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
     """Print an error in one line; as JSON where the data are JSON."""
     what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
     if as_json:
         import json
 
         record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
-        talk(json.dumps(record, ensure_ascii=False))
+        write_note(json.dumps(record, ensure_ascii=False))
     else:
-        talk(f"{what}; {hint}" if hint else what, command)
+        write_note(f"{what}; {hint}" if hint else what, command)
 
 
 def may_wait() -> bool:
@@ -124,7 +129,7 @@ def clearing() -> str:
     return "\033[2J\033[;H" if can_clear else ""  # the screen, and the cursor to its corner
 
 
-def say(text: str) -> None:
+def write_stderr(text: str) -> None:
     """Write to standard error as it is; where nothing can be said, the exit code remains."""
     with contextlib.suppress(OSError, ValueError):  # ValueError: the stream is closed
         sys.stderr.write(text)

@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.ros_words.commands import COMMANDS, NO_BUILD, NOT_MESSAGES, OPTIONS, PREFIXES
@@ -20,7 +20,7 @@ def _create_package(words: Sequence[str]) -> list[str]:
     name, *others = [word for word in words if not word.startswith("-")] or [""]
     known = [word for word in others if word in packages()]
     if unknown := [word for word in others if word not in (*known, *NOT_MESSAGES)]:
-        talk(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
+        write_note(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
     return ["pkg", "create", *([name] if name else []), *(["--deps", *known] if known else [])]
 
 
@@ -98,7 +98,7 @@ def instead(group: str, words: Sequence[str]) -> list[str]:
             return []
         found = did_you_mean(name, _INSTEAD) or "lcmtools --help lists the commands"
     replaced = _replaced(name, found, rest)
-    talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
+    write_note(f"{name} is here: lcmtools {shlex.join(replaced)}")
     return replaced
 
 

@@ -5,7 +5,7 @@ import sys
 import time
 from contextlib import AbstractContextManager
 
-from lcmtools.cli.output import say, talk
+from lcmtools.cli.output import write_note, write_stderr
 from lcmtools.terminal import is_terminal
 
 _SHOWN_EVERY = 0.5  # [s]
@@ -24,20 +24,20 @@ class StatusLine(AbstractContextManager["StatusLine"]):
     def __exit__(self, *_: object) -> None:
         """Leave the last line where it is."""
         if self._shown:
-            say("\n")
+            write_stderr("\n")
 
     def write(self, text: str) -> None:
         """Write the line."""
         text = text[: shutil.get_terminal_size().columns - 1]
         if self.shows and text != self._shown:
             self._shown = text
-            say(f"\r{text}\x1b[K")
+            write_stderr(f"\r{text}\x1b[K")
 
     def clear(self) -> None:
         """Take the line away."""
         if self._shown:
             self._shown = ""
-            say("\r\x1b[K")
+            write_stderr("\r\x1b[K")
 
     def rates(self, *totals: int) -> list[float]:
         """Return the growth of totals [1/s] since the last line; none if it is not time for one."""
@@ -51,15 +51,15 @@ class StatusLine(AbstractContextManager["StatusLine"]):
         self._time, self._totals = now, totals
         return found
 
-    def talk(self, text: str) -> None:
+    def write_note(self, text: str) -> None:
         """Say something above the line."""
         if self._shown:
-            say("\r\x1b[K")
-        talk(f"{self._command}: {text}")
+            write_stderr("\r\x1b[K")
+        write_note(f"{self._command}: {text}")
         if self._shown:
-            say(self._shown)
+            write_stderr(self._shown)
 
-    def talk_unless_quiet(self, text: str) -> None:
+    def write_note_unless_quiet(self, text: str) -> None:
         """Say something that is no warning."""
         if not self._is_quiet:
-            self.talk(text)
+            self.write_note(text)

@@ -10,7 +10,7 @@ from lcmtools.bag.surgery import write_log
 from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import progress, show
+from lcmtools.cli.output import progress, write_result
 from lcmtools.errors import UsageError
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
@@ -91,7 +91,7 @@ def write(
         "bytes": size,
         **(more or {}),
     }
-    show(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
+    write_result(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
 
 
 def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:

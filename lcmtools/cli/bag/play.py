@@ -14,7 +14,7 @@ from lcmtools.cli.bag.common import exclude_option, refuse_no_files, topics_opti
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, names_options
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
@@ -110,8 +110,8 @@ def command(
     )
     with StatusLine("lcmtools bag play", is_quiet=quiet) as line:
         show = _position_shower(line)
-        result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=show)
-        line.talk_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
+        result = play(files, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
+        line.write_note_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
 
 
 def _position_shower(line: StatusLine) -> Callable[[Position], None]:
@@ -120,7 +120,7 @@ def _position_shower(line: StatusLine) -> Callable[[Position], None]:
 
     def show(position: Position) -> None:
         if untold:
-            talk(untold.pop())
+            write_note(untold.pop())
         line.write(_position_text(position))
 
     return show

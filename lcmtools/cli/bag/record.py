@@ -12,7 +12,7 @@ from lcmtools.bag.recorder import BagRecorder, Limits, open_bus
 from lcmtools.bag.ring import SnapshotPlan, Trigger
 from lcmtools.bag.series import USUAL_NAME, LogSeries
 from lcmtools.bag.services import recorder_node
-from lcmtools.cli.bag.recording import attend, reported
+from lcmtools.cli.bag.recording import recording, run_recording
 from lcmtools.cli.bus import chosen_url, looking_names, notify
 from lcmtools.cli.declare import (
     argument,
@@ -162,11 +162,11 @@ def command(
         trigger = Trigger(when, names, monitor.types_of) if when else None
         kept = SnapshotPlan(snapshot, after or 0.0, max_size, trigger) if snapshot else None
         recorder = BagRecorder(monitor, choice, series, limits, kept, paused=paused)
-        stack.enter_context(reported(recorder, series, as_json=as_json))
+        stack.enter_context(recording(recorder, series, as_json=as_json))
         node = None
         if services:
             node = stack.enter_context(recorder_node(names.resolve(services), url, recorder))
-        attend(recorder, series, node)
+        run_recording(recorder, series, node)
 
 
 def check_options(

@@ -9,7 +9,7 @@ from pathlib import Path
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
-from lcmtools.cli.output import document
+from lcmtools.cli.output import write_json
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
@@ -22,7 +22,7 @@ _TURN = 0.1  # [s] between looks at keys and requests
 _PAUSE, _SAVE, _END = " ", "s", "q"
 
 
-def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
+def run_recording(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
     """Show a recording in a line, take keys and requests, until it ends by itself."""
     with ExitStack() as stack:
         line = stack.enter_context(StatusLine("lcmtools bag record"))
@@ -37,23 +37,23 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 if key == _END:
                     return
                 _press(key, recorder)
-            _tell(line, recorder.silence())
+            _write_notes(line, recorder.silence())
             progress = recorder.progress()
             if progress.trouble != trouble:
                 trouble = progress.trouble
-                line.talk(trouble or "the bus is back")
+                line.write_note(trouble or "the bus is back")
             if rates := line.rates(progress.messages, progress.bytes):
                 line.write(_status(progress, rates, series))
-        _tell(line, recorder.silence())
+        _write_notes(line, recorder.silence())
 
 
-def _tell(line: StatusLine, sentences: Sequence[str]) -> None:
+def _write_notes(line: StatusLine, sentences: Sequence[str]) -> None:
     for sentence in sentences:
-        line.talk(sentence)
+        line.write_note(sentence)
 
 
 @contextmanager
-def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
+def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
     """Record, and report in the end what was recorded; in one line, also where it failed."""
     try:
         with recorder:
@@ -66,12 +66,12 @@ def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iter
         raise
     finally:
         if recorder.has_ended and as_json:
-            document(_record(recorder.progress(), series))
+            write_json(_record(recorder.progress(), series))
         elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
-            notify(last_word(recorder.progress(), series))
+            notify(summary(recorder.progress(), series))
 
 
-def last_word(progress: Progress, series: LogSeries) -> str:
+def summary(progress: Progress, series: LogSeries) -> str:
     """Return what was recorded, in one sentence, with all that is known to be lost."""
     paths = series.paths
     where = (

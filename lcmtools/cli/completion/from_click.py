@@ -38,9 +38,9 @@ def _described(path: Sequence[str]) -> Command:
     # click keeps a command's help option as the first context has it
     parameters = command.get_params(click.Context(command, **command.context_settings))
     arguments = [one for one in parameters if isinstance(one, click.Argument)]
-    said = command.context_settings
-    takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
-    is_mixed = said.get("allow_interspersed_args", command.allow_interspersed_args)
+    settings = command.context_settings
+    takes_others = settings.get("ignore_unknown_options", command.ignore_unknown_options)
+    is_mixed = settings.get("allow_interspersed_args", command.allow_interspersed_args)
     return Command(
         [_option(one) for one in parameters if isinstance(one, click.Option)],
         [Argument(str(one.name), _source(one), one.nargs == -1) for one in arguments],

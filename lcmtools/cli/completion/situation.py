@@ -101,8 +101,8 @@ class Situation:
         from lcmtools.bus.url import choose_url
         from lcmtools.settings import read_user_file
 
-        said = self.last("lcm_url"), self.last("domain")
-        return choose_url(*said, self.environment, read_user_file(self.environment))[0]
+        given = self.last("lcm_url"), self.last("domain")
+        return choose_url(*given, self.environment, read_user_file(self.environment))[0]
 
     @cached_property
     def namespace(self) -> str:

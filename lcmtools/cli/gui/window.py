@@ -15,7 +15,7 @@ import click
 from lcmtools.cli.bus import chosen_log, notify, open_monitor
 from lcmtools.cli.declare import CommandT, flag, option, together
 from lcmtools.cli.options import bag_option, bus_options, json_option, names_options
-from lcmtools.cli.output import document, talk
+from lcmtools.cli.output import write_json, write_note
 from lcmtools.errors import needing_extra
 
 if TYPE_CHECKING:  # the help does without the window
@@ -91,7 +91,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
 
     def say(port: int) -> None:
         addresses = access.addresses(_reached_at(choice.host), port)
-        _tell(addresses, as_json=choice.as_json)
+        _write_addresses(addresses, as_json=choice.as_json)
         if _has_display() if choice.opens is None else choice.opens:
             webbrowser.open([*addresses.values()][-1])
 
@@ -117,13 +117,13 @@ def _opened_source() -> "Iterator[Source]":
         yield source
 
 
-def _tell(addresses: Mapping[str, str], *, as_json: bool) -> None:
+def _write_addresses(addresses: Mapping[str, str], *, as_json: bool) -> None:
     if as_json:
-        document(addresses)
+        write_json(addresses)
         return
     for right, address in addresses.items():
-        talk(f"to {right}: {address}")
-    talk("Ctrl-C ends it")
+        write_note(f"to {right}: {address}")
+    write_note("Ctrl-C ends it")
 
 
 def _reached_at(host: str | None) -> str:

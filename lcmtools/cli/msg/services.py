@@ -4,7 +4,7 @@ import sys
 
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import show
+from lcmtools.cli.output import write_result
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import service_class, service_name, type_name
 
@@ -51,4 +51,4 @@ def print_service(type_: str, *, raw: bool, as_json: bool) -> None:
         request, response = (part.strip() for part in f"\n{request}\n".split("\n---", 1))
     record = {"type": name, "request": request, "response": response}
     rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
-    show(record, rows, as_json=as_json)
+    write_result(record, rows, as_json=as_json)

@@ -5,7 +5,7 @@ import time
 from lcmtools.cli.bus import in_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import write_json, write_lines
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.node_requests import find_programs
@@ -38,13 +38,13 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = graph.time if monitor.is_log else time.time_ns()
     if as_json:
-        document([_record(one, graph, known, now) for one in found])
+        write_json([_record(one, graph, known, now) for one in found])
         return
     for one in found:
         if isinstance(one, Program):
-            lines(report.program_rows(one, now, quiet=quiet))
+            write_lines(report.program_rows(one, now, quiet=quiet))
             continue
-        lines(report.roles(one, show_hidden=show_hidden))
+        write_lines(report.roles(one, show_hidden=show_hidden))
         if quiet and one.stale:
             notify(f"{one.name} is stale: {one.stale}")
         elif not quiet:
@@ -54,7 +54,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
                 report.counters(one),
                 report.connections(one, graph),
             )
-            lines(row for section in sections for row in section)
+            write_lines(row for section in sections for row in section)
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from lcmtools.cli.bus import in_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import write_json, write_lines, write_note
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import write_whole
@@ -31,9 +31,9 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
     file, nodes = _file_and_nodes(graph, words, output)
     answers, errors = client.get_all(nodes)
     if as_json:
-        document(report.all_values(answers))
+        write_json(report.all_values(answers))
     elif file in (None, "-"):
-        lines(report.tree(answers))
+        write_lines(report.tree(answers))
     elif not errors:  # half of a file is worse than none
         text = "".join(f"{row}\n" for row in report.tree(answers))
         write_whole(Path(str(file)), text)
@@ -80,7 +80,7 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
         raise errors[0]
     for target, changes in changes_of(found, answers, node.name if node else None).items():
         make_changes(client, target, changes)
-        talk(f"{target}: {', '.join(changes)} set")
+        write_note(f"{target}: {', '.join(changes)} set")
 
 
 def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:

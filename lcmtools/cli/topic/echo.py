@@ -19,7 +19,7 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import clearing, data, may_wait, on_screen
+from lcmtools.cli.output import clearing, may_wait, on_screen, write_data
 from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import parse_path
@@ -133,7 +133,7 @@ def command(
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
-            data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
+            write_data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:

@@ -18,7 +18,7 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import lines, talk
+from lcmtools.cli.output import write_lines, write_note
 from lcmtools.messages.filter import Filter
 from lcmtools.observe.measuring.measure import (
     Delays,
@@ -129,14 +129,14 @@ def measure(
     wanted = ListenOptions(names=looking_names(), **options)
     measurement = Measurement(monitor, windows, item, wanted, notify)
     for channel in measurement.channels:
-        talk(f"subscribed to [{channel}]")
+        write_note(f"subscribed to [{channel}]")
     if measurement.is_simulated:
         notify("times are simulated, from /clock; --wall-time for real time")
     for report in measurement.reports():
         if report.is_reset:
-            talk("time has reset, resetting counters")
+            write_note("time has reset, resetting counters")
         else:
-            lines(form.records(report.found) if as_json else form.rows(report.found))
+            write_lines(form.records(report.found) if as_json else form.rows(report.found))
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:

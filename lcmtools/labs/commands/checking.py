@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.log import Log
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
@@ -58,7 +58,7 @@ def check_one(
         from lcmtools.labs.checks.plot import plot as plotted
 
         write_whole(plot, plotted(world, reports))
-        talk(f"saved {plot}")
+        write_note(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
 

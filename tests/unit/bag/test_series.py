@@ -8,7 +8,7 @@ import pytest
 
 from lcmtools.bag.recorder import Progress
 from lcmtools.bag.series import LogSeries
-from lcmtools.cli.bag.recording import last_word
+from lcmtools.cli.bag.recording import summary
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import index_path
 
@@ -26,7 +26,7 @@ def test_files_of_a_split_recording_are_numbered_and_the_oldest_go(tmp_path: Pat
     assert _names(tmp_path) == sorted(
         [p.name for p in wanted] + [index_path(p).name for p in wanted]
     )
-    assert last_word(Progress(40, 3000, 4, {}), series) == (
+    assert summary(Progress(40, 3000, 4, {}), series) == (
         f"40 messages (3.00 KB), the last ones in {wanted[0]} to ride_3.lcmlog; no losses"
     )
 

@@ -92,8 +92,8 @@ class Detail(LivePage):
         row, state = self._row, self._state
         text = Text.assemble((printable(row.channel), "bold"), f"  {flow_text(row)}", no_wrap=True)
         text.append("  PAUSED" if self.is_paused else "", "bold yellow")
-        for label, said in properties(row, state):
-            text.append(f"\n{label:<12}", "dim").append(said)
+        for label, value in properties(row, state):
+            text.append(f"\n{label:<12}", "dim").append(value)
         if state.problem:
             text.append(f"\n{printable(state.problem)}", "bold yellow")
         self.show_title(text)
