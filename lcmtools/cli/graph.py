@@ -177,7 +177,7 @@ def _by_suffix(file: str) -> str:
 def _document(diagram: Diagram, format_: str) -> str:
     if format_ == "json":
         document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
-        # a channel that is not UTF-8 has surrogates, which JSON writes as it escapes them
+        # a channel that is not UTF-8 has surrogates, which are written as escapes
         return document.encode("utf-8", "backslashreplace").decode() + "\n"
     if format_ == "text":
         return "".join(f"{row}\n" for row in text.write(diagram))

@@ -118,7 +118,7 @@ def command(
 
 
 def notify(*texts: str) -> None:
-    """Tell the person something in the name of the command."""
+    """Write notes that begin with the name of the command."""
     for text in texts:
         write_note(f"lcmtools launch: {text}")
 
@@ -137,7 +137,7 @@ def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -
         hint = "lcmtools launch --dry-run shows it"
         raise UsageError("the launch file has no nodes to run", hint)
     nodes = [_with_bus(_with_output(node, output)) for node in plan.nodes]
-    # a node's print comes at once, as it would on a terminal
+    # a node's print() appears at once, as on a terminal
     environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(url)}
     folder = make_folder(os.environ)
     hidden = any(node.output is Output.LOG for node in nodes)
@@ -160,7 +160,7 @@ def _with_output(node: NodePlan, output: str | None) -> NodePlan:
 
 
 def _with_bus(node: NodePlan) -> NodePlan:
-    """Return a node on the domain that its file sets, if any, and not on the launcher's bus."""
+    """Return a node with the URL of the domain that its launch file sets, if any."""
     domain = node.environment.get("LCMTOOLS_DOMAIN")
     if not domain or "LCM_DEFAULT_URL" in node.environment:
         return node

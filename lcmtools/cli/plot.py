@@ -16,7 +16,7 @@ from lcmtools.errors import UsageError
 from lcmtools.observe.measuring.curves import Curves, draw_picture, draw_text
 
 _PERIOD = 0.2  # [s] between two drawings
-_WIDE = (80, 24)  # columns and rows where there is no terminal
+_WIDE = (80, 24)  # columns and rows without a terminal
 
 _fields = argument(
     "fields",
@@ -58,7 +58,7 @@ def command(
         raise UsageError("plot draws on a terminal", "or into a picture: -o FILE.png")
     with open_monitor("plot", whole=True) as monitor:
         curves = Curves(monitor, fields, looking_names(), notify, None if output else window)
-        with suppress(*([KeyboardInterrupt] if output else [])):  # the picture is of what came
+        with suppress(*([KeyboardInterrupt] if output else [])):  # the picture is written then
             for _ in curves.follow(_PERIOD, timeout, duration):
                 if output is None:
                     write_data(f"{clearing()}{_text(curves)}")

@@ -101,10 +101,10 @@ def command(
 
 
 def chosen_buses(words: Sequence[str]) -> tuple[BusUrl, BusUrl]:
-    """Return the buses that the command line names: two, or one beside the usual one.
+    """Return the two buses of the command line. A single one joins the default bus.
 
     Raises:
-        UsageError: There are more or fewer, both are one, or one cannot be joined.
+        UsageError: There are none or more than two, both are the same, or one cannot be joined.
     """
     if not words or len(words) > _TWO:
         raise UsageError("a relay joins two buses", "for example lcmtools relay 0 1")
@@ -133,7 +133,7 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
 
 
 def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
-    """Relay until Ctrl-C; show what is carried on a terminal, and say it in the end."""
+    """Relay until Ctrl-C. Show rates on a terminal, and write totals at the end."""
     name = resolve(name) if name else ""
     latest: list[Link] = []
 
@@ -163,7 +163,7 @@ def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
 
 
 def _summary(link: Link) -> str:
-    """Return what a relay has carried, in one sentence."""
+    """Return a sentence with the totals of a relay."""
     here, there = link.ends
     carried = [
         f"{end.messages} messages ({size_text(end.bytes)}) to {end.bus}" for end in (there, here)
@@ -172,7 +172,7 @@ def _summary(link: Link) -> str:
 
 
 def _lost_text(link: Link) -> str:
-    """Return what did not get through: lost on the way to the relay, or dropped for a slow line."""
+    """Return the counts of messages lost on the way to the relay, and dropped for a slow line."""
     lost, dropped = (sum(getattr(end, what) for end in link.ends) for what in ("lost", "dropped"))
     parts = [f"{lost} lost on the way to the relay"] if lost else []
     parts += [f"{dropped} dropped"] if dropped else []
@@ -180,7 +180,7 @@ def _lost_text(link: Link) -> str:
 
 
 def run_server(url: BusUrl, line: StatusLine) -> NoReturn:
-    """Serve tcpq until Ctrl-C; show what it does on a terminal, and say it in the end."""
+    """Serve tcpq until Ctrl-C. Show rates on a terminal, and write totals at the end."""
     with Hub(url, line.write_note) as hub:
         line.write_note(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
         try:
@@ -205,7 +205,7 @@ def _dropped(counts: HubCounts) -> str:
 
 
 def _audience(host: str) -> str:
-    """The programs that can connect to an address."""
+    """Return a description of the programs that can connect to an address."""
     try:
         address = ip_address(host)
     except ValueError:
@@ -217,7 +217,7 @@ def _audience(host: str) -> str:
 
 
 def check_server(url: BusUrl, buses: Sequence[str]) -> None:
-    """Refuse to serve what cannot be served, or more than a server."""
+    """Raise UsageError if a URL cannot be served, or buses are given besides it."""
     if buses:
         hint = f"start another relay that joins {url} and {buses[0]}"
         raise UsageError("--serve runs a server and does not join a bus", hint)
@@ -226,7 +226,7 @@ def check_server(url: BusUrl, buses: Sequence[str]) -> None:
 
 
 def show_status(*, as_json: bool) -> None:
-    """Print the relays that are known on the bus."""
+    """Print the relays on the bus."""
     with open_monitor("relay") as monitor:
         links = known_relays(monitor)
         none = f"there is no relay on {monitor.url}"

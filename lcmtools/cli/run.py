@@ -56,7 +56,7 @@ def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) 
 
 
 def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> None:
-    """Print what can be typed: a node's name, behind its package's where that is needed."""
+    """Print the names of nodes, preceded by the package's name where necessary."""
     if not nodes:
         write_note(f"lcmtools run: the package {package} has no nodes")
     typed = {
@@ -89,7 +89,7 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         typed = words[: len(words) - len(arguments)]
         click.get_current_context().meta[COMMAND] = " ".join(["lcmtools run", *typed])
         return _call(program, [*chosen.words(), *arguments]) or 0
-    except KeyboardInterrupt:  # asked to end before the node was ready to be asked
+    except KeyboardInterrupt:  # ended before the node handled signals
         return 0
     except (LcmtoolsError, OSError):
         raise
@@ -99,11 +99,11 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         sys.stderr.write(node.traceback(error))
         return 1
     finally:
-        lcmtools.shutdown()  # where the node has not done so
+        lcmtools.shutdown()  # unless the node has done so
 
 
 def _call(program: NodeProgram, words: Sequence[str]) -> int | None:
-    """Call a node's main function; one without parameters reads its words from ``sys.argv``."""
+    """Call a node's main function. One without parameters reads ``sys.argv``."""
     if inspect.signature(program).parameters:
         return program(words)
     sys.argv[1:] = words

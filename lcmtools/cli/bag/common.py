@@ -1,4 +1,4 @@
-"""The options, arguments and the answer of the commands that make a log of another."""
+"""Options, arguments and results of the commands that write a log from another one."""
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -58,13 +58,13 @@ window_options = together(
 
 
 def summary_of(file: str) -> LogSummary:
-    """Return the summary of a log; progress is shown of one that is read for it."""
+    """Return the summary of a log. Show progress if the log must be read."""
     with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
         return summarize(log, report)
 
 
 def topic_choice(log: LogFile, wanted: tuple[str, ...], excluded: tuple[str, ...]) -> TopicChoice:
-    """Return the topics that are meant; an error names one that the log does not have."""
+    """Return the choice of topics. Raise an error for a topic that is not in the log."""
     choice = TopicChoice(wanted, excluded)
     if wanted or excluded:
         choice.check({name for block in log.blocks() for name in block.channels})
@@ -80,7 +80,7 @@ def write(
     more: Mapping[str, object] | None = None,
     **change: Any,  # noqa: ANN401 - of write_log
 ) -> None:
-    """Write a log, and say how many messages it has; in JSON also ``more``."""
+    """Write a log, and print how many messages it has. JSON also has ``more``."""
     total = sum(source.size for source in sources)
     with progress(f"writing {target}", total) as report:
         messages = write_log(target, packets, sources, force=force, progress=report, **change)
@@ -95,7 +95,7 @@ def write(
 
 
 def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
-    """Raise UsageError for a word that is meant as a remap, or as one more topic of ``-t``."""
+    """Raise UsageError for a file name that is a remap, or another topic for ``-t``."""
     for word in (word for word in words if not Path(word).exists()):
         if ":=" in word:
             what = f"'{word}' is no remap, as its names are no names of ROS"

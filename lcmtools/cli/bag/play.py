@@ -115,7 +115,7 @@ def command(
 
 
 def _position_shower(line: StatusLine) -> Callable[[Position], None]:
-    """Return a function that shows where the player is; the first time the keys, too."""
+    """Return a function that shows the player's position. Its first call also shows the keys."""
     untold = [KEYS_HELP] if line.shows and has_keys() else []
 
     def show(position: Position) -> None:
@@ -127,7 +127,7 @@ def _position_shower(line: StatusLine) -> Callable[[Position], None]:
 
 
 def _position_text(position: Position) -> str:
-    """Return "45.2 / 75.8 s", with the rate where it is not 1."""
+    """Return "45.2 / 75.8 s", with the rate unless it is 1."""
     rate = "" if position.rate == 1 else f"  x{position.rate:g}" if position.rate else "  at once"
     paused = "  paused" if position.is_paused else ""
     return f"{position.seconds:.1f} / {position.length:.1f} s{rate}{paused}"

@@ -172,7 +172,7 @@ def command(
 def check_options(
     *, snapshot: float | None, after: float | None, when: str | None, split: str | None
 ) -> None:
-    """Refuse options that exclude each other."""
+    """Raise UsageError for options that exclude each other."""
     if snapshot is None and (after is not None or when is not None):
         raise UsageError("--after and --when are for snapshots", "add --snapshot 30s")
     if snapshot is not None and split is not None:
@@ -180,7 +180,7 @@ def check_options(
 
 
 def split_limits(text: str | None) -> Limits:
-    """Return the bounds of a file, as --split has them."""
+    """Return the limits of a file, from the value of --split."""
     if text is None:
         return Limits()
     try:

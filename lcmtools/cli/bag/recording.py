@@ -1,4 +1,4 @@
-"""A recording as a person attends it: keys, services, one line of progress, the last word."""
+"""The interactive side of ``bag record``: keys, services, progress line, closing summary."""
 
 import shutil
 import sys
@@ -23,7 +23,7 @@ _PAUSE, _SAVE, _END = " ", "s", "q"
 
 
 def run_recording(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
-    """Show a recording in a line, take keys and requests, until it ends by itself."""
+    """Show the progress of a recording, and handle keys and requests, until it ends."""
     with ExitStack() as stack:
         line = stack.enter_context(StatusLine("lcmtools bag record"))
         trouble = recorder.progress().trouble
@@ -54,7 +54,7 @@ def _write_notes(line: StatusLine, sentences: Sequence[str]) -> None:
 
 @contextmanager
 def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
-    """Record, and report in the end what was recorded; in one line, also where it failed."""
+    """Record, and report what was recorded in one line at the end, even after an error."""
     try:
         with recorder:
             yield
@@ -72,7 +72,7 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
 
 
 def summary(progress: Progress, series: LogSeries) -> str:
-    """Return what was recorded, in one sentence, with all that is known to be lost."""
+    """Return a sentence with what was recorded and what is known to be lost."""
     paths = series.paths
     where = (
         f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
@@ -83,7 +83,7 @@ def summary(progress: Progress, series: LogSeries) -> str:
 
 
 def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
-    """Return the same for JSON."""
+    """Return the summary for JSON."""
     return {
         "files": [*map(str, series.paths)],
         "messages": progress.messages,
@@ -96,7 +96,7 @@ def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
 
 
 def losses_text(losses: Mapping[str, Loss]) -> str:
-    """Return the losses of all senders for people."""
+    """Return the losses of all senders as text."""
     if not losses:
         return "no losses"
     by_size = sorted(losses.items(), key=lambda item: -item[1].lost)

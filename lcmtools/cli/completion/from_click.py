@@ -15,12 +15,12 @@ from lcmtools.cli.main import root
 
 
 def text() -> str:
-    """Return the text of the file: a line for each command, which begins with its words."""
+    """Return the text of the file, a line for each command."""
     return "".join(f"{json.dumps(row, separators=(',', ':'))}\n" for row in _rows([]))
 
 
 def _rows(path: Sequence[str]) -> Iterator[list[object]]:
-    """The rows of a command and of those below it."""
+    """Yield the rows of a command and its subcommands."""
     described = _described(path)
     yield [" ".join(path), *described]
     for name in described.commands:
@@ -28,7 +28,7 @@ def _rows(path: Sequence[str]) -> Iterator[list[object]]:
 
 
 def _described(path: Sequence[str]) -> Command:
-    """The command with these words, which exists."""
+    """Describe the command with these words."""
     command: click.Command | None = root
     context = click.Context(root, info_name="lcmtools")
     for word in path:
@@ -61,7 +61,7 @@ def _option(option: click.Option) -> Option:
 
 
 def _source(parameter: click.Parameter) -> Source:
-    """The candidates' source: as declared, else by the parameter's click type."""
+    """Return the declared source of candidates, or else that of the parameter's click type."""
     declared: Source = getattr(parameter, "completer", "")
     if isinstance(parameter.type, click.Choice):
         declared = list(map(str, parameter.type.choices))

@@ -18,7 +18,7 @@ from lcmtools.cli.options import bag_option, bus_options, json_option, names_opt
 from lcmtools.cli.output import write_json, write_note
 from lcmtools.errors import needing_extra
 
-if TYPE_CHECKING:  # the help does without the window
+if TYPE_CHECKING:  # not needed for the help
     from lcmtools.gui.protocol import Json
     from lcmtools.gui.source import Source
 
@@ -38,7 +38,7 @@ class WindowChoice:
 
 
 def _collected(command: click.Command) -> click.Command:
-    """Hand the window's options over as one value."""
+    """Combine the window's options into one value."""
     function = command.callback
     assert function is not None, "it is declared by a function"
 
@@ -102,7 +102,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
 
 @contextmanager
 def _opened_source() -> "Iterator[Source]":
-    """The log or the bus that the command line names."""
+    """Open the log or the bus that the command line selects."""
     with ExitStack() as stack:
         source: Source
         if (log := chosen_log()) is not None:
@@ -127,7 +127,7 @@ def _write_addresses(addresses: Mapping[str, str], *, as_json: bool) -> None:
 
 
 def _reached_at(host: str | None) -> str:
-    """The address that others reach a server at: this computer's own for 0.0.0.0."""
+    """Return the address at which others reach a server: this computer's address for 0.0.0.0."""
     return socket.gethostname() if host in ("0.0.0.0", "::") else host or "127.0.0.1"  # noqa: S104
 
 

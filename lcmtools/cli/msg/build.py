@@ -38,7 +38,7 @@ def build(folder: str | None, *, as_json: bool) -> int:
 
 
 def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
-    """Compile the types of folders, print them and the problems; return the exit code."""
+    """Compile the types of folders, print them and their problems, and return the exit code."""
     source = user_types().compiled(folders)
     made = {n: f for n, f in sorted(source.files.items()) if _is_in(f, folders)}
     problems = [one for one in source.problems if _is_in(one.file, folders)]

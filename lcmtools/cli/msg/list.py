@@ -46,7 +46,7 @@ def packages_command(*, single_line: bool, as_json: bool) -> None:
 @argument("name")
 def find_field(name: str, *, as_json: bool) -> None:
     """Find the message types with a field of this name, nested types not included."""
-    from lcmtools.messages.definition import declaration  # the others do without
+    from lcmtools.messages.definition import declaration  # not needed otherwise
     from lcmtools.messages.fields import visible_fields
 
     known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]

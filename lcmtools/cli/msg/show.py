@@ -55,7 +55,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     from lcmtools.packages.user_types import source_file, source_text
 
     type_ = piped_type("msg show geometry_msgs/Twist") if type_ == "-" else type_
-    if "/srv/" in type_:  # as ros2 interface show takes it
+    if "/srv/" in type_:  # as in ros2 interface show
         print_service(type_, raw=raw, as_json=as_json)
         return
     kind = message_class(type_)

@@ -45,7 +45,7 @@ def command(
         ends = end_nodes(monitor, found, timeout)
     if as_json:
         write_json([end.record() for end in ends])
-    elif found:  # as rosnode kill says it; which ones where not all have ended
+    elif found:  # as in rosnode kill; with names unless all have ended
         killed = [f"killed {end.node.name}" for end in ends if end.has_ended]
         write_lines(["killed"] if len(killed) == len(ends) else killed)
     return _complain(ends, timeout)
@@ -65,7 +65,7 @@ def _confirmed(nodes: list[Node]) -> list[Node]:
 
 
 def _chosen(nodes: list[Node]) -> list[Node]:
-    """The node that a person chooses from a list, as rosnode kill has it."""
+    """Let the user choose a node from a list, as in rosnode kill."""
     for number, node in enumerate(nodes, 1):
         write_note(f"{number}. {node.name}")
     choice = click.IntRange(1, len(nodes))

@@ -46,7 +46,7 @@ def command(
 def _ping_one(
     monitor: BusMonitor, node: Node, count: int | None, timeout: float, *, as_json: bool
 ) -> None:
-    """Ping a node again and again, and sum up, on Ctrl-C too."""
+    """Ping a node repeatedly, and print a summary, also after Ctrl-C."""
     times: list[float] = []
     if not as_json:
         write_data(f"pinging {node.name} with a timeout of {timeout}s")
@@ -86,7 +86,7 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
 
 
 def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> float | None:
-    """Ping a node once and say what comes of it; the seconds, None without an answer."""
+    """Ping a node once and print the result. Return the seconds, or None without an answer."""
     if not as_json:
         write_data(f"pinging {node.name} with a timeout of {timeout}s")
     try:

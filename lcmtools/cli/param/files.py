@@ -34,7 +34,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
         write_json(report.all_values(answers))
     elif file in (None, "-"):
         write_lines(report.tree(answers))
-    elif not errors:  # half of a file is worse than none
+    elif not errors:  # an incomplete file is worse than none
         text = "".join(f"{row}\n" for row in report.tree(answers))
         write_whole(Path(str(file)), text)
     return complain_of(errors)
@@ -43,7 +43,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
 def _file_and_nodes(
     graph: Graph, words: Sequence[str], output: str | None
 ) -> tuple[str | None, Sequence[Node]]:
-    """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file."""
+    """Return the file and the nodes. rosparam has the file first, ros2 has none."""
     files = [*([output] if output else []), *words[:-1]]
     if len(files) > 1:
         raise UsageError(
@@ -84,7 +84,7 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
 
 
 def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:
-    """The file and the node; ros2 writes the node first."""
+    """Return the file and the node. ros2 has the node first."""
     if len(words) > 2:  # noqa: PLR2004 - the two
         raise UsageError(
             "too many arguments: expected a file and a node", "see lcmtools param load --help"

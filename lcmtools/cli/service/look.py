@@ -82,7 +82,7 @@ def args(service: str, *, as_json: bool) -> None:
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients."""
-    from lcmtools.observe.reports.topic_report import (  # the others do without
+    from lcmtools.observe.reports.topic_report import (  # not needed otherwise
         service_record,
         service_rows,
     )

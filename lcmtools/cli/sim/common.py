@@ -1,4 +1,4 @@
-"""Parts of the ``sim`` commands: their options, the call, and what is printed."""
+"""Common parts of the ``sim`` commands: options, the service call, and its response."""
 
 from typing import TYPE_CHECKING
 

@@ -164,7 +164,7 @@ def display(
     raw: bool,
     as_json: bool,
 ) -> DisplayOptions:
-    """Return what ``display_options`` and --json mean, for messages of a type; "" for any."""
+    """Return the display options of the command line, for messages of a type; "" for any type."""
     if full_length and longest is not None:
         raise UsageError("--full-length and --truncate-length exclude each other", "leave one out")
     forms = dict(zip(_FORMS, (as_json, as_csv, as_flow, raw), strict=True))
@@ -187,7 +187,7 @@ def display(
 
 
 def _form(given: list[str], changes: list[str]) -> Form:
-    """The form that options mean, beside those that change how values are shown."""
+    """Choose the output form. ``changes`` are options that only modify how values are shown."""
     if len(given) > 1 and given != ["--json", "--raw"]:
         raise UsageError(f"{' and '.join(given)} exclude each other", f"leave out {given[-1]}")
     if "--raw" in given and changes:

@@ -35,7 +35,7 @@ from lcmtools.observe.reading.monitor import BusMonitor
 
 
 def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
-    """Return the topics that are measured, and the window with its smallest and usual size."""
+    """Return the argument for topics, and the option for the window's size."""
     window = option(
         "-w",
         "--window",
@@ -140,7 +140,7 @@ def measure(
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
-    """Say on which topics a single message came, of which nothing can be measured."""
+    """Write a note for topics with a single message, which is too few to measure."""
     for topic, window in windows.items():
         if window.total == 1:
             notify(f"only one message came on {topic}: a {noun} needs two")

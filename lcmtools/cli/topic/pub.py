@@ -141,11 +141,11 @@ def command(
 
 
 def notify(text: str) -> None:
-    """Tell the person something, also from threads that have no click context."""
+    """Write a note, also from threads without a click context."""
     write_note(f"lcmtools pub: {text}")
 
 
 def write_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
-    """Tell that a message was sent."""
+    """Write a note that a message was sent."""
     again = " again, to a new subscriber" if is_again else f": {to_json(message)}"
     write_note(f"publishing #{count}{again}")

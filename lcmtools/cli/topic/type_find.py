@@ -26,7 +26,7 @@ def print_type(topic: str, *, as_json: bool) -> None:
     For a field it prints the topic's type, the field and the field's type, as rostopic does.
     """
     names = looking_names()
-    names.spellings(topic)  # an empty name is wrong whatever the bus is
+    names.spellings(topic)  # refuses an empty name on any bus
     found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
     text = type_text(found)
     if path.steps:
@@ -46,7 +46,7 @@ def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
         raise _unknown(topic)
     try:
         found = target(message_class(text.partition(", ")[0]), path)
-    except ValueMismatch as error:  # as of a topic that is not there: exit code 1
+    except ValueMismatch as error:  # exit code 1, as for a missing topic
         raise LcmtoolsError(error.what, error.hint) from error
     field = str(path).replace(".", "/")
     kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))

@@ -1,4 +1,4 @@
-"""One channel on the screen: its latest message, decoded; and a number over time."""
+"""Screens of one channel: its latest message, and the curve of a field."""
 
 from collections.abc import Callable
 from typing import ClassVar
@@ -113,7 +113,7 @@ class Detail(LivePage):
 
 
 class CurveScreen(LivePage):
-    """A number over time, as large as the screen."""
+    """The curve of a field on the whole screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,q,enter,left", "back", "Back"),
