@@ -3,34 +3,47 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
 from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.nodes.driving.motion import DIRECTIONS, SPEED_CHANGES
 from lcmtools.types.geometry_msgs import Twist
 
 _TOLERANCE = 0.01
 _FASTEST_TURN = 10.0  # [rad/s]; a Pioneer turns at 5.2 rad/s at most
 
-DIRECTIONS = {
-    "i": "forward",
-    ",": "backward",
-    "j": "left on the spot",
-    "l": "right on the spot",
-    "u": "forward to the left",
-    "o": "forward to the right",
-    "m": "backward, clockwise",
-    ".": "backward, counter-clockwise",
-    "k": "stop",
+_DRIVING_MEANINGS = {
+    (1, 0): "forward",
+    (-1, 0): "backward",
+    (0, 1): "left on the spot",
+    (0, -1): "right on the spot",
+    (1, 1): "forward to the left",
+    (1, -1): "forward to the right",
+    (-1, -1): "backward, clockwise",
+    (-1, 1): "backward, counter-clockwise",
+    (0, 0): "stop",
 }
+_SPEED_MEANINGS = {
+    (1.1, 1.1): "both 10 % more",
+    (0.9, 0.9): "both 10 % less",
+    (1.1, 1.0): "speed 10 % more",
+    (0.9, 1.0): "speed 10 % less",
+    (1.0, 1.1): "turning 10 % more",
+    (1.0, 0.9): "turning 10 % less",
+}
+_MotionT = TypeVar("_MotionT", tuple[int, int], tuple[float, float])
+
+
+def _meanings(keys: Mapping[str, _MotionT], words: Mapping[_MotionT, str]) -> dict[str, str]:
+    """Return the meaning of each letter and sign, in the order of the meanings."""
+    letters = {motion: key for key, motion in keys.items() if len(key) == 1}
+    return {letters[motion]: meaning for motion, meaning in words.items()}
+
+
+DRIVING_KEYS = _meanings(DIRECTIONS, _DRIVING_MEANINGS)
 """Meanings of the keys that drive, which are those of teleop_twist_keyboard."""
-SPEED_CHANGES = {
-    "q": "both 10 % more",
-    "z": "both 10 % less",
-    "w": "speed 10 % more",
-    "x": "speed 10 % less",
-    "e": "turning 10 % more",
-    "c": "turning 10 % less",
-}
+SPEED_KEYS = _meanings(SPEED_CHANGES, _SPEED_MEANINGS)
 """Meanings of the keys that change a speed."""
 
 Velocity = tuple[float, float]  # forward speed [m/s] and turn rate [rad/s], positive to the left
@@ -71,7 +84,7 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
         return Cause(f"key-{key}", text)
     if other:
         pair = "".join(sorted((key, other)))
-        text = f"'{key}' does what '{other}' should do ({DIRECTIONS[other]})"
+        text = f"'{key}' does what '{other}' should do ({DRIVING_KEYS[other]})"
         return Cause(f"key-{pair}", f"{text}: the keys are mixed up")
     return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
 from lcmtools.labs.checks.driving_keys import (
-    DIRECTIONS,
-    SPEED_CHANGES,
+    DRIVING_KEYS,
+    SPEED_KEYS,
     KeyPress,
     Velocity,
     change_result,
@@ -95,16 +95,16 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     speed, turn = abs(keyboard.settled("i")[0]) or 0.5, abs(keyboard.settled("j")[1]) or 1.0
     motion = Motion(speed, turn)
     drives = {}
-    for key in DIRECTIONS:  # all are pressed before one is judged: the others show the cause
+    for key in DRIVING_KEYS:  # all are pressed before one is judged: the others show the cause
         motion = motion.after(key)
         drives[key] = _pressed(keyboard, key, motion)
     yield speeds_result(drives)
-    for key, meaning in DIRECTIONS.items():
+    for key, meaning in DRIVING_KEYS.items():
         yield key_result(drives[key], f"{key}  {meaning}", drives)
     if program.code is not None:
         yield program.early_end("answers to all keys")
         return
-    for key, meaning in SPEED_CHANGES.items():
+    for key, meaning in SPEED_KEYS.items():
         press, motion = _changed(bench, keyboard, key, motion)
         yield change_result(press, f"u  after {key}, {meaning}", drives)
         speed, turn = map(abs, velocity_of(press.twist) or (0.0, 0.0))

@@ -15,6 +15,7 @@ from lcmtools.labs.nodes.driving.keyboard import Keyboard, open_keyboard
 from lcmtools.labs.nodes.driving.motion import Motion, Sliders
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.terminal import is_terminal, write_screen
+from lcmtools.types.geometry_msgs import Twist
 
 PERIOD = 0.1  # seconds between two commands while the robot moves
 STOPS = 3  # number of zero commands that stop a robot: any one of them may be lost
@@ -77,6 +78,21 @@ class Driver(Node, ABC):
         elif self._stops_to_send > 0:
             self._stops_to_send -= 1
             self.send(0.0, 0.0)
+
+
+class TwistDriver(Driver):
+    """A driver whose commands are Twists on a topic."""
+
+    def __init__(self, name: str, topic: str) -> None:
+        super().__init__(name)
+        self._publisher = self.create_publisher(Twist, topic)
+
+    def send(self, forward: float, turn_rate: float) -> None:
+        """Publish a command; the other velocities are 0."""
+        twist = Twist()
+        twist.linear.x = forward
+        twist.angular.z = turn_rate
+        self._publisher.publish(twist)
 
 
 def keys_help(help_text: str, keys: str) -> str:
