@@ -1,5 +1,6 @@
 """Checks of one person's programs, or of a class: their rows shown as they come."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -8,16 +9,36 @@ from typing import NamedTuple
 from lcmtools.bag.log import Log
 from lcmtools.cli.output import talk
 from lcmtools.cli.status_line import StatusLine
+from lcmtools.errors import MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
+from lcmtools.labs.checks.plot import draw_check
 from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
 from lcmtools.labs.checks.results import CheckResult, Report
+from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
 Show = Callable[[Sequence[str]], object]
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
+
+
+def picture_file(plot: Path | None) -> Path | None:
+    """Return the file of a picture; None where it needs an extra that is missing, and say so.
+
+    Raises:
+        UsageError: The file's suffix is not one of a picture.
+    """
+    if plot is None:
+        return None
+    check_suffix(plot)
+    try:
+        empty_figure(1, 1)
+    except MissingExtra as error:
+        talk(f"lcmtools lab check: {error}; checking without a picture")
+        return None
+    return plot
 
 
 class Outcome(NamedTuple):
@@ -55,9 +76,7 @@ def check_one(
             waiting.clear()
             reports.append(report)
     if plot:
-        from lcmtools.labs.checks.plot import plot as plotted
-
-        write_whole(plot, plotted(world, reports))
+        draw_check(world, reports, plot)
         talk(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
@@ -74,10 +93,18 @@ def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
     return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
 
 
-def class_arguments(rate: float | None, time_limit: float | None) -> list[str]:
-    """Return the arguments of the check of each program of a class."""
+def class_checker(
+    lab: Lab,
+    programs: Mapping[str, str],
+    rate: float | None,
+    time_limit: float | None,
+    plot: Path | None,
+    jobs: int | None,
+) -> ClassCheck:
+    """Return the check of a class, of so many programs at a time, or as many as processors."""
     arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
-    return [*arguments, "--rate", f"{rate:g}"] if rate else arguments
+    arguments += ["--rate", f"{rate:g}"] if rate else []
+    return ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
 
 
 def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
