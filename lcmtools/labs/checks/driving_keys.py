@@ -1,4 +1,4 @@
-"""Keys that drive: what each is to do, and why its command is wrong. Pure."""
+"""The keys that drive: their meanings, and the causes of wrong commands. Pure."""
 
 import math
 from collections.abc import Mapping
@@ -50,7 +50,7 @@ Velocity = tuple[float, float]  # forward speed [m/s] and turn rate [rad/s], pos
 
 
 def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
-    """Return True if both are the same, but for rounding."""
+    """Return True if both are equal except for rounding."""
     return velocity is not None and all(
         math.isclose(value, target, rel_tol=_TOLERANCE, abs_tol=1e-6)
         for value, target in zip(velocity, wanted, strict=True)
@@ -59,7 +59,7 @@ def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class KeyPress:
-    """A key that was pressed, the command that it is to bring, and the one that came, if any."""
+    """A pressed key, the expected command, and the command that came, if any."""
 
     key: str
     wanted: Velocity
@@ -67,7 +67,7 @@ class KeyPress:
 
 
 def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
-    """Return why a key brought the wrong command, by what the keys that drive brought."""
+    """Return the cause of a key's wrong command, from the commands of all driving keys."""
     key, wanted, got = press.key, press.wanted, velocity_of(press.twist)
     if press.twist is None or got is None:
         text = f"nothing is published for '{key}': is each key read at once, and is it known?"
@@ -78,7 +78,7 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
         if _is_reversed(drives, index) and is_alike(got, _reversed(wanted, index)):
             side = ("forward is linear.x above 0", "left is angular.z above 0")[index]
             return Cause(f"{name}-sign", f"wrong sign of {name}: {side}")
-    other = next((k for k, one in drives.items() if k != key and is_alike(got, one.wanted)), "")
+    other = next((k for k, drive in drives.items() if k != key and is_alike(got, drive.wanted)), "")
     if not any(got):
         text = f"'{key}' stops the robot: is it in the program's table of keys?"
         return Cause(f"key-{key}", text)
@@ -90,12 +90,12 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
 
 
 def _is_reversed(drives: Mapping[str, KeyPress], index: int) -> bool:
-    """Return True if most keys bring the opposite of what they should, in speed or in turn."""
-    moving = [one for one in drives.values() if one.wanted[index]]
+    """Return True if most keys command the opposite speed or turn rate."""
+    moving = [drive for drive in drives.values() if drive.wanted[index]]
     wrong = [
-        one
-        for one in moving
-        if one.twist and (velocity_of(one.twist) or (0, 0))[index] * one.wanted[index] < 0
+        drive
+        for drive in moving
+        if drive.twist and (velocity_of(drive.twist) or (0, 0))[index] * drive.wanted[index] < 0
     ]
     return len(wrong) > len(moving) / 2
 
@@ -105,7 +105,7 @@ def _reversed(velocity: Velocity, index: int) -> Velocity:
 
 
 def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the row of the directions of the two basic keys."""
+    """Return the row for the directions of the two basic keys."""
     i, j = (velocity_of(drives[key].twist) or (0.0, 0.0) for key in "ij")
     speeds = i[0], j[1]
     cause = key_cause(drives["i" if speeds[0] <= 0 else "j"], drives)
@@ -117,7 +117,7 @@ def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
 
 
 def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the row of a key that drives."""
+    """Return the row for a driving key."""
     got = velocity_of(press.twist)
     is_ok = is_alike(got, press.wanted) and not (press.twist and misplaced(press.twist))
     cause = key_cause(press, drives)
@@ -126,7 +126,7 @@ def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> Ch
 
 
 def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the result of 'u' after a key that changes a speed; 'u' itself may be wrong."""
+    """Return the row for 'u' after a key that changes a speed; 'u' itself may be wrong."""
     result = key_result(press, what, drives)
     before = drives["u"]
     if result.is_ok or not is_alike(velocity_of(before.twist), before.wanted):
@@ -136,5 +136,5 @@ def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) ->
 
 
 def text_of(velocity: Velocity) -> str:
-    """Return a velocity with its units."""
+    """Format a velocity with its units."""
     return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)

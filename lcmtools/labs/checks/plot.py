@@ -48,7 +48,9 @@ def velocity_curves(observed: Observations, index: int) -> list[Curve]:
 
     Desired is what the check desired of the program, else what the program commanded.
     """
-    desired = [(one.time, (one.forward, one.turn_rate)[index]) for one in observed.desired]
+    desired = [
+        (desire.time, (desire.forward, desire.turn_rate)[index]) for desire in observed.desired
+    ]
     commanded = [
         (command.time, velocity[index])
         for command in observed.commands
@@ -78,7 +80,9 @@ def _draw_program(row: "SubFigure", world: Mapping[str, Any], observed: Observat
 
 def _draw_map(axes: "Axes", world: Mapping[str, Any], observed: Observations) -> None:
     axes.set_aspect("equal", adjustable="datalim")
-    for is_open, outline in (shape for one in world.get("objects", ()) for shape in _outlines(one)):
+    for is_open, outline in (
+        shape for thing in world.get("objects", ()) for shape in _outlines(thing)
+    ):
         x, y = zip(*outline, strict=True)
         axes.plot(x, y, color=_SHAPE) if is_open else axes.fill(x, y, color=_SHAPE)
     if observed.path:

@@ -1,4 +1,4 @@
-"""Checks of one person's programs, or of a class: their rows shown as they come."""
+"""Checks of a user's programs, of a recorded run or of a class, with their rows printed at once."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -42,7 +42,7 @@ def picture_file(plot: Path | None) -> Path | None:
 
 
 class Outcome(NamedTuple):
-    """The outcome of a check: reports by submission, all of it for JSON, the last lines."""
+    """The outcome of a check: reports by submission, the record for JSON, the last lines."""
 
     submissions: Mapping[str, list[Report]]
     record: object
@@ -57,7 +57,7 @@ def check_one(
     plot: Path | None,
     show: Show,
 ) -> Outcome:
-    """Check the programs of one person, and show each row as it comes."""
+    """Check a user's programs, and show each row at once."""
     reports: list[Report] = []
     world: Mapping[str, object] = {}
     with StatusLine("lcmtools lab check") as waiting:
@@ -82,13 +82,13 @@ def check_one(
 
 
 def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
-    """Judge a recorded run, and show its rows; and what its log does not allow to judge."""
+    """Check a recorded run, and show its rows and the requirements that were not judged."""
     with Log(path) as log:
         reports, others = check_log(lab, log)
     for report in reports:
         rows = [row for result in report.results for row in result_lines(result)]
         show([*heading(report.program, report.command, is_log=True), *rows])
-    show(["", "not judged:", *(f"  {one}" for one in others), ""] if others else [])
+    show(["", "not judged:", *(f"  {requirement}" for requirement in others), ""] if others else [])
     extra = {"bag": path, "not_judged": list(map(asdict, others))}
     return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
 
@@ -101,14 +101,14 @@ def class_checker(
     plot: Path | None,
     jobs: int | None,
 ) -> ClassCheck:
-    """Return the check of a class, of so many programs at a time, or as many as processors."""
+    """Return the check of a class: ``jobs`` programs at a time, or one for each processor."""
     arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
     arguments += ["--rate", f"{rate:g}"] if rate else []
     return ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
 
 
 def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
-    """Check each submission in a folder, and show the rows of each program once it is done."""
+    """Check each submission in a folder, and show the rows of each finished program."""
     with StatusLine("lcmtools lab check") as waiting:
 
         def show_report(name: str, report: Report) -> None:
@@ -121,7 +121,7 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()
-    records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
+    records = [{"submission": name, **record(lab.name, reports)} for name, reports in found.items()]
     return Outcome(found, records, ["", *table(found)])
 
 

@@ -1,4 +1,4 @@
-"""A node that drives a robot by keys and stops it at the end; the loop that runs it.
+"""Nodes that drive a robot by keys and stop it at the end, and the loop that runs them.
 
 It commands at once for each key, ten times a second while the robot moves, and 0 at the end.
 """
@@ -72,7 +72,7 @@ class Driver(Node, ABC):
         self._status = status
 
     def _repeat(self) -> None:
-        """Repeat a command that moves the robot; a stop a few times only."""
+        """Repeat a command that moves the robot, and a stop a few times."""
         if self.motion.forward or self.motion.turn_rate:
             self.send(self.motion.forward, self.motion.turn_rate)
         elif self._stops_to_send > 0:
@@ -102,7 +102,7 @@ def keys_help(help_text: str, keys: str) -> str:
 
 
 def drive(driver: Driver) -> None:
-    """Drive by keys until they end or the program does, and stop the robot.
+    """Drive by keys until the input or the program ends, and stop the robot.
 
     Ctrl-C, SIGTERM, a closed terminal, the end of the input and any error end it.
     """

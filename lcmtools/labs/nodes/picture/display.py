@@ -21,7 +21,7 @@ _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several t
 
 
 class Display(ABC):
-    """Something that shows one picture after the other."""
+    """A display that shows one picture after another."""
 
     is_over = False  # True once the user has closed it
     needs_pictures = True  # False if it reads the topic itself
@@ -44,7 +44,7 @@ class Display(ABC):
         """Handle keys and a change of size; called many times a second."""
 
     def close(self) -> None:  # noqa: B027
-        """Leave everything as it was."""
+        """Restore the previous state."""
 
 
 class LineDisplay(Display):
@@ -76,7 +76,7 @@ class LineDisplay(Display):
 
 
 def numbered(file: str, number: int) -> str:
-    """Return a file's name with a number in place of its %d."""
+    """Replace %d in a file's name by a number."""
     return _NUMBER.sub(lambda match: f"{number:{match[1]}d}", file)
 
 

@@ -1,4 +1,4 @@
-"""The choice of a display, the time for each picture, and the loop that runs a viewing node."""
+"""The choice of a display, the rate of pictures, and the loop of a viewing node."""
 
 import argparse
 import os
@@ -48,10 +48,10 @@ def viewer_parser() -> argparse.ArgumentParser:
 
 
 def open_viewer(args: Sequence[str] | None, help_text: str) -> "Viewer | None":
-    """Return a viewer by a node's command line; None if ``--help`` was given, and answered.
+    """Return a viewer for a node's command line; None if ``--help`` was given and printed.
 
     Raises:
-        UsageError: An argument is wrong, or two contradict each other.
+        UsageError: Arguments are wrong or exclude each other.
         MissingExtra: A package for the display is not installed.
     """
     help_text = f"{help_text.strip()}\n\n{_OPTIONS_HELP}"
@@ -60,7 +60,7 @@ def open_viewer(args: Sequence[str] | None, help_text: str) -> "Viewer | None":
 
 
 class Viewer:
-    """Shows the newest of the pictures that it takes; ``viewer_parser`` reads its options.
+    """Shows the newest picture; ``viewer_parser`` parses its options.
 
     Raises:
         UsageError: Options contradict each other.
@@ -79,7 +79,7 @@ class Viewer:
         self.is_over = False
 
     def take(self, message: Message) -> None:
-        """Have an Image or CompressedImage shown, if no newer one comes before it is due."""
+        """Show an Image or CompressedImage when it is due, unless a newer one replaces it."""
         assert isinstance(message, Image | CompressedImage)
         if self._display.needs_pictures:
             self._newest = message
@@ -87,11 +87,11 @@ class Viewer:
         self._last_time = time.monotonic()
 
     def run(self, node: Node, topic: str) -> None:
-        """Show pictures until one is enough, the display is closed, or the program ends.
+        """Show pictures until the display is closed or the program ends; a single one with --once.
 
         Raises:
             NothingReceived: None came within the time given.
-            DecodeError: The only one that is wanted cannot be shown.
+            DecodeError: The picture of --once cannot be shown.
         """
         self._last_time = time.monotonic()
         if self._is_single:
@@ -127,7 +127,7 @@ class Viewer:
         self.is_over = self._is_single
 
     def _tell_if_unpublished(self, node: Node, topic: str) -> None:
-        """Say it once, where no node publishes the topic, with the topics that have pictures."""
+        """Report once that no node publishes the topic, with the topics that have pictures."""
         if not self._is_waiting or time.monotonic() - self._last_time < _ANSWERED:
             return
         self._is_waiting = False
