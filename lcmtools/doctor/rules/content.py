@@ -146,7 +146,7 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _clocks(evidence: Evidence, kind: str) -> list[str]:
-    """The remedies for stamps: only other computers have another clock than this one."""
+    """Return the remedies for stamps: senders on this computer have the same clock."""
     is_log = evidence.url.startswith(_LOG)
     own = {sender.name for sender in evidence.senders if sender.is_local and not is_log}
     is_replayed = kind == "replayed"
