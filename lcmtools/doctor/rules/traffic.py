@@ -215,7 +215,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
         " time that only rises",
     },
-    evidence="/clock, the processor time of its publisher",
+    evidence="messages on /clock, the processor time of their publisher",
     root_only="its processor time, if it is another user's program",
 )
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
