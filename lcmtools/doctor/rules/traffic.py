@@ -216,7 +216,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         " time that only rises",
     },
     evidence="messages on /clock, the processor time of their publisher",
-    root_only="its processor time, if it is another user's program",
+    root_only="that processor time, if it is another user's program",
 )
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
