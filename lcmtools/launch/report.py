@@ -7,7 +7,6 @@ from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
 from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
-from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import ANY, read_setting, write_setting
 
 Answer = tuple[object, Sequence[str]]
@@ -85,8 +84,7 @@ def _parameters(plan: Plan, _node: str) -> Answer:
     records, rows = [], []
     for node in plan.nodes:
         values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
-        plain = {name: finite(value) for name, value in values.items()}
-        records.append({"node": node.name, "parameters": plain})
+        records.append({"node": node.name, "parameters": values})
         rows += [f"{write_setting(node.name)}:"] if values else []
         rows += [f"  {write_setting(name)}: {write_setting(v)}" for name, v in values.items()]
     return records, rows

@@ -1,6 +1,5 @@
 """Writing a diagram in the chosen format, to standard output or a file."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 from lcmtools.cli.output import data, lines
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
 from lcmtools.folders import write_whole
+from lcmtools.formats.strict_json import write_json
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 
@@ -80,9 +80,7 @@ def _by_suffix(file: str) -> str:
 
 def _document(diagram: Diagram, format_: str) -> str:
     if format_ == "json":
-        document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
-        # a channel that is not UTF-8 has surrogates, which JSON writes as it escapes them
-        return document.encode("utf-8", "backslashreplace").decode() + "\n"
+        return write_json(as_json.write(diagram), indent=2) + "\n"
     if format_ == "text":
         return "".join(f"{row}\n" for row in text.write(diagram))
     if format_ == "mermaid":

@@ -4,7 +4,6 @@ from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, asking_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
 from lcmtools.publish.remote_parameters import pick, value_of
 
@@ -64,7 +63,7 @@ def get(
     parameter = pick(found, target.parameter, target.node.name)
     value = value_of(parameter)
     text = value if is_pretty and isinstance(value, str) else parameter.value
-    show(finite(value), text.split("\n"), as_json=as_json)
+    show(value, text.split("\n"), as_json=as_json)
     return 0
 
 

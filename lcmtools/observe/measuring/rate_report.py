@@ -1,10 +1,10 @@
 """Reports of rates, bandwidths and delays: as text, in the words of rostopic, and for JSON."""
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from lcmtools.formats.strict_json import write_json
 from lcmtools.observe.measuring.rates import Bandwidth, Statistics
 
 _GAP = "   "
@@ -27,7 +27,7 @@ class ReportForm:
         """Yield a line of JSON for each topic."""
         for topic, value in found.items():
             pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
-            yield json.dumps({"topic": topic, **dict(pairs)})
+            yield write_json({"topic": topic, **dict(pairs)})
 
     def rows(self, found: Mapping[str, Any]) -> list[str]:
         """Return the lines of one topic, or the table of several."""

@@ -8,6 +8,7 @@ import { Bodies } from "./world/bodies.js";
 import { Camera } from "./world/camera.js";
 import { Display, TYPES } from "./world/displays.js";
 import { Frames } from "./world/frames.js";
+import { hasPlace, withNumbers } from "./world/numbers.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
 import { Simulator } from "./world/simulator.js";
@@ -233,14 +234,15 @@ export default class World {
 
   /**
    * @param {Display} display
-   * @param {any} data
+   * @param {any} sent
    * @param {ArrayBuffer} [payload]
    */
-  take(display, data, payload) {
+  take(display, sent, payload) {
     const now = performance.now();
+    const data = withNumbers(sent);
     if (data.kind === "frames") this.takeFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
     else {
-      if (data.kind === "odometry" && data.child) {
+      if (data.kind === "odometry" && data.child && hasPlace(data)) {
         this.frames.take(display.topic, data.frame, data.child, data.pose, now, true);
       }
       display.take(data, payload);

@@ -1,6 +1,5 @@
 """Displays that need no terminal: lines of text, and PNG files."""
 
-import json
 import re
 import sys
 from abc import ABC, abstractmethod
@@ -11,6 +10,7 @@ from pathlib import Path
 import PIL.Image
 
 from lcmtools.folders import write_whole
+from lcmtools.formats.strict_json import write_json
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.messages.pixels import Kind
@@ -68,7 +68,7 @@ class LineDisplay(Display):
             _write_png(path, image)
             self._count += 1
             known, line = {"file": path, **known}, f"saved {path}  {line}"
-        print(json.dumps(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
+        print(write_json(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
 
     def show_text(self, text: str) -> None:
         """Print it on standard error, unless it was the last text."""
