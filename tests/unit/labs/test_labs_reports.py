@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import PIL.Image
 import pytest
+from fixtures.json_page import unlisted
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
@@ -101,6 +102,8 @@ def test_json_says_whose_programs_and_what_follows_from_what() -> None:
     assert [row["follows"] for row in rows] == ["", "", "drive at 0.1 m/s"]
     assert rows[1]["cause"] == "speed-sign"
     assert not as_specified([])
+    written = json.loads(json.dumps(plain))
+    assert unlisted("lab check", [written, [{"submission": "anna", **written}]]) == []
 
 
 def test_a_record_can_be_read_back() -> None:
