@@ -23,16 +23,16 @@ _BUSY = 0.5  # of the time in callbacks: a call may not have ended in a brief lo
 def is_enough(evidence: Evidence) -> bool:
     """Return whether a whole look would show nothing that this brief one does not."""
     return (
-        _is_among_nodes(evidence)
-        and not any(_unheard(evidence))
+        _has_only_nodes(evidence)
+        and not any(_silent_publishers(evidence))
         and not any(_is_uneven(stream) for stream in evidence.streams)
-        and not any((busy_share(*pair) or 0.0) > _BUSY for pair in _looks(evidence))
+        and not any((busy_share(*pair) or 0.0) > _BUSY for pair in _earlier_and_now(evidence))
         and not pace.may_have_fallen(evidence)
         and all(finding.severity is Severity.NOTE for finding in examine(evidence))
     )
 
 
-def _is_among_nodes(evidence: Evidence) -> bool:
+def _has_only_nodes(evidence: Evidence) -> bool:
     """Return whether all that may send are nodes of this computer, and none was missed."""
     nodes = {node.pid for node in evidence.own_nodes()}
     is_local = evidence.url.startswith("udpm://") and not (evidence.ttl or evidence.remote)
@@ -42,7 +42,7 @@ def _is_among_nodes(evidence: Evidence) -> bool:
     return is_local and is_known and not (evidence.graph.foreign() or evidence.own_drops)
 
 
-def _looks(evidence: Evidence) -> Iterator[tuple[Node, Node]]:
+def _earlier_and_now(evidence: Evidence) -> Iterator[tuple[Node, Node]]:
     """Each living node as it was and as it is; one that came meanwhile, twice as it is."""
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
@@ -50,9 +50,9 @@ def _looks(evidence: Evidence) -> Iterator[tuple[Node, Node]]:
             yield before.get(node.id, node), node
 
 
-def _unheard(evidence: Evidence) -> Iterator[Endpoint]:
+def _silent_publishers(evidence: Evidence) -> Iterator[Endpoint]:
     """The publishers of the last second that sent nothing in the look."""
-    for was, node in _looks(evidence):
+    for was, node in _earlier_and_now(evidence):
         counts = {end.key: end.messages for end in was.endpoints}
         for end in node.having(Role.PUBLISHER):
             is_recent = evidence.graph.time - end.last_time < _SLOWEST

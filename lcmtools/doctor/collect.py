@@ -57,7 +57,7 @@ def collect(
     failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _look(monitor, evidence, listen, memory or Memory())
+            evidence = _observe(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
@@ -82,31 +82,32 @@ def unusable(error: UsageError) -> Evidence:
     return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
 
 
-def _look(
+def _observe(
     monitor: BusMonitor, evidence: Evidence, wanted: float | None, memory: Memory
 ) -> Evidence:
-    begin, taken = _Begin.now(monitor), 0.0
-    evidence = replace(evidence, before=begin.graph)
+    baseline, observed = _Baseline.now(monitor), 0.0
+    evidence = replace(evidence, before=baseline.graph)
     if wanted is None:
-        taken = brief.BRIEF
-        _take(monitor, begin.listening, taken - _ANSWER_TIME)  # the rest while the counters come
-        found = _gathered(monitor, evidence, begin, taken)
+        observed = brief.BRIEF
+        # the rest of the time is for the answers of the nodes, with their counters
+        _receive(monitor, baseline.listening, observed - _ANSWER_TIME)
+        found = _gather(monitor, evidence, baseline, observed)
         if brief.is_enough(found):
             return found
     listen = brief.WHOLE if wanted is None else wanted
-    _take(monitor, begin.listening, listen - taken)
-    found = memory.recall(_gathered(monitor, evidence, begin, listen))
-    doubts = (rules.doubt(found) for rules in (callbacks, pace, traffic))
-    longer = max(doubts) if listen >= _LONG_ENOUGH else 0.0
+    _receive(monitor, baseline.listening, listen - observed)
+    found = memory.recall(_gather(monitor, evidence, baseline, listen))
+    durations = (rules.needed_duration(found) for rules in (callbacks, pace, traffic))
+    longer = max(durations) if listen >= _LONG_ENOUGH else 0.0
     if longer > listen:
-        _take(monitor, begin.listening, longer - listen)
-        found = memory.recall(_gathered(monitor, evidence, begin, longer))
-    memory.learn(found)
+        _receive(monitor, baseline.listening, longer - listen)
+        found = memory.recall(_gather(monitor, evidence, baseline, longer))
+    memory.remember(found)
     return found
 
 
 @dataclass(frozen=True, slots=True)
-class _Begin:
+class _Baseline:
     """The bus and this computer at the start of a look, to be compared with what comes."""
 
     graph: Graph
@@ -118,7 +119,7 @@ class _Begin:
     time: float
 
     @classmethod
-    def now(cls, monitor: BusMonitor) -> "_Begin":
+    def now(cls, monitor: BusMonitor) -> "_Baseline":
         monitor.ask()
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
@@ -136,18 +137,20 @@ class _Begin:
         }
 
 
-def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: float) -> Evidence:
+def _gather(
+    monitor: BusMonitor, evidence: Evidence, baseline: _Baseline, listen: float
+) -> Evidence:
     """The evidence of a look that has lasted ``listen`` seconds."""
-    listening = begin.listening
-    after = _counted_again(monitor, listening, listen)
-    overflows = computer.buffer_overflows() - begin.overflows
+    listening = baseline.listening
+    after = _refreshed_graph(monitor, listening, listen)
+    overflows = computer.buffer_overflows() - baseline.overflows
     later, still_on_bus = _sockets(monitor.url)
-    seconds, spent = time.monotonic() - begin.time, begin.spent()
+    seconds, spent = time.monotonic() - baseline.time, baseline.spent()
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
     # some are stopped and continued again and again, and miss nothing
     running = {pid for pid, (computed, _) in spent.items() if computed}
     # those that have said goodbye too: their messages are there
-    nodes = {node.id: node for node in (*begin.graph.nodes, *after.nodes)}
+    nodes = {node.id: node for node in (*baseline.graph.nodes, *after.nodes)}
     names = lcm_processes.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
     processes: tuple[LcmProcess, ...] = ()
@@ -157,7 +160,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         )
     return replace(
         evidence,
-        graph=_without_the_left(after, begin.graph),
+        graph=_without_departed(after, baseline.graph),
         listened=listen,
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
@@ -173,7 +176,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         ),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
-            for one in _listeners(begin, still_on_bus, names, overflows, monitor.url.host)
+            for one in _listeners(baseline, still_on_bus, names, overflows, monitor.url.host)
         ),
         oddities=listening.oddities(names.name),
         frames=listening.frames(names.name),
@@ -188,12 +191,12 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
     )
 
 
-def _take(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
+def _receive(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
     for packet in monitor.packets(seconds):
-        listening.take(packet)
+        listening.add_packet(packet)
 
 
-def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
+def _refreshed_graph(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
     """The graph with the nodes' counters as they are at the end, if the look was long enough.
 
     The request for them, or an answer, may be lost between computers, and a sender there would be
@@ -206,7 +209,7 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     for request in range(_REQUESTS if listen >= PERIOD / 10 else 0):
         is_late = any(map(_may_answer, graph.nodes))
         monitor.probe()
-        _take(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
+        _receive(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
         graph = monitor.graph()
         senders = (seen.sender for seen in graph.foreign())
         are_named = all(sender is None or is_local(sender.address) for sender in senders)
@@ -215,7 +218,7 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     return graph
 
 
-def _without_the_left(graph: Graph, before: Graph) -> Graph:
+def _without_departed(graph: Graph, before: Graph) -> Graph:
     """The graph without what nodes sent before their goodbye, which is no plain program's."""
     was, now = ({s for node in one.nodes for s in node.senders()} for one in (before, graph))
     left = was - now
@@ -287,19 +290,19 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
 
 
 def _listeners(
-    begin: _Begin,
+    baseline: _Baseline,
     still_on_bus: frozenset[int],
     names: lcm_processes.ProgramNames,
     overflows: int,
     group: str,
 ) -> tuple[Listener, ...]:
-    buffers, before, after = receive_buffers(), begin.table, names.table
+    buffers, before, after = receive_buffers(), baseline.table, names.table
     # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
     selective = marked_sockets(SELECTIVE)
     filtered = selective | marked_sockets(SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     found = []
-    for inode in (begin.on_bus & still_on_bus) - selective:
+    for inode in (baseline.on_bus & still_on_bus) - selective:
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):

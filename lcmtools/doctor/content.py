@@ -15,7 +15,7 @@ from lcmtools.types.std_msgs import Time
 _FLOATS = ("float32", "float64")
 _QUATERNION = "geometry_msgs/Quaternion"
 _SECOND = 10**9  # [ns]
-_MAY_BE_NONE = {  # as the types themselves define
+_NAN_ALLOWED = {  # as the types themselves define
     "sensor_msgs/LaserScan": {"ranges", "intensities", "range_max"},
     "sensor_msgs/LaserEcho": {"echoes"},
     "sensor_msgs/Range": {"range"},
@@ -51,7 +51,7 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
         if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
     }
     for field in visible_fields(cls):
-        if field.name not in unmeasured and field.name not in _MAY_BE_NONE.get(name, ()):
+        if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
             yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
 
 

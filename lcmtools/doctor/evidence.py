@@ -13,7 +13,7 @@ from lcmtools.graph.model import Graph, Node
 from lcmtools.wire.packet import Sender
 
 _T = TypeVar("_T")
-_CROWDED = 0.25  # of the time that programs wait for a processor is a busy computer
+_BUSY = 0.25  # of the time that programs wait for a processor is a busy computer
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,10 +229,10 @@ class Evidence:
         """The nodes of this computer: only their process numbers mean anything here."""
         return [node for node in self.graph.nodes if node.id not in self.remote]
 
-    def crowd(self) -> float:
+    def wait_share(self) -> float:
         """The share of time that programs waited for a processor, where it is considerable."""
         share = min(1.0, self.processor_wait / self.listened) if self.listened else 0.0
-        return share if share > _CROWDED else 0.0
+        return share if share > _BUSY else 0.0
 
     def has_others(self) -> bool:
         """Return whether other computers are seen to take part."""

@@ -1,4 +1,4 @@
-"""Findings and rules. A finding is data, without sentences: ``words`` puts it into words.
+"""Findings and rules. A finding is data; ``sentences`` formats it as text.
 
 Belongs here: what a rule yields, and what a rule is. Must not know any rule.
 """
@@ -6,6 +6,7 @@ Belongs here: what a rule yields, and what a rule is. Must not know any rule.
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from lcmtools.doctor.evidence import (
@@ -47,6 +48,9 @@ Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Publication | L
 Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str, ...]
 """A subject, or a measured value."""
 
+Sentences: TypeAlias = Mapping[str, str]
+"""Templates of statements by their kinds, as ``sentences`` formats them."""
+
 _KINDS = {
     **dict.fromkeys(("topic", "topics", "awaited", "other_topic", "channel"), "topic"),
     **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
@@ -79,8 +83,13 @@ def subject(observed: Observed) -> Subject:
 class Statement:
     """A title, a fact or a remedy: its kind, and the subjects and values in it by their names."""
 
-    kind: str  # the key of its sentence in ``words``; of a remedy, what to do ("wake", "export")
+    kind: str  # the key of its sentence in its rule; of a remedy, what to do ("wake", "export")
     parts: Mapping[str, Part]
+    sentence: str = "%s"  # the template of its text; %s until the sentence of its rule is known
+
+    def worded(self, sentences: Sentences) -> "Statement":
+        """Return the statement with the sentence of its kind."""
+        return replace(self, sentence=self.sentence.replace("%s", sentences[self.kind]))
 
     def subjects(self) -> Iterator[Subject]:
         """Every subject in it."""
@@ -121,7 +130,7 @@ class Finding:
         return list(dict.fromkeys(one for s in statements for one in s.subjects()))
 
 
-def found(
+def finding(
     title: str | Statement,
     facts: Iterable[Statement] | None = None,
     *remedies: str | Statement,
@@ -149,10 +158,12 @@ class Unchecked:
     reason: Statement
 
 
+_NONE: Sentences = MappingProxyType({})
+
 Check = Callable[[Evidence], Iterator[Finding]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Rule:
     """A rule of ``wtf``."""
 
@@ -161,27 +172,53 @@ class Rule:
     explanation: str  # a paragraph: what should be true, and why that matters
     remedy: str  # the usual one; findings give it more exactly
     check: Check  # looks at the evidence and yields findings
+    titles: Sentences  # of findings, by the kinds of their titles
+    facts: Sentences
+    remedies: Sentences
+    evidence: str  # what it looks at
+    root_only: str  # the part of that which only root can see; "" for none
 
     @property
-    def title(self) -> str:
+    def summary(self) -> str:
         """The first sentence of the explanation."""
         return self.explanation.partition(". ")[0].rstrip(".")
 
     def examine(self, evidence: Evidence) -> list[Finding]:
         """Everything that this rule finds."""
-        return [
-            replace(finding, rule=self.id, severity=min(finding.severity, self.severity))
-            for finding in self.check(evidence)
-        ]
+        return [self._completed(finding) for finding in self.check(evidence)]
+
+    def _completed(self, finding: Finding) -> Finding:
+        return Finding(
+            finding.title.worded(self.titles),
+            tuple(fact.worded(self.facts) for fact in finding.facts),
+            tuple(remedy.worded(self.remedies) for remedy in finding.remedies),
+            min(finding.severity, self.severity),
+            self.id,
+        )
 
 
-def rule(
-    identifier: str, remedy: str, severity: Severity = Severity.WARNING
+def rule(  # noqa: PLR0913 - all that is known of a rule
+    identifier: str,
+    *,
+    remedy: str,
+    title: str | Sentences,
+    evidence: str,
+    facts: Sentences = _NONE,
+    remedies: Sentences = _NONE,
+    severity: Severity = Severity.WARNING,
+    root_only: str = "",
 ) -> Callable[[Check], Rule]:
-    """Make a check a rule; its docstring is the explanation."""
+    """Make a check a rule; its docstring is the explanation.
+
+    ``title`` is a sentence if the only title of its findings is called as the rule.
+    """
 
     def make(check: Check) -> Rule:
         explanation = " ".join((check.__doc__ or "").split())
-        return Rule(identifier, severity, explanation, remedy, check)
+        titles = {identifier: title} if isinstance(title, str) else title
+        sentences = titles, facts, remedies
+        return Rule(
+            identifier, severity, explanation, remedy, check, *sentences, evidence, root_only
+        )
 
     return make

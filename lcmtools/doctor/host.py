@@ -34,7 +34,7 @@ _UFW = Path("/etc/ufw/ufw.conf")
 _FIREWALLD = Path("/run/firewalld.pid")
 _READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
 _TIMEOUT = 2.0  # [s]
-_MET = re.compile(r"\bhook (input|output)\b")
+_HOOK = re.compile(r"\bhook (input|output)\b")
 _BASES = ("INPUT", "OUTPUT")
 _JUMPS = frozenset({"jump", "goto", "-j", "-g"})
 _REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
@@ -234,7 +234,7 @@ def refusing_chain(rules: str) -> str:
             current = words[1]
         elif words and words[0][:1] == ":":
             current = words[0][1:]
-        if current in _BASES or _MET.search(line):
+        if current in _BASES or _HOOK.search(line):
             bases[current] = f"{table} {current}".strip()
         if _REFUSALS & set(words):
             refusing.add(current)
@@ -245,10 +245,10 @@ def refusing_chain(rules: str) -> str:
 
 def _reached(base: str, jumps: Mapping[str, set[str]]) -> set[str]:
     """Return a chain and those to which it leads."""
-    met = {base}
-    while new := {target for name in met for target in jumps.get(name, ())} - met:
-        met |= new
-    return met
+    reached = {base}
+    while new := {target for name in reached for target in jumps.get(name, ())} - reached:
+        reached |= new
+    return reached
 
 
 def _output(command: Sequence[str]) -> str:

@@ -16,7 +16,7 @@ from pathlib import Path
 from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
-from lcmtools.doctor.connecting import loose_ends
+from lcmtools.doctor.connecting import unconnected_ends
 from lcmtools.doctor.evidence import LcmProcess, Stream
 from lcmtools.doctor.host import text_of
 from lcmtools.doctor.listening import Listening
@@ -83,7 +83,7 @@ def lcm_processes(
             buses[pid] = ""
         elif not multicast:
             sending.setdefault(pid, set()).add(row.port)
-        elif _is_of_lcm(holders[row.inode]):
+        elif _probably_uses_lcm(holders[row.inode]):
             buses.setdefault(pid, f"{row.address}:{row.port}")
     guessed = set()
     for pid, ports in sending.items():
@@ -100,7 +100,7 @@ def lcm_processes(
     )
 
 
-def _is_of_lcm(process: Process) -> bool:
+def _probably_uses_lcm(process: Process) -> bool:
     """Return whether a process uses LCM, as far as that shows: of Java only by its command line."""
     return "lcm" in process.command or uses_lcm(process.pid)
 
@@ -119,11 +119,11 @@ def _pids_of(user: int) -> set[int]:
 def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
     """The other bus that a process's arguments, variables or code name: HOST:PORT, or a URL."""
     variables = _variables(pid)
-    said = _argument_url(pid) or code
+    written = _argument_url(pid) or code
     try:
-        named, _ = choose_url(said, "", variables)
+        named, _ = choose_url(written, "", variables)
     except LcmtoolsError:  # a URL without a port, for example
-        return said or variables.get("LCM_DEFAULT_URL", "")
+        return written or variables.get("LCM_DEFAULT_URL", "")
     if named.file_name == url.file_name:
         return ""
     return f"{named.host}:{named.port}" if named.is_multicast else str(named)
@@ -179,9 +179,9 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
     one.
     """
     every = tuple(processes)
-    missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
+    missed = {end.topic for _, end in unconnected_ends(graph, Role.SUBSCRIBER)}
     announced = {e.topic for node in graph.nodes for e in node.endpoints}
-    offered = {end.topic for _, end in loose_ends(graph, Role.PUBLISHER)}
+    offered = {end.topic for _, end in unconnected_ends(graph, Role.PUBLISHER)}
     offered |= _published(graph) - announced
     if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
@@ -218,7 +218,7 @@ def _topics(
                 graph = probe.graph()
                 pids -= {node.pid for node in graph.nodes if is_here(node)}
                 topics[bus] |= _published(graph)
-                for node, end in loose_ends(graph, Role.SUBSCRIBER):
+                for node, end in unconnected_ends(graph, Role.SUBSCRIBER):
                     if is_here(node):
                         awaited[node.pid].add(end.topic)
             if not pids or missed.issubset(chain.from_iterable(topics.values())):

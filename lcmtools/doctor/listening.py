@@ -18,13 +18,12 @@ from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
-from lcmtools.messages.codec import decode
+from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
@@ -89,11 +88,11 @@ class Listening:
         self._clocks: set[Sender | None] = set()
         self.relays = RelayReports()
 
-    def take(self, packet: Packet) -> None:
+    def add_packet(self, packet: Packet) -> None:
         """Take note of a message."""
         if is_hidden(packet.channel):
             if packet.channel == RELAY_CHANNEL:
-                self.relays.take(packet.payload)
+                self.relays.add_report(packet.payload)
             return
         key = (packet.channel, packet.sender)
         if key not in self._streams and len(self._streams) >= _MOST_STREAMS:
@@ -116,7 +115,7 @@ class Listening:
             packet.channel in (_CLOCK, _LOG)
             or self._spent <= self._share * (now - self._start) + 0.05
         ):
-            self._look_into(packet, key)
+            self._inspect(packet, key)
             self._spent += time.monotonic() - now
 
     def streams(self) -> tuple[Stream, ...]:
@@ -193,13 +192,13 @@ class Listening:
                 stream.doubled.add(packet.seqno)
             stream.numbered[packet.seqno] = message
 
-    def _look_into(self, packet: Packet, key: _Key) -> None:
+    def _inspect(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
         try:
             message = self._decoder.decode(packet)
         except DecodeError as error:
-            self._note("undecodable", key, str(error))
+            self._add_oddity("undecodable", key, str(error))
             return
         if packet.channel == _CLOCK and isinstance(message, Clock):
             simulated = join_stamp(message.clock.sec, message.clock.nsec)
@@ -211,14 +210,14 @@ class Listening:
             entry = message.name, _LEVELS[message.level], text
             if entry in self._logs or len(self._logs) < _MOST_LOGS:
                 self._logs[entry] += 1
-        self._note_frames(packet, message)
+        self._add_frames(packet, message)
         odd = list(oddities(message))
         for kind, text in odd:
-            self._note(kind, key, text)
+            self._add_oddity(kind, key, text)
         if not any(kind == "nsec" for kind, _ in odd):
             self._check_stamp(message, packet.time, key)
 
-    def _note_frames(self, packet: Packet, message: Message) -> None:
+    def _add_frames(self, packet: Packet, message: Message) -> None:
         if type_name(message) == _TRANSFORMS:
             tree, transforms = namespace_of(packet.channel), cast("TFMessage", message).transforms
             for one in transforms[: _MOST_FRAMES - len(self._frames)]:
@@ -230,24 +229,26 @@ class Listening:
         if stamped is None:
             stamped, place = utime(message), "utime"
             if stamped and (unit := _unit(stamped // 1000, arrival)):
-                self._note("unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds")
+                self._add_oddity(
+                    "unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds"
+                )
                 return
         if not stamped or (place == "utime" and stamped < _SIMULATED):  # of a clock of its own
             return
         if stamped < _SIMULATED and not self.clock_ticks:
-            self._note("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
+            self._add_oddity("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
             return
         late = (arrival - stamped) / 1e9
         if stamped < _SIMULATED:
             late = (self.clock_ticks[-1][1] - stamped) / 1e9
         if late < -_FUTURE:
-            self._note("future", key, f"{place} is {-late:.1f} s in the future")
+            self._add_oddity("future", key, f"{place} is {-late:.1f} s in the future")
         elif late > _OLD:
-            self._note("old", key, f"{place} is {late:.1f} s old")
+            self._add_oddity("old", key, f"{place} is {late:.1f} s old")
             first, _ = self._old.get(key, ((arrival, stamped), None))
             self._old[key] = first, (arrival, stamped)
 
-    def _note(self, kind: str, key: _Key, text: str) -> None:
+    def _add_oddity(self, kind: str, key: _Key, text: str) -> None:
         """Count an oddity, by the kind and the place, which its text begins with."""
         place = (kind, key, text.partition(" ")[0])
         known = self._odd.get(place)
@@ -279,15 +280,12 @@ class RelayReports:
     """The reports that come during a look: of each relay the first and the last."""
 
     def __init__(self) -> None:
-        self._found: dict[str, tuple[RelayLink, RelayLink]] = {}
+        self._found: dict[str, tuple[Link, Link]] = {}
 
-    def take(self, payload: bytes) -> None:
+    def add_report(self, payload: bytes) -> None:
         """Take note of a report, which tells of other relays too."""
-        try:
-            links = decode(RelayReport, payload).links
-        except DecodeError:
-            return
-        for link in links:
+        report = decode_report(payload)
+        for link in report.links if report else ():
             first, last = self._found.get(link.id, (link, link))
             self._found[link.id] = first, link if link.number > last.number else last
 
@@ -297,9 +295,9 @@ class RelayReports:
             RelayEnd(
                 *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
                 commands=tuple(end.commands),
-                stands_by=last.state == RelayLink.STANDBY,
+                stands_by=last.state == State.STANDBY,
             )
             for first, last in self._found.values()
-            if last.state != RelayLink.LEFT
+            if last.state != State.LEFT
             for before, end in zip(first.ends, last.ends, strict=False)
         )

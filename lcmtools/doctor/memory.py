@@ -39,13 +39,13 @@ class Memory:
         self._times = {key: times for key, times in self._times.items() if key not in ended}
         return replace(evidence, remembered=tuple(self._known.values()))
 
-    def learn(self, evidence: Evidence) -> None:
+    def remember(self, evidence: Evidence) -> None:
         """Remember the publishers of a look."""
         for stream in evidence.streams:
             if not (is_hidden(stream.channel) or stream.has_ended):
-                self._learn(stream)
+                self._remember_stream(stream)
 
-    def _learn(self, stream: Stream) -> None:
+    def _remember_stream(self, stream: Stream) -> None:
         key = stream.channel, stream.sender
         times = self._times.setdefault(key, deque(maxlen=_KEPT))
         times.extend(stream.times[-_KEPT:])

@@ -40,7 +40,7 @@ def collect_log(path: str | Path) -> Evidence:
         first = 0
         for packet in monitor.packets():
             first = first or packet.time
-            listening.take(packet)
+            listening.add_packet(packet)
         graph = monitor.graph()
         names = ProgramNames(monitor, listening, graph.nodes, SocketTable({}, {}))
         return Evidence(

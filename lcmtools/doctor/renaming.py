@@ -13,6 +13,25 @@ from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
 from lcmtools.names import base_name_of, namespace_of
 
+DROP_REMAP = {"drop-remap": "start {node} without {argument}"}
+REMAPS = {
+    **DROP_REMAP,
+    "namespace": "start {node} with __ns:={namespace}",
+    "remap": "start {node} with {old}:={new}",
+    "remove-slash": "let {node} use '{name}' in place of '{topic}': the slash at its start keeps it"
+    " out of the namespace {namespace}",
+    "replace-remap": "start {node} with {old}:={new} in place of {argument}",
+    "republish": "let it publish on '{topic}'",
+}
+"""The sentences of remedies that give a topic another name."""
+_REASONS = {
+    "no-subscriber": "{channel} of the same type has no subscriber",
+    "offered": "{channel} is offered",
+    "published": "{channel} is published",
+    "publishes": "{publisher} publishes {channel}",
+    "same-type": "{channel} is of the same type",
+    "subscribes": "{listener} subscribes to {channel}",
+}
 _SHORT, _LONG = 4, 8  # characters: shorter names are near by chance; longer ones have more slips
 _ABBREVIATED = 4  # consonants of a word that may be shortened, as command to cmd
 
@@ -33,7 +52,7 @@ def are_near(one: str, other: str) -> bool:
         return False
     bases = base_name_of(one), base_name_of(other)
     is_long = min(len(_folded(base)) for base in bases) >= _LONG
-    if _are_within(first, second, 2 if is_long else 1):
+    if _has_distance_within(first, second, 2 if is_long else 1):
         return True
     return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
 
@@ -71,7 +90,7 @@ def _folded(name: str) -> str:
     return re.sub(r"[\s/_]", "", name).casefold()
 
 
-def _are_within(one: str, other: str, edits: int) -> bool:
+def _has_distance_within(one: str, other: str, edits: int) -> bool:
     """Return whether so many characters more, less or changed, or pairs swapped, are enough."""
     if abs(len(one) - len(other)) > edits or len(set(one) ^ set(other)) > 2 * edits:
         return False
@@ -80,9 +99,9 @@ def _are_within(one: str, other: str, edits: int) -> bool:
     one, other = one[start:], other[start:]
     if not edits or one == other:
         return one == other
-    swapped = one[1::-1] == other[:2] and _are_within(one[2:], other[2:], edits - 1)
+    swapped = one[1::-1] == other[:2] and _has_distance_within(one[2:], other[2:], edits - 1)
     pairs = (one[1:], other), (one, other[1:]), (one[1:], other[1:])
-    return swapped or any(_are_within(first, second, edits - 1) for first, second in pairs)
+    return swapped or any(_has_distance_within(first, second, edits - 1) for first, second in pairs)
 
 
 def _are_abbreviations(one: str, other: str) -> bool:
@@ -93,10 +112,10 @@ def _are_abbreviations(one: str, other: str) -> bool:
 
 def _are_near_words(one: str, other: str) -> bool:
     if min(len(one), len(other)) > _SHORT:
-        return _are_within(one, other, 1)
+        return _has_distance_within(one, other, 1)
     first, second = (re.sub(r"[aeiou]|(.)(?=\1)", "", word) for word in (one, other))
     return one == other or (
-        max(len(first), len(second)) >= _ABBREVIATED and _are_within(first, second, 1)
+        max(len(first), len(second)) >= _ABBREVIATED and _has_distance_within(first, second, 1)
     )
 
 
@@ -106,9 +125,15 @@ def is_legal(channel: str) -> bool:
 
 
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
-    """Give a remedy its reason."""
+    """Give a remedy its reason, and the alternative in the part ``or_publish_on``, if any."""
     known = state("", because=reason, **parts).parts
-    return replace(remedy, parts={**known, **remedy.parts})
+    sentence = _REASONS[reason]
+    if reason == "published" and remedy.kind == "republish":
+        sentence = sentence.replace("{channel}", "'{channel!s}'")  # spaces may be the fault
+    sentence += ", by {by}: " if "by" in parts else ": "
+    if "or_publish_on" in parts:
+        sentence += "let it publish on '{or_publish_on}', or "
+    return replace(remedy, parts={**known, **remedy.parts}, sentence=f"{sentence}{remedy.sentence}")
 
 
 def start_with(node: Node, topic: str, target: str) -> Statement:

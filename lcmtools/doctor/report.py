@@ -13,7 +13,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.words import commands, describe, fact_lines, remedy_text, unchecked_text
+from lcmtools.doctor.sentences import commands, describe, fact_lines, remedy_text, unchecked_text
 
 _MOST = 24  # items, or remedies, of a finding in text
 _HEADINGS = {
@@ -140,7 +140,7 @@ def rules_text(rules: Sequence[Rule], *, in_full: bool) -> list[str]:
         if in_full:
             rows += [f"{rule.id} ({severity})", "", rule.explanation, "", f"   -> {rule.remedy}"]
         else:
-            rows.append(f"{rule.id:{width}}  {severity:7}  {rule.title}")
+            rows.append(f"{rule.id:{width}}  {severity:7}  {rule.summary}")
     return rows
 
 

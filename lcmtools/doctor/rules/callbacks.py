@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence, derived
-from lcmtools.doctor.findings import Finding, Part, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Part, Statement, finding, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share, callback_time
@@ -19,6 +19,12 @@ _MANY = 0.05  # of all messages: so many are not lost in the first seconds only
 _SECOND_LOOK = 3.5  # [s]
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
+_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
+_BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
+_SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
+
 
 @dataclass(frozen=True, slots=True)
 class _Work:
@@ -28,7 +34,7 @@ class _Work:
     node: Node  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
 
-    def other(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
+    def blocking_work(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
         """Return the work that held a callback up for so long [ns], and its time; "" for none."""
         name = self.busiest(but=endpoint)
         longest = (min(e.longest, e.busy - was.busy) for was, e in self.pairs if e.topic == name)
@@ -69,12 +75,12 @@ class _Subscription:
     def topic(self) -> str:
         return self.endpoint.topic
 
-    def is_too_slow(self, crowd: float = 0.0) -> bool:
+    def is_too_slow(self, wait_share: float = 0.0) -> bool:
         """Return whether its callback takes longer than the time between two messages.
 
         ``crowd`` is the share of its time that it may have waited for a processor.
         """
-        return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - crowd)
+        return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - wait_share)
 
     def pace(self) -> dict[str, Part]:
         """The time that its callback takes, and the time between two messages [s]."""
@@ -85,7 +91,34 @@ class _Subscription:
         return {"seconds": self.hangs / 1e9}
 
 
-@rule("queue-drops", "make the callback faster, or increase the queue depth")
+@rule(
+    "queue-drops",
+    remedy="make the callback faster, or increase the queue depth",
+    title="The following nodes are too slow for the messages they receive:",
+    facts={
+        "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
+        "dropped-by-queue": _LOST,
+        "dropped-hanging": f"{_LOST}: {_NEVER_ENDS}",
+        "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}}"
+        " meanwhile",
+        "dropped-in-bursts": f"{_LOST}: they come in bursts",
+        "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
+        "dropped-slow-callback": f"{_LOST}: {_PACE}",
+        "dropped-without-spin": f"{_LOST}: no callback has run",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less-or-depth": "let the callback of {topic} do less, or increase the queue"
+        " depth",
+        "callback-less-or-rate": "let the callback of {topic} do less, or publish it only every"
+        " {seconds:time}",
+        "depth": "increase the queue depth of the subscription of {topic}",
+        "never-wait-or-depth": "let the callback of {topic} never wait, or increase the queue"
+        " depth",
+    },
+    evidence="the counters in two announcements of each node",
+)
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
@@ -93,13 +126,32 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     leaves in the queue too long are lost. Depth 1 requests that. The callback itself may be slow,
     another one of the node may hold it up, or the messages come in bursts.
     """
-    causes = list(map(_cause, _judged(evidence)[0]))
-    return found("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
+    causes = list(map(_cause, _slow_work(evidence)[0]))
+    return finding("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
 
 
 @rule(
     "slow-callbacks",
-    "make the callback faster, or call it less often: lcmtools info TOPIC shows how long it takes",
+    remedy="make the callback faster, or call it less often: lcmtools info TOPIC shows how long it"
+    " takes",
+    title={
+        "never-called": "The following nodes do not run their callbacks:",
+        "slow-callbacks": "The following callbacks take too long:",
+    },
+    facts={
+        "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, mostly in"
+        " {busiest:work}",
+        "hanging-callback": f"{{node}}, {{topic}}: {_NEVER_ENDS}",
+        "received": "{node} has received {messages} messages of {topic}",
+        "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less": "let the callback of {topic} do less",
+    },
+    evidence="the counters in two announcements; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.
@@ -110,7 +162,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     fault if a subscription of depth 1 skips messages: it requests only the newest. Delays that a
     busy computer may have caused are not reported either.
     """
-    lossy, slow, busy = _judged(evidence)
+    lossy, slow, busy = _slow_work(evidence)
     facts = [
         state("hanging-callback", node=x.node, topic=x.topic, **x.hanging())
         if x.hangs
@@ -121,11 +173,11 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
-    yield from found("slow-callbacks", facts, *remedies)
-    told = {one.node.id for one in lossy}
-    waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in told]
+    yield from finding("slow-callbacks", facts, *remedies)
+    reported = {one.node.id for one in lossy}
+    waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in reported]
     facts = [state("received", node=x, topic=e.topic, messages=e.messages) for x, e in waiting]
-    yield from found("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
+    yield from finding("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
 
 
 def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
@@ -140,23 +192,25 @@ def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
 
 def busy_nodes(evidence: Evidence) -> set[str]:
     """The names of the nodes that are slow, which explains what they do not send in time."""
-    lossy, slow, busy = _judged(evidence)
+    lossy, slow, busy = _slow_work(evidence)
     return {one.node.name for one in lossy + slow} | {node.name for node, _, _ in busy}
 
 
 @derived
-def _judged(
+def _slow_work(
     evidence: Evidence,
 ) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
     """The subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
-    every, crowd = list(_works(evidence)), evidence.crowd()
+    every, wait_share = list(_work_of_nodes(evidence)), evidence.wait_share()
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
     reported = {one.node.id for one in lossy}
     slow = [
         one
         for one in subscriptions
-        if one.is_too_slow(crowd) and _is_at_work(one.endpoint) and one.node.id not in reported
+        if one.is_too_slow(wait_share)
+        and _has_run_enough(one.endpoint)
+        and one.node.id not in reported
     ]
     reported |= {one.node.id for one in slow}
     busy = [
@@ -164,7 +218,7 @@ def _judged(
         for work in every
         if work.node.id not in reported and _has_other_work(work.node)
         if (share := busy_share(work.earlier, work.node)) is not None
-        if share - crowd >= _ALWAYS or share >= _UNBROKEN
+        if share - wait_share >= _ALWAYS or share >= _UNBROKEN
         if (busiest := work.busiest())
     ]
     return lossy, slow, busy
@@ -191,7 +245,7 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         remedy = state("busiest-less", node=node, busiest=busiest)
         return lost("by-busy-node", busiest=busiest), remedy
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
-    held_up_by, took = one.work.other(endpoint, least)
+    held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
         cause = lost("long-call", seconds=endpoint.longest / 1e9)
         remedy = state("never-wait-or-depth", topic=topic)
@@ -207,17 +261,17 @@ def _never_wait(one: _Subscription) -> Statement:
     return state("busiest-less", node=one.node, busiest=one.topic)
 
 
-def doubt(evidence: Evidence) -> float:
+def needed_duration(evidence: Evidence) -> float:
     """The duration of a look [s] that would show who loses messages now and then; 0 for no doubt.
 
     A node may be held up in every few seconds only, but has lost many of all its messages.
     """
-    subscriptions = [one for work in _works(evidence) for one in _subscriptions(work)]
+    subscriptions = [one for work in _work_of_nodes(evidence) for one in _subscriptions(work)]
     lossy = (one.endpoint.drops > _MANY * one.endpoint.messages for one in subscriptions)
     return _SECOND_LOOK if any(lossy) and not any(one.lost for one in subscriptions) else 0.0
 
 
-def _works(evidence: Evidence) -> Iterator[_Work]:
+def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:
     """The work of each node that is part of the system."""
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
@@ -249,7 +303,7 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
 
 
-def _is_at_work(endpoint: Endpoint) -> bool:
+def _has_run_enough(endpoint: Endpoint) -> bool:
     """Return whether its callback has run for long enough to be judged."""
     return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
 

@@ -4,7 +4,18 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, found, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Part,
+    Severity,
+    Statement,
+    Subject,
+    finding,
+    rule,
+    state,
+)
+from lcmtools.doctor.renaming import DROP_REMAP
+from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Node, Staleness
 
 _CLOCK = "/clock"
@@ -12,7 +23,23 @@ _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
 
-@rule("stale-nodes", "wake it: kill -CONT PID; or forget it: lcmtools node cleanup", Severity.ERROR)
+@rule(
+    "stale-nodes",
+    remedy="wake it: kill -CONT PID; or forget it: lcmtools node cleanup",
+    severity=Severity.ERROR,
+    title="The following nodes do not answer any more:",
+    facts={
+        "may-be-late": "this computer is too busy to tell: they may only be late",
+        "stale": "{node} (pid {pid}): {why}",
+        "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
+    },
+    remedies={
+        **WAKE_OR_END,
+        "look-there": "check there whether the network and the node work: `lcmtools wtf`",
+        "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
+    },
+    evidence="announcements, the records of nodes of this computer",
+)
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was seen before and did not say goodbye still answers.
 
@@ -35,7 +62,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         if facts and not is_sure:
             facts.append(state("may-be-late"))
         remedies = (remedy for _, remedy in pairs)
-        yield from found("stale-nodes", facts, *remedies, severity=severity)
+        yield from finding("stale-nodes", facts, *remedies, severity=severity)
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
@@ -44,7 +71,7 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
     is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
     is_known = node.stale is Staleness.ENDED or node.pid in stopped
-    return is_known or not (is_deaf or evidence.crowd())
+    return is_known or not (is_deaf or evidence.wait_share())
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
@@ -64,7 +91,15 @@ def _runs(node: Node) -> bool:
     return node.stale is not Staleness.ENDED
 
 
-@rule("duplicate-names", "start one of them with __name:=ANOTHER", Severity.ERROR)
+@rule(
+    "duplicate-names",
+    remedy="start one of them with __name:=ANOTHER",
+    severity=Severity.ERROR,
+    title="{count} nodes have the name {name}:",
+    facts={"node-process": "pid {pid} on {host}: {command}"},
+    remedies={"end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}"},
+    evidence="announcements",
+)
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """No two nodes have the same name.
 
@@ -84,10 +119,21 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
             kills = pids if len(pids) > 1 else ()
             remedy = state("end-or-rename", pids=kills, name=f"{name.rpartition('/')[2]}2")
-            yield from found(title, facts, remedy)
+            yield from finding(title, facts, remedy)
 
 
-@rule("no-clock", "start the simulator, or the node without _use_sim_time:=true", Severity.ERROR)
+@rule(
+    "no-clock",
+    remedy="start the simulator, or the node without _use_sim_time:=true",
+    severity=Severity.ERROR,
+    title="The following nodes use simulated time, and nothing publishes {topic}:",
+    facts={"node-pid": "{node} (pid {pid})"},
+    remedies={
+        **DROP_REMAP,
+        "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
+    },
+    evidence="announcements",
+)
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     """Simulated time has a publisher, if any node uses it.
 
@@ -103,10 +149,23 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
         title = state("no-clock", topic=_CLOCK)
-        yield from found(title, facts, *remedies, "start-simulator")
+        yield from finding(title, facts, *remedies, "start-simulator")
 
 
-@rule("open-files", "close files and sockets that are not needed")
+@rule(
+    "open-files",
+    remedy="close files and sockets that are not needed",
+    title="The following programs have nearly as many files open as LCM can handle:",
+    facts={
+        "open-files": "pid {process.pid} has {open_files} files open, of {most_files}: {process}",
+    },
+    remedies={
+        "close-files": "close unneeded files, or restart the programs; a limit above 1024 does not"
+        " help, because liblcm waits with select",
+    },
+    evidence="the open files of your programs",
+    root_only="other users' programs",
+)
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
 
@@ -119,4 +178,4 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         for p, most in limits
         if p.open_files > _MOST_FILES * most
     )
-    return found("open-files", facts, "close-files")
+    return finding("open-files", facts, "close-files")

@@ -7,8 +7,9 @@ from statistics import median
 
 from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
@@ -61,7 +62,7 @@ class _Pace:
         """The rate now [Hz]; where no message came, the fastest that it may be."""
         return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
 
-    def doubt(self) -> float:
+    def needed_duration(self) -> float:
         """The duration of a look [s] that would show whether the rate has fallen; 0 for no doubt.
 
         One or two messages less than expected are no reason to look longer.
@@ -72,7 +73,23 @@ class _Pace:
         return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
 
 
-@rule("silent", "check the node's log, and that its inputs still arrive")
+@rule(
+    "silent",
+    remedy="check the node's log, and that its inputs still arrive",
+    title={
+        "silent": "The following have stopped publishing:",
+        "stopped-programs": "The following programs are stopped: they send and receive nothing:",
+    },
+    facts={
+        "process": "{process} (pid {process.pid})",
+        "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
+        "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
+    },
+    remedies=WAKE_OR_END,
+    evidence="the nodes' counters, times of arrival, the state of processes; earlier looks with"
+    " --watch",
+    root_only="the state of other users' programs",
+)
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -83,7 +100,7 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     for kind, by, name, topic, age, rate in _silent(evidence):
         fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
         facts.setdefault((name, topic), fact)
-    yield from found("silent", facts.values(), severity=Severity.NOTE)
+    yield from finding("silent", facts.values(), severity=Severity.NOTE)
     yield from _stopped(evidence)
 
 
@@ -119,13 +136,23 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
     ]
     remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
-    return found("stopped-programs", facts, *remedies)
+    return finding("stopped-programs", facts, *remedies)
 
 
 @rule(
     "slow-rate",
-    "see what the node or its computer is busy with: lcmtools node info, top",
-    Severity.NOTE,
+    remedy="see what the node or its computer is busy with: lcmtools node info, top",
+    severity=Severity.NOTE,
+    title="The following have become slower:",
+    facts={
+        "slower": "{node}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+        "slower-program": "{sender}: {rate:.3g} Hz in all, and {usual:.3g} Hz on average since its"
+        " start",
+        "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+    },
+    evidence="the nodes' counters, LCM's sequence numbers with the age of processes; earlier looks"
+    " with --watch",
+    root_only="the age of other users' programs",
 )
 def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     """Publishers are as fast as they were.
@@ -142,16 +169,18 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
             parts = {"node": by} if isinstance(by, Node) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
             facts.setdefault(key, fact)
-    return found("slow-rate", facts.values())
+    return finding("slow-rate", facts.values())
 
 
-def doubt(evidence: Evidence) -> float:
+def needed_duration(evidence: Evidence) -> float:
     """The duration of a look [s] that would show which rates have fallen; 0 for no doubt.
 
     What has just stopped may come in bursts.
     """
     stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    return max(_BURSTS if stops else 0.0, *(pace.doubt() for pace in _paces(evidence)), 0.0)
+    return max(
+        _BURSTS if stops else 0.0, *(pace.needed_duration() for pace in _paces(evidence)), 0.0
+    )
 
 
 def may_have_fallen(evidence: Evidence) -> bool:
@@ -161,8 +190,12 @@ def may_have_fallen(evidence: Evidence) -> bool:
 
 @rule(
     "irregular",
-    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
-    Severity.NOTE,
+    remedy="lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
+    severity=Severity.NOTE,
+    title="The following come at irregular intervals:",
+    facts={"gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}"},
+    evidence="times of arrival; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     """Frequent messages come at regular intervals.
@@ -179,7 +212,7 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             if is_late and longest > max(SHORTEST, UNEVEN * interval):
                 times = {"longest": longest, "usual": interval}
                 facts.append(state("gap", sender=stream, topic=stream.channel, **times))
-    return found("irregular", facts)
+    return finding("irregular", facts)
 
 
 def _comes_in_bursts(stream: Stream) -> bool:

@@ -4,14 +4,16 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
+from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
 
+_SENT = "{lost} of {sent} ({percent:.1f} %)"
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SOME = 3  # messages that are the same are no chance
 _SLOWER = 0.9  # of the target rate
@@ -19,7 +21,19 @@ _BUSY = 0.85
 _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
 
 
-@rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
+@rule(
+    "loss",
+    remedy="less data, a wired network, or recv_buf_size=N in the URL",
+    title="Messages of the following senders were lost:",
+    facts={
+        "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
+        "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
+    },
+    remedies={
+        "send-less": "send less or smaller messages; a large one is lost with any of its parts",
+    },
+    evidence="LCM's sequence numbers, the drops of wtf's own socket",
+)
 def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     """Every message that is sent arrives at this computer.
 
@@ -32,10 +46,20 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
         kind, sent = "lost-in-sender" if s.is_local else "lost-on-network", s.lost + s.messages
         percent = 100 * Loss(s.lost, sent).share
         facts.append(state(kind, sender=s, lost=s.lost, sent=sent, percent=percent))
-    return found("loss", facts, "send-less")
+    return finding("loss", facts, "send-less")
 
 
-@rule("doubled", "remove the second path, or let the sender send once")
+@rule(
+    "doubled",
+    remedy="remove the second path, or let the sender send once",
+    title="Messages of the following come more than once, with the same sequence number:",
+    facts={"doubled": "{sender}: {count} messages"},
+    remedies={
+        "find-second-way": "look for a second path to this computer: a loop of cables or bridges,"
+        " two interfaces on one network, a mirroring port; or a sender that sends everything twice",
+    },
+    evidence="LCM's sequence numbers, the content of messages",
+)
 def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     """No message arrives twice with the same sequence number.
 
@@ -51,10 +75,27 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
         for name, count in counts.items()
         if count >= _SOME
     ]
-    return found("doubled", facts, "find-second-way")
+    return finding("doubled", facts, "find-second-way")
 
 
-@rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
+@rule(
+    "competing-publishers",
+    remedy="end one of them, or remap it: OLD:=NEW",
+    title="{count} programs publish on {topics:and} at the same time:",
+    facts={
+        "publisher": "{sender}: {topic}",
+        "repeats": "{sender}: {topic}, {count} messages that another sender had sent before",
+    },
+    remedies={
+        **END_OR_REMAP,
+        "end-one-or-part": "end one of them{pids:kills}, or start {other} on another bus",
+        "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
+        "open-circle": "a program that forwards what it receives creates a loop if that comes back"
+        " to it: let it publish on another channel",
+    },
+    evidence="channels, senders and times of messages; announcements of commands",
+    root_only="the names of other users' programs",
+)
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
@@ -84,10 +125,10 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             for one in several
         )
         circle = ["open-circle"] if repeat else []
-        yield from found(title, facts, *circle, _parting(evidence, several, names))
+        yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
-def doubt(evidence: Evidence) -> float:
+def needed_duration(evidence: Evidence) -> float:
     """The duration of a look [s] that would show who publishes at the same time; 0 for no doubt."""
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
@@ -136,7 +177,7 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
                     yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
-def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
+def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
     """The remedy for several that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
@@ -151,7 +192,30 @@ def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str
     return state("end-one-or-remap", other=node, old=old, new=f"{topic}_2", **known)
 
 
-@rule("slow-simulator", "subscribe to fewer sensors, or simulate fewer robots")
+@rule(
+    "slow-simulator",
+    remedy="subscribe to fewer sensors, or simulate fewer robots",
+    title={
+        "jumping-simulator": "Simulated time jumps back:",
+        "paused-simulator": "Simulated time stands still:",
+        "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
+        " the simulator is overloaded",
+        "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
+    },
+    facts={
+        **PROGRAM,
+        "jumps-back": "{program}: {count:times}",
+    },
+    remedies={
+        "resume": "if that was not intended: `lcmtools sim resume`",
+        "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
+        "simulate-less": "end programs that subscribe to cameras, or give it fewer robots",
+        "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
+        " time that only rises",
+    },
+    evidence="/clock, the processor time of its publisher",
+    root_only="its processor time, if it is another user's program",
+)
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
@@ -172,21 +236,23 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     if clock and clock.ratio == 0 and not paused:
         facts.append(state("program", program=clock.name))
     remedies = [state("resume")] if any(map(_is_ours, paused)) else []
-    yield from found("paused-simulator", facts, *remedies, severity=Severity.NOTE)
+    yield from finding("paused-simulator", facts, *remedies, severity=Severity.NOTE)
     if clock and clock.jumps:
         jumps = state("jumps-back", program=clock.name, count=clock.jumps)
         severity = Severity.WARNING if clock.jumps > 1 else Severity.NOTE
-        yield from found("jumping-simulator", [jumps], "time-rises", severity=severity)
+        yield from finding("jumping-simulator", [jumps], "time-rises", severity=severity)
     if not (clock and clock.target and clock.ratio and clock.ratio <= _SLOWER * clock.target):
         return
     known = {"ratio": clock.ratio, "target": clock.target}
     facts = [state("program", program=clock.name)]
     if clock.busy is not None and clock.busy > _BUSY:
-        yield from found(state("overloaded-simulator", **known), facts, "simulate-less")
+        yield from finding(state("overloaded-simulator", **known), facts, "simulate-less")
     else:
         is_ours = any(_is_ours(node) for node in evidence.graph.nodes if node.name == clock.name)
         remedies = [state("set-rate", rate=clock.target)] if is_ours else []
-        yield from found(state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE)
+        yield from finding(
+            state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE
+        )
 
 
 def _is_ours(node: Node) -> bool:

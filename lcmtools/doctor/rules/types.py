@@ -12,7 +12,7 @@ from lcmtools.doctor.findings import (
     Severity,
     Statement,
     Subject,
-    found,
+    finding,
     rule,
     state,
     subject,
@@ -27,6 +27,9 @@ from lcmtools.wire.packet import Sender
 _BITS = (1 << 64) - 1
 _MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
+_SAME_LCM_FILES = {
+    "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
+}
 _OLDER, _NEWER = "without the field", "with "  # in a difference from the version that is known
 
 
@@ -50,7 +53,33 @@ class _User:
         return state(f"{self.kind}-as", program=self.subject, topic=topic, types=types)
 
 
-@rule("type-mismatch", "use the same type, from the same .lcm file, on both sides", Severity.ERROR)
+@rule(
+    "type-mismatch",
+    remedy="use the same type, from the same .lcm file, on both sides",
+    severity=Severity.ERROR,
+    title={
+        "type-mismatch": "The types on {topic} do not match:",
+        "type-names-differ": "The types on {topic} have the same fields, but different names:",
+    },
+    facts={
+        "expects": "{node} expects {type}",
+        "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
+        "older-type": "the older version is probably that of {senders:and}",
+        "publishes": "{node} publishes {type}",
+        "sends": "{sender} sends {type}",
+    },
+    remedies={
+        **_SAME_LCM_FILES,
+        "expects-as": "let {program} subscribe to {topic} as {types:or}",
+        "publishes-as": "let {program} publish {topic} as {types:or}",
+        "remap-one": "remap one of them to another topic, for example {topic}:={topic}_2",
+        "rename-one": "let one of them use another channel",
+        "same-type": "it works; declare the same type on both sides, so that all commands show the"
+        " same",
+        "sends-as": "let {program} send {types:or} on {topic}",
+    },
+    evidence="announced types, fingerprints in messages, the known types",
+)
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """All publishers and subscribers of a topic use the same type.
 
@@ -61,15 +90,33 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         if disagree(topic):
             users = list(_users(topic, evidence))
             title, facts = state("type-mismatch", topic=topic.name), [one.fact() for one in users]
-            more, remedies = _judged(topic, users)
-            yield from found(title, [*facts, *more], *remedies)
+            more, remedies = _diagnosis(topic, users)
+            yield from finding(title, [*facts, *more], *remedies)
         elif not is_hidden(topic.name) and _differ_in_name(topic):
             title = state("type-names-differ", topic=topic.name)
             facts = [user.fact() for user in _users(topic, evidence)]
-            yield from found(title, facts, "same-type", severity=Severity.NOTE)
+            yield from finding(title, facts, "same-type", severity=Severity.NOTE)
 
 
-@rule("unknown-type", "generate the sender's types again from the same .lcm files", Severity.NOTE)
+@rule(
+    "unknown-type",
+    remedy="generate the sender's types again from the same .lcm files",
+    severity=Severity.NOTE,
+    title={
+        "no-lcm-messages": "The following are not LCM messages:",
+        "types-without-file": "The types of the following are not known here:",
+        "unknown-type": "The types of the following are similar to known ones:",
+    },
+    facts={"unknown-type": "{topic} from {senders:and}: {type}"},
+    remedies={
+        **_SAME_LCM_FILES,
+        "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them"
+        " with the code that lcm-gen generates",
+        "correct-file": "correct the file that cannot be read: {problem}",
+        "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
+    },
+    evidence="fingerprints and beginnings of messages, the known types",
+)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """The types of all messages are known, and everything sent is an LCM message.
 
@@ -99,11 +146,11 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
             kept.append(fact)
     note = Severity.NOTE
-    yield from found("unknown-type", near, "same-lcm-files", severity=note)
+    yield from finding("unknown-type", near, "same-lcm-files", severity=note)
     files = problems()[:1] if unknown else ()  # the one that is missed may be in there
     broken = (state("correct-file", problem=str(problem.error())) for problem in files)
-    yield from found("types-without-file", unknown, *broken, "type-path", severity=note)
-    yield from found("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
+    yield from finding("types-without-file", unknown, *broken, "type-path", severity=note)
+    yield from finding("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
 
 
 def disagree(topic: Topic) -> bool:
@@ -136,7 +183,9 @@ def _weight(node: Node) -> float:
     return 0.5 if node.tool else 1.5 if is_simulator(node) else 1.0
 
 
-def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list[Statement | str]]:
+def _diagnosis(
+    topic: Topic, users: Sequence[_User]
+) -> tuple[list[Statement], list[Statement | str]]:
     """Return the sides at fault, as far as that shows, and the remedies."""
     if any("difference" in user.type for user in users):
         return list(_older(users)), ["same-lcm-files"]

@@ -14,7 +14,7 @@ from lcmtools.doctor.collect import collect
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Statement
 from lcmtools.doctor.rules import examine
-from lcmtools.doctor.words import describe
+from lcmtools.doctor.sentences import describe
 from lcmtools.graph.model import Endpoint, Node, Role, Topic
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
 

@@ -295,15 +295,16 @@ class BusMonitor:
         return any(not is_stopped(node.pid) for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen while there may be programs that do not answer; to the deadline if any publishes.
+        """Listen while there may be programs that do not tell their channels.
 
+        Listens to the deadline if one publishes, or if a node's details cannot be read.
         A program's channels show only in its messages, and the first shows only one of many.
         """
         while (left := deadline - time.monotonic()) > 0:
             ports = {s.port for s in self._builder.senders() if is_local(s.address)}
             ports.add(self._observer.port)
             graph = self.graph()
-            if graph.foreign() or not sockets_are_known():
+            if graph.foreign() or graph.unexplained() or not sockets_are_known():
                 deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}

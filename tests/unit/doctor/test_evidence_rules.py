@@ -53,7 +53,7 @@ def test_rules_have_ids_explanations_and_remedies() -> None:
     for rule in RULES:
         assert rule.explanation.endswith((".", ")")), rule.id
         assert rule.remedy, rule.id
-        assert rule.title, rule.id
+        assert rule.summary, rule.id
 
 
 def test_loss_says_whose_how_much_and_where() -> None:

@@ -1,7 +1,7 @@
 // The displays of the world: one for each topic, by the kind of its messages.
 
 import { Group } from "../../vendor/three/three.js";
-import { DRAW, LIFT, band } from "./drawings.js";
+import { KINDS, LIFT, band } from "./drawings.js";
 import { dispose, matrixOf } from "./geometry.js";
 import { hasPlace } from "./numbers.js";
 import { MESH, bodyOf } from "./shapes.js";
@@ -10,22 +10,6 @@ import { MESH, bodyOf } from "./shapes.js";
  * @typedef {import("./frames.js").Pose} Pose
  * @typedef {import("./frames.js").Frames} Frames
  */
-
-/** The stream, and whether it is shown at first, by the type of a topic. */
-export const TYPES = /** @type {Record<string, {stream: string, name: string, isOff?: boolean, hasColor?: boolean}>} */ ({
-  "visualization_msgs/MarkerArray": { stream: "markers", name: "markers" },
-  "visualization_msgs/Marker": { stream: "markers", name: "markers" },
-  "tf2_msgs/TFMessage": { stream: "frames", name: "frames" },
-  "nav_msgs/Odometry": { stream: "newest", name: "odometry", hasColor: true },
-  "nav_msgs/Path": { stream: "newest", name: "path", hasColor: true },
-  "nav_msgs/OccupancyGrid": { stream: "newest", name: "map" },
-  "sensor_msgs/LaserScan": { stream: "newest", name: "laser", hasColor: true },
-  "sensor_msgs/PointCloud2": { stream: "newest", name: "points", isOff: true, hasColor: true },
-  "sensor_msgs/PointCloud": { stream: "newest", name: "points", isOff: true, hasColor: true },
-  "geometry_msgs/PoseStamped": { stream: "newest", name: "pose", hasColor: true },
-  "geometry_msgs/PoseWithCovarianceStamped": { stream: "newest", name: "pose", hasColor: true },
-  "geometry_msgs/PoseArray": { stream: "newest", name: "poses", hasColor: true },
-});
 
 const TRAIL = 4000; // points
 const TRAIL_STEP = 0.03; // [m]
@@ -75,7 +59,7 @@ export class Display {
     else if (!hasPlace(this.latest)) {
       this.clear();
       this.status = "not drawn: its place is not finite";
-    } else if (DRAW[kind]) {
+    } else if (KINDS[kind]?.draw) {
       this.status = "";
       if (this.parts[0]?.frame !== frame) {
         this.clear();
@@ -83,7 +67,7 @@ export class Display {
       }
       const { group } = /** @type {{group: any}} */ (this.parts[0]);
       for (const child of [...group.children]) dispose(child);
-      DRAW[kind](group, this.latest, this.payload, this.color, this.isPainted);
+      KINDS[kind].draw(group, this.latest, this.payload, this.color, this.isPainted);
     }
   }
 
