@@ -5,7 +5,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
@@ -58,14 +58,6 @@ def show(
     document(value) if as_json else lines(rows, decorate)
     if none and not value:
         talk(none)
-
-
-def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table, its columns aligned and two blanks apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-        yield "  ".join(cells).rstrip()
 
 
 @contextlib.contextmanager

@@ -45,7 +45,7 @@ def record(node: str, parameter: Parameter) -> dict[str, object]:
     }
 
 
-def description(node: str, parameter: Parameter) -> Iterator[str]:
+def rows(node: str, parameter: Parameter) -> Iterator[str]:
     """Yield the lines of ``param describe``."""
     yield f"Parameter: {node}/{parameter.name}"
     yield f"  Type: {parameter.type}"

@@ -11,8 +11,8 @@ from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
 from lcmtools.launch.packages import find_files
+from lcmtools.launch.plan_report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.reading import make_plan
-from lcmtools.launch.report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.output import columns, data, say, talk
+from lcmtools.cli.output import data, say, talk
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import UsageError
 from lcmtools.launch.logs import make_folder
@@ -16,6 +16,7 @@ from lcmtools.launch.node_process import NodeProcess
 from lcmtools.launch.plan import NodePlan, Output, Plan
 from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
+from lcmtools.text_table import text_table
 
 _COLORS = ("36", "32", "35", "34", "33")  # of nodes in turn: red is for what is wrong
 
@@ -51,7 +52,7 @@ def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -
     for one in ended:
         log = shlex.quote(one.log) if one.log else "-"
         rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
-    for row in columns(rows):
+    for row in text_table(rows):
         talk(row)
     return int(any(one.has_failed for one in ended))
 

@@ -78,5 +78,5 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     full, wanted = target.node.name, target.parameter
     found = client.request(full)
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    rows = (row for parameter in parameters for row in report.description(full, parameter))
+    rows = (row for parameter in parameters for row in report.rows(full, parameter))
     show([report.record(full, parameter) for parameter in parameters], rows, as_json=as_json)

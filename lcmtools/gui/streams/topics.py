@@ -5,8 +5,8 @@ from typing import cast
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.observe.channels.channel_report import record
 from lcmtools.observe.channels.rows import ChannelRow
-from lcmtools.observe.channels.table import record
 
 
 class Topics(PageStream):

@@ -54,7 +54,7 @@ PRIVATE = {
     "doctor/saved.py",
     "foxglove/schemas.py",
     "gui/protocol.py",
-    "launch/report.py",
+    "launch/plan_report.py",
     "packages/cache.py",
     "wire/log_index.py",
 }
