@@ -1,6 +1,6 @@
-"""Endpoints of the graph with nothing at the other end, and what connects two of them.
+"""Unconnected publications and subscriptions, and remedies that connect them.
 
-Pure: the graph in, remedies out. Each changes one argument, and names the node to start with it.
+Pure: the graph in, remedies out. A remedy changes one argument of one node.
 """
 
 from collections import defaultdict
@@ -19,49 +19,44 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
+from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
+from lcmtools.observe.simulators import is_simulator
 
 CONNECTIONS = {
     **REMAPS,
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
 }
 """The sentences of remedies that connect a subscription."""
-# Topics that nodes publish or subscribe to as a matter of course; roswtf excepts /clock, /rosout.
-_COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
 
-_PERIODS = 3  # of a topic on average, without a message, are no sign that it is heard no more
-_FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
-_FEWEST_OF_PLAIN = 1  # where a program runs that is no node, and may be what publishes
+_PERIODS = 3  # average periods without a message after which a topic still counts as published
+_FEWEST = 4  # messages of a topic that is published repeatedly; pub -1 sends one
+_FEWEST_OF_PLAIN = 1  # the same if a plain LCM program runs, which may be the publisher
 _LONG_AGO = 180_000_000_000  # [ns]
-_MOST_SUGGESTIONS = 20  # for one subscription: of more publications, none is likelier than another
+_MOST_SUGGESTIONS = 20  # per subscription: among more publications, none is more likely
 
 End = tuple[Node, Endpoint]  # an endpoint of a node
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A way to connect a loose subscription."""
+    """A publication that an unconnected subscription may have meant."""
 
-    remedy: Statement  # what to do, and why
+    remedy: Statement  # the change that connects them, with its reason
     listener: str  # the id of the node that subscribes
-    channel: str  # that it may have meant
-    publisher: str = ""  # the id of the node that publishes that; "" where it is no node
-
-
-def is_simulator(node: Node) -> bool:
-    """Return whether a node publishes the time, and so has sensors for any subscriber."""
-    return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
+    channel: str  # the topic or channel that it may have meant
+    publisher: str = ""  # the id of the node that publishes it; "" if it is not a node
 
 
 def unconnected_ends(
     graph: Graph, role: Role, *, of_tools: bool = False, beside_plain: bool = False
 ) -> list[End]:
-    """The publications, or subscriptions, of live nodes that have nothing at the other end.
+    """Return the publications or subscriptions of live nodes without a node at the other end.
 
-    Those of commands too, if ``of_tools``. Programs that are no nodes may publish what is missing,
-    if ``beside_plain``.
+    ``of_tools`` includes those of commands. ``beside_plain`` means that plain LCM programs run,
+    which may publish what is missing.
     """
     live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
@@ -75,9 +70,9 @@ def unconnected_ends(
 
 
 def _recently_received(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
-    """The topics of which messages came recently, by the counters of their subscribers.
+    """Return the topics with recent messages, by the counters of their subscribers.
 
-    A program that is no node may publish too seldom to be seen in one look.
+    A plain LCM program may publish too rarely to be seen in one look.
     """
     received = set()
     for node in nodes:
@@ -90,11 +85,11 @@ def _recently_received(nodes: Iterable[Node], now: int, fewest: int) -> set[str]
 
 
 def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
-    """The loose ends of a node; alternatives of each other count as one, the first."""
+    """Yield a node's unconnected endpoints; only the first one of a group of alternatives."""
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
     for end in ends:
-        is_apart = end.topic in connected | _COMMON or is_hidden(end.topic)
+        is_apart = end.topic in connected | OFTEN_UNCONNECTED or is_hidden(end.topic)
         if not is_apart and end.group not in groups:
             yield end
         if end.group:
@@ -106,18 +101,18 @@ def _fit(one: Endpoint, other: Endpoint) -> bool:
 
 
 def _as_seen_by(node: Node, topic: str) -> str:
-    """A topic's name for a node: short in its own namespace."""
+    """Return a topic's name relative to a node's namespace, if it is in that."""
     own = namespace_of(node.name)
     return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
 def _sent(topic: Topic) -> set[int]:
-    """The types that are announced or sent on a topic."""
+    """Return the fingerprints that are announced or sent on a topic."""
     return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
 
 
 def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
-    """Endpoints by a part of their topics' names."""
+    """Group endpoints by a part of their topics' names."""
     found: dict[str, list[End]] = defaultdict(list)
     for node, endpoint in ends:
         found[key(endpoint.topic)].append((node, endpoint))
@@ -125,7 +120,7 @@ def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
 
 
 class ConnectionFinder:
-    """The ways to connect loose ends; ``names`` are those of the channels' senders, for people."""
+    """Search for connections; ``names`` are the displayed names of the channels' senders."""
 
     def __init__(self, graph: Graph, names: Mapping[str, str]) -> None:
         self._graph, self._names = graph, names
@@ -135,7 +130,7 @@ class ConnectionFinder:
         self._by_namespace = _by(namespace_of, published)
         self._published = _by(str, published)
         taking = ((n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool)
-        self._subscribed = _by(str, taking)  # not by commands: spy and gui listen to all
+        self._subscribed = _by(str, taking)  # not by commands: spy and gui subscribe to all
         self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
         self._near_subscribed = NearNames(self._subscribed)
         outputs = unconnected_ends(graph, Role.PUBLISHER, of_tools=True)
@@ -153,9 +148,9 @@ class ConnectionFinder:
         }
 
     def suggestions(self, unconnected: Iterable[End]) -> list[Suggestion]:
-        """The known ways to connect loose subscriptions.
+        """Return suggestions for unconnected subscriptions.
 
-        What a node finds in the namespace to which it is to be moved needs no other way.
+        If one of them moves a node to another namespace, that also serves its topics there.
         """
         found = [
             (node, suggestion)
@@ -181,7 +176,7 @@ class ConnectionFinder:
         ]
 
     def remedies_for_publication(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
-        """The remedies that lead a loose publication to a subscription that has a publisher."""
+        """Yield remedies that remap an unconnected publication to a topic with subscribers."""
         for topic in self._near_subscribed.of(endpoint.topic):
             for listener, other in self._subscribed[topic]:
                 if listener.id != node.id and _fit(endpoint, other):
@@ -189,7 +184,7 @@ class ConnectionFinder:
                     yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
 
     def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
-        """The ways of the likeliest kind of slip."""
+        """Return the suggestions of the most likely kind of mistake."""
         kinds = (
             self._in_other_namespace,
             self._of_similar_name,
@@ -204,10 +199,10 @@ class ConnectionFinder:
         return (publisher.id, publication.topic) in self._unconnected
 
     def _is_misplaced(self, node: Node, topic: str, *, command: bool = False) -> bool:
-        """Return whether a node's namespace is what is wrong with a topic in it.
+        """Return whether a node's namespace is the reason why a topic in it is unconnected.
 
-        Where another topic of the node in it is connected, it is not; nor where a command is at the
-        other end, which has the topic as its argument, but for a node without any namespace.
+        It is not if another topic of the node in the namespace is connected. If a command is at the
+        other end, whose argument is the topic, only a node without a namespace is misplaced.
         """
         space = namespace_of(node.name)
         is_own = space == namespace_of(topic) and node.id not in self._placed
@@ -217,7 +212,7 @@ class ConnectionFinder:
         return Subject("sender", self._names.get(channel, str(fallback)))
 
     def _in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """The same name in another namespace: one of the two nodes is in the wrong one."""
+        """Suggest the same name in another namespace: one of the two nodes is in the wrong one."""
         announced = [
             (publisher, other)
             for publisher, other in self._by_base[base_name_of(end.topic)]
@@ -245,7 +240,7 @@ class ConnectionFinder:
             yield from self._sent_in_other_namespace(node, end)
 
     def _sent_in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """The same for senders that are no nodes."""
+        """Suggest the same name in another namespace, sent by a plain LCM program."""
         for seen in self._foreign[base_name_of(end.topic)]:
             channel = seen.channel
             if set(seen.fingerprints).isdisjoint(end.fingerprints):
@@ -260,7 +255,7 @@ class ConnectionFinder:
             return
 
     def _of_similar_name(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Nearly the same name, and not of a wrong type."""
+        """Suggest a similar name, unless its type differs."""
         for name in self._near_names.of(end.topic):
             topic = self._graph.topic(name)
             sent, taken = _sent(topic), set(end.fingerprints)
@@ -282,7 +277,7 @@ class ConnectionFinder:
             return
 
     def _without_remap(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """A remap that leads away from a topic that is published."""
+        """Suggest to drop a remap of a topic that is published."""
         argument = remap_argument(node, end.topic)
         before = expanded(argument.partition(":=")[0], node)
         topic = self._graph.topic(before)
@@ -291,10 +286,10 @@ class ConnectionFinder:
             yield _suggestion(node, state("drop-remap", node=node, argument=argument), before)
 
     def _of_same_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Publications of the same type and namespace without subscribers: a remap is missing.
+        """Suggest publications of the same type and namespace without subscribers.
 
-        The names of a simulator's topics are fixed; others are remapped to them. Of two others,
-        the name that a remap has given is the wrong one.
+        A simulator's topics have fixed names: other nodes are remapped to them. Otherwise the name
+        that comes from a remap is the wrong one.
         """
         for publisher, publication in self._by_namespace[namespace_of(end.topic)]:
             topic = publication.topic
@@ -312,7 +307,7 @@ class ConnectionFinder:
                 yield _suggestion(node, remedy, topic, publisher, "no-subscriber")
 
     def _of_other_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """The same name in another namespace, or nearly the same name, but of another type."""
+        """Suggest another type for the same name in another namespace, or for a similar name."""
         if not end.fingerprints:
             return
         base, near = base_name_of(end.topic), list(self._near_names.of(end.topic))
@@ -346,7 +341,7 @@ def _suggestion(
 def _rename_publisher(
     node: Node, end: Endpoint, publisher: Node, publication: Endpoint
 ) -> Suggestion:
-    """The publisher has the wrong name, not the subscription."""
+    """Suggest another topic for the publisher, because its name is the wrong one."""
     topic = publication.topic
     remedy = publish_on(publisher, topic, end.topic)
     return _suggestion(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
@@ -362,7 +357,7 @@ def _change_type(
 
 
 def _is_slip_of(publisher: Node, name: str, node: Node, end: Endpoint) -> bool:
-    """Return whether the publisher, not the subscriber, has the name that is to be changed."""
+    """Return whether the publisher's topic has the wrong name, and not the subscriber's."""
     if remap_argument(publisher, name) or remap_argument(node, end.topic):
         return bool(remap_argument(publisher, name))
     return publisher.tool or namespace_of(node.name) != namespace_of(end.topic)

@@ -35,7 +35,7 @@ _Made: TypeAlias = Any  # a value of such a type
 
 
 class _InvalidEvidence(Exception):  # noqa: N818 - never leaves this module
-    """A value in the file that does not fit."""
+    """A value in the file that does not match its type."""
 
 
 class _UnknownName(_InvalidEvidence):
@@ -60,13 +60,13 @@ def load(file: Path) -> Evidence:
 
 
 def to_text(evidence: Evidence) -> str:
-    """The text of a file that holds this evidence."""
+    """Return evidence as the text of a file."""
     document = {_KEY: VERSION, "evidence": _plain(evidence)}
     return f"{json.dumps(document, separators=(',', ':'))}\n"
 
 
 def from_text(text: str) -> Evidence:
-    """The evidence in the text of a file."""
+    """Return the evidence in the text of a file."""
     document = json.loads(text)
     version = document.get(_KEY) if isinstance(document, dict) else None
     if not isinstance(version, int):
@@ -92,7 +92,7 @@ def _plain(value: object) -> object:
 
 
 def _has_names(kind: _Type) -> bool:
-    """Return whether the fields of such a value are written with their names."""
+    """Return whether the fields of a type are written with their names."""
     if is_dataclass(kind):
         return True
     names, defaults = getattr(kind, "_fields", ()), getattr(kind, "_field_defaults", ())
@@ -101,7 +101,7 @@ def _has_names(kind: _Type) -> bool:
 
 @cache
 def _defaults(kind: _Type) -> dict[str, object]:
-    """The fields of a kind of value, with their defaults; MISSING for none."""
+    """Return the defaults of a type's fields; MISSING for a field without one."""
     if not is_dataclass(kind):
         return {name: kind._field_defaults.get(name, MISSING) for name in kind._fields}
     factories = {part.name: part.default_factory for part in fields(kind)}
@@ -110,7 +110,7 @@ def _defaults(kind: _Type) -> dict[str, object]:
 
 
 def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
-    """The value of a type that a plain one is written for."""
+    """Build a value of type ``kind`` from JSON; the inverse of ``_plain``."""
     origin: object = get_origin(kind)
     kinds = get_args(kind)
     if origin in (Union, types.UnionType):  # as in ``float | None``
@@ -141,7 +141,7 @@ def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
 
 
 def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
-    """The values in a list: all of one type, or each of its own and then any others."""
+    """Build the values of a list, all of one type or each of its own; ignore further ones."""
     _expect(isinstance(plain, list), path)
     if kinds[-1] is not ...:
         _expect(len(plain) >= len(kinds), path)

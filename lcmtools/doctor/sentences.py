@@ -16,7 +16,7 @@ _MOST = 8  # names in a row
 
 
 class Description(NamedTuple):
-    """A finding in words: a line, lines to show below it, and what to type or change."""
+    """A finding as text: a title, lines below it, and remedies."""
 
     title: str
     items: tuple[str, ...]
@@ -24,7 +24,7 @@ class Description(NamedTuple):
 
 
 def describe(finding: Finding) -> Description:
-    """Put a finding into words."""
+    """Format a finding."""
     return Description(
         _text(finding.title),
         tuple(line for fact in finding.facts for line in fact_lines(fact)),
@@ -33,12 +33,12 @@ def describe(finding: Finding) -> Description:
 
 
 def remedy_text(remedy: Statement) -> str:
-    """A remedy in words, with its reason."""
+    """Format a remedy, with its reason."""
     return _fill(remedy.sentence.replace("`", ""), remedy.parts)
 
 
 def commands(remedy: Statement) -> list[str]:
-    """The commands in a remedy that can be typed as they are."""
+    """Return the commands in a remedy that can be typed as they are."""
     pids = remedy.parts.get("pids")
     if isinstance(pids, tuple):
         return [f"kill {pid}" for pid in pids]
@@ -47,19 +47,19 @@ def commands(remedy: Statement) -> list[str]:
 
 
 def unchecked_text(unchecked: Unchecked) -> str:
-    """The reason why something could not be looked at."""
+    """Format the reason why a rule lacks evidence."""
     return _text(unchecked.reason)
 
 
 def fact_lines(fact: Statement) -> Iterator[str]:
-    """A fact in words: a line, and perhaps further ones below it."""
+    """Format a fact as a line; after a colon, a line for each of its topics."""
     yield f" * {_fill(fact.sentence, {**fact.parts, 'type': _type(fact)})}"
     if fact.sentence.endswith(":"):  # as roswtf lists them: a node, and its topics below it
         yield from (f"   * {topic}" for topic in fact.subjects() if topic.kind == "topic")
 
 
 def _type(fact: Statement) -> str:
-    """The type of messages that a fact is about, as far as it is known."""
+    """Format the message type of a fact, as far as it is known."""
     if "types" in fact.parts:
         return _fill("{types:or}", fact.parts)
     if "format" in fact.parts:
@@ -72,24 +72,24 @@ def _type(fact: Statement) -> str:
 
 
 def _first(values: Sequence[object]) -> list[str]:
-    """The first of many values, and the number of the others."""
+    """Format the first of many values, and the number of the others."""
     more = [f"{len(values) - _MOST + 1} more"] if len(values) > _MOST else []
     return [*map(_shown, values[: _MOST - len(more)]), *more]
 
 
 def _shown(value: object) -> str:
-    """A name as it is shown: channels that are no topics of nodes in quotes."""
+    """Format a name; channels that are not topics of nodes are quoted."""
     is_plain = isinstance(value, Subject) and value.kind == "topic" and value.name[:1] != "/"
     return _quoted(value) if is_plain else str(value)
 
 
 def _quoted(value: object) -> str:
-    """A name in quotes, as Python writes it; a byte that is no UTF-8 as it is elsewhere."""
+    """Quote a name as Python does, with the hexadecimal value of a byte that is not UTF-8."""
     return re.sub(r"\\udc(?=[89a-f])", r"\\x", repr(str(value)))
 
 
 def _advice(hint: str) -> tuple[str, str]:
-    """A hint as the text before the command in it, and the command; "" for none."""
+    """Split a hint into the text before its command, and the command; "" if it has none."""
     if hint.startswith("export "):
         return "", hint
     text, sign, command = hint.partition("type: ")
@@ -111,6 +111,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "list": lambda values: ", ".join(_first(values)),
     "namespaces": lambda names: ", ".join(f"__ns:={name}" for name in names),
     "not": lambda target: f", not {target:g}" if target != 1 else "",
+    "run": lambda several: "runs" if len(several) == 1 else "run",
     "or": lambda values: " or ".join(map(str, values)),
     "call": lambda name: f"the callback of {name}" if str(name).startswith("/") else str(name),
     "repr": _quoted,
@@ -127,7 +128,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     ),
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }
-"""The ways to show a part that ``format`` does not have."""
+"""Formats of parts in addition to Python's."""
 
 
 class _Sentence(Formatter):

@@ -70,3 +70,17 @@ def test_a_newer_node_is_recorded_and_read_from_the_log(
         "/newer_talker",
         "/unreadable_talker",
     }
+
+
+def test_wtf_notes_the_versions_and_takes_no_node_for_stale(
+    bus_url: str, start: Run, cli: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    for kind in _KINDS:
+        start(sys.executable, _PROGRAM, kind).wait_for("runs")
+    findings = {one["rule"]: one for one in json.loads(cli("wtf", "--json").out)}
+    assert "stale-nodes" not in findings
+    assert "kill -KILL" not in json.dumps(findings)
+    items = "\n".join(findings["other-version"]["items"])
+    assert all(f"/{kind}_talker" in items for kind in _KINDS)
+    assert findings["other-version"]["severity"] == "note"

@@ -19,7 +19,7 @@ from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
-_MOST, _MOST_REMEDIES = 8, 3  # that are shown of other buses
+_MOST, _MOST_REMEDIES = 8, 3  # programs and remedies that are shown
 _MPUDPM = "=mpudpm:"  # in the variable of a process
 
 
@@ -179,14 +179,14 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _url(process: LcmProcess) -> str:
-    """The URL of a process's bus."""
+    """Return the URL of a process's bus."""
     if _MPUDPM in process.variable:
         return process.variable.partition("=")[2]
     return process.bus if "://" in process.bus else f"udpm://{process.bus}?ttl=0"
 
 
 def _is_empty(evidence: Evidence) -> bool:
-    """Return whether there is neither a node nor a message on the bus."""
+    """Return whether the bus has neither nodes nor messages."""
     seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
     nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)
     return not seen and not nodes
@@ -211,7 +211,7 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     names = sender_names(evidence)
     internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
     programs = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
-    # one that only sends is not seen on this bus: its variables show it
+    # a program that only sends is not visible on this bus, but its variables are
     programs |= {
         Subject("process", f"{p.command} (pid {p.pid})", p.pid)
         for p in evidence.processes
@@ -223,7 +223,7 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _has_mpudpm(process: LcmProcess, evidence: Evidence) -> bool:
-    """Return whether a process uses mpudpm where this bus uses udpm: on the same group and port."""
+    """Return whether a process uses mpudpm on the group and port of this bus."""
     places = {_place(url) for url in (process.variable.partition("=")[2], evidence.url)}
     return _MPUDPM in process.variable and len(places) == 1
 
@@ -273,7 +273,7 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
-    """The names of senders of which a node on another computer subscribes to a topic."""
+    """Return the names of senders with a subscriber on another computer."""
     nodes = evidence.graph.nodes
     far = [node for node in nodes if node.id in evidence.remote and not node.stale]
     topics = {end.topic for node in far for end in node.having(Role.SUBSCRIBER)}

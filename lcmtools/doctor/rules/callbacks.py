@@ -10,12 +10,12 @@ from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share, callback_time
 
-_NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
-_ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
-_START = 3.0  # [s] that a node may take until it spins
-_UNBROKEN = 0.999  # without a pause: no busy computer makes it so
-_ENOUGH_CALLS = 5  # the first ones may load what the later ones need
-_MANY = 0.05  # of all messages: so many are not lost in the first seconds only
+_NEARLY_ALL = 0.9  # share of the time between two messages: a slower callback cannot keep up
+_ALWAYS = 0.95  # share of time in callbacks: all other work is late
+_START = 3.0  # [s] until a node must spin
+_UNBROKEN = 0.999  # without a pause, which a busy computer does not cause
+_ENOUGH_CALLS = 5  # the first calls may load what later ones need
+_MANY = 0.05  # share of all messages: more than the first seconds lose
 _SECOND_LOOK = 3.5  # [s]
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
@@ -35,7 +35,7 @@ class _Work:
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
 
     def blocking_work(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
-        """Return the work that held a callback up for so long [ns], and its time; "" for none."""
+        """Return the work that blocked a callback for over ``least`` [ns], and its time, or ""."""
         name = self.busiest(but=endpoint)
         longest = (min(e.longest, e.busy - was.busy) for was, e in self.pairs if e.topic == name)
         took = float(max(longest, default=self.in_timers()))
@@ -47,7 +47,7 @@ class _Work:
         return self.node.busy - self.earlier.busy - spent
 
     def busiest(self, but: Endpoint | None = None) -> str:
-        """The topic or service whose callback took most of the time, or "timers"; "" for none."""
+        """Return the topic or service whose callback took most time, or "timers"; "" for none."""
         spent = {e.topic: e.busy - was.busy for was, e in self.pairs if e.busy > was.busy}
         if but is not None:
             spent.pop(but.topic, None)
@@ -58,13 +58,13 @@ class _Work:
 
 @dataclass(frozen=True, slots=True)
 class _Subscription:
-    """A subscription that wants every message, between the start and the end of the look."""
+    """A subscription with a queue, between the start and the end of the look."""
 
     work: _Work
     endpoint: Endpoint  # as it is now
-    lost: int  # messages that its full queue pushed out meanwhile
-    took: float  # [ns] a call of its callback; 0 where none ran
-    interval: float  # [ns] between two messages; 0 where none came
+    lost: int  # messages that its full queue dropped meanwhile
+    took: float  # [ns] a call of its callback; 0 if none ran
+    interval: float  # [ns] between two messages; 0 if none came
     hangs: int  # [ns] that a call of its callback runs and does not end; 0 for none
 
     @property
@@ -78,16 +78,16 @@ class _Subscription:
     def is_too_slow(self, wait_share: float = 0.0) -> bool:
         """Return whether its callback takes longer than the time between two messages.
 
-        ``crowd`` is the share of its time that it may have waited for a processor.
+        ``wait_share`` is the share of its time that it may have waited for a processor.
         """
         return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - wait_share)
 
     def pace(self) -> dict[str, Part]:
-        """The time that its callback takes, and the time between two messages [s]."""
+        """Return the time of a call, and the time between two messages [s]."""
         return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
 
     def hanging(self) -> dict[str, Part]:
-        """The time that a call has taken which does not end [s]."""
+        """Return the time since the start of the call that does not end [s]."""
         return {"seconds": self.hangs / 1e9}
 
 
@@ -181,7 +181,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
-    """The subscriptions of which no callback has run, although the node has had the time."""
+    """Yield subscriptions whose callbacks never ran, although the node had time for them."""
     for node in evidence.graph.nodes:
         age = (node.time_there(evidence.graph.time) - node.start_time) / 1e9
         for end in node.having(Role.SUBSCRIBER):
@@ -191,7 +191,7 @@ def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:
-    """The names of the nodes that are slow, which explains what they do not send in time."""
+    """Return the names of slow nodes, which may send late for that reason."""
     lossy, slow, busy = _slow_work(evidence)
     return {one.node.name for one in lossy + slow} | {node.name for node, _, _ in busy}
 
@@ -200,7 +200,7 @@ def busy_nodes(evidence: Evidence) -> set[str]:
 def _slow_work(
     evidence: Evidence,
 ) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
-    """The subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
+    """Return subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
     every, wait_share = list(_work_of_nodes(evidence)), evidence.wait_share()
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
@@ -225,7 +225,7 @@ def _slow_work(
 
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:
-    """The fact that messages were lost, with the cause where it is known; and the remedy."""
+    """Return the fact that messages were lost, with the cause if known, and the remedy."""
     node, topic, endpoint = one.node, one.topic, one.endpoint
 
     def lost(cause: str, **parts: Part) -> Statement:
@@ -262,9 +262,9 @@ def _never_wait(one: _Subscription) -> Statement:
 
 
 def needed_duration(evidence: Evidence) -> float:
-    """The duration of a look [s] that would show who loses messages now and then; 0 for no doubt.
+    """Return the duration of a look [s] that shows occasional losses; 0 if none are suspected.
 
-    A node may be held up in every few seconds only, but has lost many of all its messages.
+    A node that lost a large share of its messages may be blocked only every few seconds.
     """
     subscriptions = [one for work in _work_of_nodes(evidence) for one in _subscriptions(work)]
     lossy = (one.endpoint.drops > _MANY * one.endpoint.messages for one in subscriptions)
@@ -272,7 +272,7 @@ def needed_duration(evidence: Evidence) -> float:
 
 
 def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:
-    """The work of each node that is part of the system."""
+    """Yield the work of each node, except commands and nodes that do not answer."""
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
         if node.id in before and not (node.tool or node.stale):
@@ -280,7 +280,7 @@ def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:
 
 
 def _pairs(earlier: Node, later: Node) -> Iterator[tuple[Endpoint, Endpoint]]:
-    """Each endpoint as it was and as it is; a node may have several that are alike."""
+    """Yield each endpoint at the start and at the end; several may have the same key."""
     known: dict[object, list[Endpoint]] = defaultdict(list)
     for endpoint in earlier.endpoints:
         known[_key(endpoint)].append(endpoint)
@@ -304,11 +304,11 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
 
 
 def _has_run_enough(endpoint: Endpoint) -> bool:
-    """Return whether its callback has run for long enough to be judged."""
+    """Return whether a callback has run often or long enough to be judged."""
     return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
 
 
 def _has_other_work(node: Node) -> bool:
-    """Return whether a node has subscriptions or services that would wait."""
+    """Return whether a node has subscriptions or services that a slow callback delays."""
     waiting = Role.SUBSCRIBER, Role.SERVICE
     return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

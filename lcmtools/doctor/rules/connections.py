@@ -1,4 +1,4 @@
-"""Rules about what connects publishers and subscribers: topics with both, and good names."""
+"""Rules about connections: topics with publishers and subscribers, and valid names."""
 
 import re
 from collections import defaultdict
@@ -10,13 +10,13 @@ from lcmtools.doctor.connecting import (
     ConnectionFinder,
     End,
     Suggestion,
-    is_simulator,
     unconnected_ends,
 )
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import REMAPS
 from lcmtools.graph.model import Role
+from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
 MAY_PUBLISH = {
@@ -101,20 +101,20 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
 
 
 def quiet_programs(evidence: Evidence) -> list[LcmProcess]:
-    """The programs on this bus that are no nodes, do not listen, and sent nothing in the look."""
+    """Return plain LCM programs on this bus that neither listen nor sent during the look."""
     known = {one.pid for one in evidence.listeners} | {one.pid for one in evidence.streams}
     known |= {node.pid for node in evidence.own_nodes()}
     return [p for p in evidence.processes if not p.bus and p.pid not in known]
 
 
 def missed_topics(evidence: Evidence) -> set[str]:
-    """The topics of subscriptions without a publisher."""
+    """Return the topics of subscriptions without a publisher."""
     return {end.topic for _, end in unconnected_subscriptions(evidence)}
 
 
 @derived
 def unconnected_subscriptions(evidence: Evidence) -> list[End]:
-    """The subscriptions of live nodes without a publisher."""
+    """Return the subscriptions of live nodes without a publisher."""
     nodes = {node.pid for node in evidence.own_nodes()}
     plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
     beside_plain = evidence.has_others() or any(plain)
@@ -123,7 +123,7 @@ def unconnected_subscriptions(evidence: Evidence) -> list[End]:
 
 @derived
 def all_suggestions(evidence: Evidence) -> list[Suggestion]:
-    """The remedies for unconnected subscriptions: other rules need not repeat them."""
+    """Return the suggestions for all unconnected subscriptions, so that no rule repeats them."""
     return _connection_finder(evidence).suggestions(unconnected_subscriptions(evidence))
 
 
@@ -190,7 +190,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _name_fault(channel: str) -> str:
-    """The reason why few programs can subscribe to a channel; "" where all can."""
+    """Return the reason why few programs can subscribe to a channel; "" if all can."""
     if not channel:
         return "it is empty"
     if any("\udc80" <= character <= "\udcff" for character in channel):
@@ -203,7 +203,7 @@ def _name_fault(channel: str) -> str:
 
 
 def _matches_itself(channel: str) -> bool:
-    """Return whether the name, which liblcm takes as a pattern, matches the name."""
+    """Return whether a name, as a pattern of liblcm, matches itself."""
     if channel.startswith("#!"):  # LCM's own
         return True
     try:

@@ -51,7 +51,7 @@ def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _loops(parents: Mapping[str, str]) -> list[tuple[str, ...]]:
-    """Each circle once, each frame before its parent."""
+    """Return each loop once, each frame before its parent."""
     circles: dict[frozenset[str], tuple[str, ...]] = {}
     for start in parents:
         path, frame = [], start

@@ -1,16 +1,15 @@
-"""Rules about the programs that receive on this computer, and about the computer."""
+"""Rules about the programs that receive on this computer, and its settings."""
 
 from collections.abc import Iterator
-from pathlib import PurePath
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 
-_PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
+_PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
-_NEARLY_ALL, _AT_EDGES = 0.95, 2  # of the messages of a look; those at its ends
+_NEARLY_ALL, _AT_EDGES = 0.95, 2  # share of the messages of a look; messages at its ends
 _FILLING = 1.2  # times the bytes that waited at its start
 _BUFFER = 4 << 20  # bytes that are enough for most
 
@@ -77,9 +76,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         kind = "stopped" if is_stopped else "bytes-wait"
         facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
         if x.pid:
-            remedies.append(
-                state("wake-or-end" if is_stopped else _inspect(x, evidence), pid=x.pid)
-            )
+            remedies.append(state("wake-or-end" if is_stopped else _inspect(x), pid=x.pid))
     return finding("stuck-listeners", facts, *remedies)
 
 
@@ -131,7 +128,7 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
         title = state("interfaces", interface=host.interface)
         astray = [x for x in evidence.listeners if x.joined and host.interface not in x.joined]
         facts = [state("listens-on", listener=x, interfaces=x.joined) for x in astray]
-        # of some programs the system does not tell on which interfaces they are
+        # the interfaces of some programs are unknown
         if not all(listener.joined for listener in evidence.listeners):
             named = {host.interface, *(name for x in astray for name in x.joined)}
             others = (name for name in host.joined if name not in named)
@@ -222,14 +219,11 @@ def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     return finding("environment", facts, "correct-environment")
 
 
-def _inspect(listener: Listener, evidence: Evidence) -> str:
-    """The remedy that shows where a program waits, by its language."""
-    commands = {process.pid: process.command for process in evidence.processes}
-    program = commands.get(listener.pid or 0, listener.name).split()[:1]
-    name = PurePath(program[0]).name if program else ""
-    if listener.is_node or name.startswith("python"):
+def _inspect(listener: Listener) -> str:
+    """Return the kind of the remedy that shows where a program waits, by its language."""
+    if listener.is_node or listener.interpreter.startswith("python"):
         return "inspect-python"
-    return "inspect-java" if name == "java" else "inspect"
+    return "inspect-java" if listener.interpreter == "java" else "inspect"
 
 
 def _programs(evidence: Evidence) -> list[Listener]:
@@ -237,7 +231,7 @@ def _programs(evidence: Evidence) -> list[Listener]:
 
 
 def _largest(evidence: Evidence) -> Stream | None:
-    """The stream with the largest messages of several datagrams that come in one burst."""
+    """Return the stream with the largest messages whose fragments come in one burst."""
     paced = {s.sender for s in evidence.senders if s.paces}
     large = [s for s in evidence.streams if s.sender and s.sender not in paced]
     found = max(large, key=lambda stream: stream.largest, default=None)
@@ -245,14 +239,14 @@ def _largest(evidence: Evidence) -> Stream | None:
 
 
 def _too_small(evidence: Evidence) -> list[Listener]:
-    """The listeners whose buffers cannot take the largest message."""
+    """Return the listeners whose buffers are too small for the largest message."""
     largest = _largest(evidence)
     needed = _PER_MESSAGE * largest.largest if largest else 0
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]
 
 
 def _is_stuck(listener: Listener, evidence: Evidence) -> bool:
-    """Return whether a program reads nothing: one that only reads slowly does not drop all."""
+    """Return whether a program reads nothing: a slow one does not drop everything."""
     if listener.state in _STOPPED:
         return True
     before, now = listener.was_queued_bytes, listener.queued_bytes

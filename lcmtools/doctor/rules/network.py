@@ -1,4 +1,4 @@
-"""Rules about other computers: the way to them, and their clocks."""
+"""Rules about other computers: the network and their clocks."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM, 
 _LOOPBACK = "lo"
 _SHARE = 0.5  # of the capacity of an interface
 _WIRELESS = 1e6  # [byte/s] of multicast
-_AHEAD = 0.1  # [s] that a clock may be: a message cannot arrive before it was sent
+_AHEAD = 0.1  # [s] tolerance: a message cannot arrive before it was sent
 _BEHIND = 0.3  # [s]: a slow network looks the same
 _MOST = 6  # nodes that are named
 
@@ -185,7 +185,7 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _is_alone(evidence: Evidence) -> bool:
-    """Return whether other computers could take part, and none is seen."""
+    """Return whether other computers could send on the bus, but none does."""
     return evidence.ttl > 0 and not (evidence.has_others() or evidence.bus_problem)
 
 
@@ -222,12 +222,12 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
 
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:
-    """The computers whose clocks differ from this one's."""
+    """Return the computers whose clocks differ from this one's."""
     return [c for c in evidence.clocks if c.lag < -_AHEAD or c.lag > _BEHIND]
 
 
 def has_wrong_clock(evidence: Evidence, name: str) -> bool:
-    """Return whether a sender, by its name for people, is on a computer whose clock differs."""
+    """Return whether a sender, by its displayed name, is on a computer whose clock differs."""
     return any(
         name in clock.nodes or name.startswith(f"{clock.address}:")
         for clock in wrong_clocks(evidence)

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import (
     Finding,
@@ -16,9 +17,9 @@ from lcmtools.doctor.findings import (
 )
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.graph.model import VERSION, Node, Staleness
+from lcmtools.graph.protocol import SOFTWARE
 
-_CLOCK = "/clock"
 _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
@@ -53,7 +54,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         for node in nodes
         if node.stale
         and not node.is_hidden  # a command that was killed is no part of the system
-        and (_runs(node) or node.name not in alive)  # it has been started again
+        and (_runs(node) or node.name not in alive)  # it has been restarted
     ]
     for severity in (Severity.ERROR, Severity.NOTE):
         is_sure = severity is Severity.ERROR
@@ -66,7 +67,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
-    """Return whether a node that does not answer would have been heard."""
+    """Return whether the answer of a node would have been received."""
     stopped = {one.pid for one in evidence.listeners if one.state == "T"}
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
     is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
@@ -75,7 +76,7 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
-    """The fact and the remedy; a process number means something on its own computer only."""
+    """Return the fact and the remedy; a process number is valid only on its own computer."""
     known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
@@ -140,15 +141,15 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     For a node with _use_sim_time:=true, time does not pass until a message comes on /clock: its
     timers never run.
     """
-    topic = evidence.graph.topic(_CLOCK)
+    topic = evidence.graph.topic(CLOCK_TOPIC)
     waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
-    # one that was killed or hangs is reported by another rule
-    if not (sources or topic.foreign or _CLOCK in evidence.stale_published):
+    # a publisher that was killed or hangs is reported by another rule
+    if not (sources or topic.foreign or CLOCK_TOPIC in evidence.stale_published):
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
-        title = state("no-clock", topic=_CLOCK)
+        title = state("no-clock", topic=CLOCK_TOPIC)
         yield from finding(title, facts, *remedies, "start-simulator")
 
 
@@ -179,3 +180,50 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         if p.open_files > _MOST_FILES * most
     )
     return finding("open-files", facts, "close-files")
+
+
+@rule(
+    "other-version",
+    remedy="update lcmtools where the older program runs",
+    severity=Severity.NOTE,
+    title="The following nodes speak another version of the protocol than this program ({own}):",
+    facts={
+        "speaks": "{node} (pid {pid} on {host}): version {version}{software:brackets}",
+        "speaks-unread": (
+            "{node} (pid {pid} on {host}): version {version}{software:brackets}, of which only"
+            " name and process can be read, and the topics that it is seen to publish on"
+        ),
+    },
+    remedies={
+        "update-there": "update lcmtools where {nodes:list} {nodes:run}",
+        "update-here": "update the lcmtools that wtf was started from: here it is {software}",
+    },
+    evidence="announcements",
+)
+def nodes_speak_the_same_version(evidence: Evidence) -> Iterator[Finding]:
+    """All nodes announce themselves by the same version of the protocol as this program.
+
+    Nodes of other versions work together, but may not tell everything of each other.
+    """
+    others = [
+        node
+        for node in evidence.graph.nodes
+        if (node.version != VERSION or not node.has_details) and not (node.stale or node.is_hidden)
+    ]
+    facts = (
+        state(
+            "speaks" if node.has_details else "speaks-unread",
+            node=node,
+            pid=node.pid,
+            host=node.host,
+            version=node.version,
+            software=node.software,
+        )
+        for node in others
+    )
+    older = tuple(dict.fromkeys(node.name for node in others if node.version < VERSION))
+    remedies = [state("update-there", nodes=older)] if older else []
+    if any(node.version > VERSION for node in others):
+        remedies.append(state("update-here", software=SOFTWARE))
+    title = state("other-version", own=VERSION)
+    yield from finding(title, facts, *remedies)

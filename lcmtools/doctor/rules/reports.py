@@ -1,4 +1,4 @@
-"""Rules about what nodes report themselves: exceptions of their callbacks, and their logs."""
+"""Rules about reports of nodes: exceptions of their callbacks, and their logs."""
 
 from collections.abc import Iterator
 
@@ -85,5 +85,5 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:
-    """The time since an exception, by its own computer's clock [s]."""
+    """Return the time since an exception [s], by its own computer's clock."""
     return (node.time_there(evidence.graph.time) - error.last_time) / 1e9

@@ -55,7 +55,7 @@ def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     )
     nodes = evidence.graph.nodes
     calls = [(n, end.topic) for n in nodes if not n.tool for end in n.having(Role.CLIENT)]
-    if any(node.stale and not node.is_hidden for node in nodes):  # it may be what is called
+    if any(node.stale and not node.is_hidden for node in nodes):  # it may offer the service
         calls = []
     calling = [(n, name) for n, name in calls if not (is_hidden(name) or name in offered)]
     facts = [state("calls", node=node, service=name) for node, name in calling]
@@ -71,7 +71,7 @@ def _separation(evidence: Evidence, service: str, nodes: list[Node]) -> Statemen
 
 
 def _connection_remedy(node: Node, service: str, offered: list[str]) -> Statement:
-    """The remap to a service of nearly the same name, or of the same one elsewhere."""
+    """Return a remap to a service of a similar name, or of the same name in another namespace."""
     meant = [one for one in offered if base_name_of(one) == base_name_of(service)]
     for other in (*meant, *NearNames(offered).of(service)):
         return give_reason(start_with(node, service, other), "offered", channel=other)

@@ -1,21 +1,23 @@
-"""Rules about the messages that come: lost, from too many, too late in simulated time."""
+"""Rules about messages: lost, duplicated, from too many publishers, and of a slow simulator."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import remap_argument
-from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
+from lcmtools.doctor.rules.pace import resting_simulators, silence
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.doctor.rules.types import disagree
+from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
 
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
-_SOME = 3  # messages that are the same are no chance
+_SOME = 3  # equal messages are not a coincidence
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
@@ -117,7 +119,7 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         count = len({one.name for one in several})
         title = state("competing-publishers", count=count, topics=names)
         # two simulators send the same without passing it on
-        repeat = [one for one in several if one.repeated >= _SOME and "/clock" not in names]
+        repeat = [one for one in several if one.repeated >= _SOME and CLOCK_TOPIC not in names]
         facts = (
             state("repeats", sender=one, topic=one.channel, count=one.repeated)
             if one in repeat
@@ -129,16 +131,16 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
 
 
 def needed_duration(evidence: Evidence) -> float:
-    """The duration of a look [s] that would show who publishes at the same time; 0 for no doubt."""
+    """Return the duration of a look [s] that shows competing publishers; 0 if it is clear."""
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
     return _SECOND_LOOK if is_unsure else 0.0
 
 
 def _by_input(evidence: Evidence) -> list[list[Stream]]:
-    """The streams on each topic that is meant for one publisher; alternatives count as one topic.
+    """Return the streams on each topic for one publisher; alternatives count as one topic.
 
-    Each sender once: one node may send large messages from a port of its own.
+    Each sender is included once, because a node may send large messages from a separate port.
     """
     groups = {
         endpoint.topic: f"{node.id}{endpoint.group}"
@@ -148,7 +150,7 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
     }
     senders: dict[str, dict[str, Stream]] = defaultdict(dict)
     for stream in (*evidence.streams, *_lasting_commands(evidence)):
-        is_private = stream.channel not in SHARED and not is_hidden(stream.channel)
+        is_private = stream.channel not in MEANT_FOR_MANY and not is_hidden(stream.channel)
         if is_private and stream.times and stream.sender:
             key = groups.get(stream.channel, stream.channel)
             known = senders[key].setdefault(stream.name, stream)
@@ -158,7 +160,7 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
 
 
 def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
-    """Return whether another program sends in the time in which this one does."""
+    """Return whether another stream overlaps this one in time."""
     return any(
         other.times[0] <= one.times[-1] and one.times[0] <= other.times[-1]
         for other in streams
@@ -167,7 +169,7 @@ def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
 
 
 def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
-    """The topics of commands that have sent and still run, as streams that last."""
+    """Yield streams for commands that have sent and still run, over their whole lifetime."""
     for node in evidence.graph.nodes:
         if node.tool and not node.stale:
             for end in node.having(Role.PUBLISHER):
@@ -178,14 +180,14 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
 
 
 def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
-    """The remedy for several that compete for topics."""
+    """Return the remedy for publishers that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     known = {"pids": pids if len(pids) > 1 else ()}
     node = next((nodes[one.sender] for one in streams if one.sender in nodes), None)
     if node is None:
         return state("end-one-or-rename", **known)
-    if len(topics) > 1 or "/clock" in topics:  # two simulators, for example
+    if len(topics) > 1 or CLOCK_TOPIC in topics:  # two simulators, for example
         return state("end-one-or-part", other=node, **known)
     (topic,) = topics
     old = remap_argument(node, topic).partition(":=")[0] or topic
@@ -227,7 +229,7 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         node
         for node in resting_simulators(evidence)
         for end in node.having(Role.PUBLISHER)
-        if end.topic == "/clock" and end.messages and not node.stale
+        if end.topic == CLOCK_TOPIC and end.messages and not node.stale
         # by its own counter, for wtf may have missed what came
         if silence(evidence, node, end) > _PAUSED
     ]
@@ -256,6 +258,6 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _is_ours(node: Node) -> bool:
-    """Return whether a node is the simulator of lcmtools, which commands can steer."""
+    """Return whether a node is the simulator of lcmtools, which commands can control."""
     services = (base_name_of(end.topic) for end in node.having(Role.SERVICE))
     return "set_rate" in services

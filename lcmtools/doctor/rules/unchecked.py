@@ -1,4 +1,4 @@
-"""The parts that could not be looked at, with the reason: from the evidence, as the rules are."""
+"""Rules that lack evidence, with the reasons."""
 
 from collections.abc import Iterable, Iterator
 
@@ -23,7 +23,7 @@ _OF_NETWORK = ("link", "bandwidth", "rp-filter", "igmp-querier")
 
 
 def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
-    """The parts that the rules could not look at; nothing where the bus does not work at all."""
+    """Yield the rules that lack evidence; none if the bus does not work at all."""
     if evidence.bus_problem:
         return
     provider = evidence.url.partition("://")[0]
@@ -51,7 +51,7 @@ def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
 
 
 def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
-    """On a bus that stays on this computer none of it matters."""
+    """Yield rules about the network, which do not matter on a local bus."""
     host = evidence.host
     if not evidence.ttl:
         return

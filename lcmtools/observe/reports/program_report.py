@@ -3,6 +3,7 @@
 import socket
 
 from lcmtools.bus.kernel import receive_buffers
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.observe.node_requests import program_place
 from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.describe import UNKNOWN, candidates_text, seen_types
@@ -75,9 +76,9 @@ def record(program: Program) -> dict[str, object]:
 
 
 def command_text(program: Program) -> str:
-    """Return a program's command line, as far as the system knows."""
+    """Return a program's name and arguments, as far as the system knows."""
     if program.process:
-        return program.process.command
+        return shortened(program.process.command, LONGEST_COMMAND)
     return f"a program{candidates_text(program.candidates)}"
 
 

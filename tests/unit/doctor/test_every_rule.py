@@ -135,6 +135,7 @@ EVIDENCE = {
     "relay-standby": replace(GOOD, relays=(RelayEnd("/relay", "here", "0", stands_by=True),)),
     "open-files": replace(GOOD, processes=(LcmProcess(9, "leak", open_files=950),)),
     "other-buses": replace(EMPTY, processes=(LcmProcess(9, "t", "239.255.76.67:7670"),)),
+    "other-version": graph(*(one._replace(version=2) for one in (TALKER, EAR))),
     "other-users": replace(GOOD, listeners=(Listener("?", 5, 4711, is_node=True),)),
     "quaternions": odd("quaternion"),
     "queue-drops": graph(TALKER, having(EAR, drops=20)),

@@ -13,6 +13,7 @@ from lcmtools.gui.protocol import (
     read_request,
     text_frame,
 )
+from lcmtools.gui.requests import ACTIONS, ASKS, answer
 
 
 @pytest.mark.parametrize(
@@ -71,3 +72,11 @@ def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
     assert (4 + length) % 8 == 0
     assert json.loads(frame[4 : 4 + length]) == {"id": 7, "name": name}
     assert frame[4 + length :] == b"\1\2\3"
+
+
+@pytest.mark.parametrize("table", [ASKS, ACTIONS])
+def test_each_request_has_its_function(table: dict[str, str]) -> None:
+    for name in table:
+        assert callable(answer(name, table))
+    with pytest.raises(Rubbish, match="there is no request 'x'"):
+        answer("x", table)
