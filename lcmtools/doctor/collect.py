@@ -33,10 +33,12 @@ from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import callbacks, pace, traffic
 from lcmtools.errors import BusError, UsageError
+from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable, is_here, user_name
+from lcmtools.observe.simulators import publishes_time
 from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
@@ -323,6 +325,7 @@ def _listeners(
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
                 joined=joined_interfaces(process.pid, inode, group) if process else (),
+                interpreter=interpreter(process.command) if process else "",
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))
@@ -342,7 +345,7 @@ def clock_of(
     ratio, sender = listening.clock_ratio(), listening.clock_sender
     if ratio is None and not listening.clock_jumps():
         return None
-    publishers = [node for node, _ in graph.topic("/clock").publishers]
+    publishers = list(filter(publishes_time, graph.nodes))
     node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
     target = target_rate(node.command) if node else 1.0
     share = busy.get(node.pid) if node and is_here(node) else None

@@ -19,17 +19,17 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
+from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
+from lcmtools.observe.simulators import is_simulator
 
 CONNECTIONS = {
     **REMAPS,
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
 }
 """The sentences of remedies that connect a subscription."""
-# Topics that every node may use; roswtf excepts /clock and /rosout, too.
-_COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
 
 _PERIODS = 3  # average periods without a message after which a topic still counts as published
 _FEWEST = 4  # messages of a topic that is published repeatedly; pub -1 sends one
@@ -48,11 +48,6 @@ class Suggestion:
     listener: str  # the id of the node that subscribes
     channel: str  # the topic or channel that it may have meant
     publisher: str = ""  # the id of the node that publishes it; "" if it is not a node
-
-
-def is_simulator(node: Node) -> bool:
-    """Return whether a node publishes the time, and so has sensors for any subscriber."""
-    return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
 
 
 def unconnected_ends(
@@ -94,7 +89,7 @@ def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoi
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
     for end in ends:
-        is_apart = end.topic in connected | _COMMON or is_hidden(end.topic)
+        is_apart = end.topic in connected | OFTEN_UNCONNECTED or is_hidden(end.topic)
         if not is_apart and end.group not in groups:
             yield end
         if end.group:

@@ -74,6 +74,7 @@ class Listener:
     is_tool: bool = False  # a command of lcmtools that only observes
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
     joined: tuple[str, ...] = ()  # interfaces on which it is in the bus's group, if known
+    interpreter: str = ""  # of its program: "python3.11", "java"; "" for none
 
 
 @dataclass(frozen=True, slots=True)

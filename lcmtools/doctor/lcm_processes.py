@@ -21,6 +21,7 @@ from lcmtools.doctor.evidence import LcmProcess, Stream
 from lcmtools.doctor.host import text_of
 from lcmtools.doctor.listening import Listening
 from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -30,7 +31,6 @@ from lcmtools.wire.packet import Sender
 _PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
-_NAME_CHARACTERS = 60
 _URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
 _MOST_CODE = 4 << 20  # bytes of a file in which a URL is searched
 _MOST_BUSES = 3  # other buses that are observed
@@ -164,7 +164,7 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
     return LcmProcess(
         pid,
-        process.called(_NAME_CHARACTERS) if process else "",
+        shortened(process.command, LONGEST_COMMAND) if process else "",
         bus,
         next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
         open_files,
@@ -246,8 +246,8 @@ class ProgramNames:
         self.senders = SenderNames(lambda _: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap
-        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
-        self.senders.learn((), nodes)
+        self.senders.update(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
+        self.senders.update((), nodes)
 
     def name(self, sender: Sender | None) -> str:
         """Return a sender's node, else its process, or all processes that may share its port."""
@@ -269,9 +269,8 @@ class ProgramNames:
 
     def of_process(self, process: Process) -> str:
         """Return a process's nodes, or its command, with its number."""
-        nodes = self.by_pid.get(process.pid, [])
-        called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
-        return f"{called} (pid {process.pid})"
+        nodes = ", ".join(node.name for node in self.by_pid.get(process.pid, []))
+        return f"{nodes or shortened(process.command, LONGEST_COMMAND)} (pid {process.pid})"
 
     def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
         """Return the senders of datagrams that are not LCM's, with the reasons."""

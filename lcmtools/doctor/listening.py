@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
@@ -30,7 +30,7 @@ from lcmtools.wire.packet import Packet, Sender
 if TYPE_CHECKING:  # the import is slow, and most looks do not need it
     from lcmtools.types.tf2_msgs import TFMessage
 
-_CLOCK, _LOG = "/clock", "/rosout"
+_LOG = "/rosout"
 _TRANSFORMS = "tf2_msgs/TFMessage"
 _LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
 _CLOCK_SPAN = 0.3  # [s] of ticks are enough for the rate of simulated time
@@ -112,7 +112,7 @@ class Listening:
             return
         now = time.monotonic()
         if (
-            packet.channel in (_CLOCK, _LOG)
+            packet.channel in (CLOCK_TOPIC, _LOG)
             or self._spent <= self._share * (now - self._start) + 0.05
         ):
             self._inspect(packet, key)
@@ -201,7 +201,7 @@ class Listening:
         except DecodeError as error:
             self._add_oddity("undecodable", key, str(error))
             return
-        if packet.channel == _CLOCK and isinstance(message, Clock):
+        if packet.channel == CLOCK_TOPIC and isinstance(message, Clock):
             simulated = join_stamp(message.clock.sec, message.clock.nsec)
             self.clock_ticks.append((packet.time, simulated))
             self.clock_sender = packet.sender

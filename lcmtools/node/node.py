@@ -8,7 +8,7 @@ import uuid
 from typing import TYPE_CHECKING
 
 from lcmtools import names
-from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
+from lcmtools.clock import CLOCK_TOPIC, Clock, ManualClock, SystemClock, join_stamp
 from lcmtools.errors import InvalidName, explained
 from lcmtools.graph import model
 from lcmtools.graph.protocol import SOFTWARE
@@ -201,4 +201,4 @@ class Node(Parametric, Factory):
         def set_clock(message: ClockMessage) -> None:
             clock.set(join_stamp(message.clock.sec, message.clock.nsec))
 
-        self.create_subscription(ClockMessage, "/clock", set_clock, 1)
+        self.create_subscription(ClockMessage, CLOCK_TOPIC, set_clock, 1)

@@ -6,7 +6,7 @@ It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 
-from lcmtools.clock import NANOSECONDS, split_stamp
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
@@ -21,7 +21,6 @@ from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
-CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
 """[Hz] Lowest rate of the clock; it also ticks with every step that publishes something."""
 

@@ -90,11 +90,15 @@ def command_of(path: tuple[str, ...]) -> click.Command:
     return command
 
 
-COMMANDS = [  # topic list and the like are the same commands as list and the like
-    path
-    for path in commands()
-    if not isinstance(command_of(path), click.Group) and path[1] != "topic"
-]
+def distinct_commands() -> list[tuple[str, ...]]:
+    """The first path of each command: topic list is the same command as list."""
+    paths: dict[click.Command, tuple[str, ...]] = {}
+    for path in commands():
+        paths.setdefault(command_of(path), path)
+    return [path for command, path in paths.items() if not isinstance(command, click.Group)]
+
+
+COMMANDS = distinct_commands()
 
 
 def examples(path: tuple[str, ...]) -> list[str]:

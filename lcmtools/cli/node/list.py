@@ -3,7 +3,15 @@
 from collections import Counter
 
 from lcmtools.cli.bus import in_names, look, looking_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
+from lcmtools.cli.declare import (
+    accepted_for_ros,
+    argument,
+    duration,
+    examples,
+    flag,
+    option,
+    subcommand,
+)
 from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
 from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.graph.model import Staleness
@@ -90,7 +98,7 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
 
 @subcommand("cleanup", json_option, bus_options)
 @examples("node cleanup", "node cleanup --domain 3")
-@flag("-y", "--yes", expose_value=False, help="Accepted as in rosnode; no effect.")
+@accepted_for_ros("-y", "--yes")  # nothing is asked
 def cleanup(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 

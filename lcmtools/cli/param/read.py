@@ -1,6 +1,6 @@
 """``lcmtools param list``, ``get`` and ``describe``."""
 
-from lcmtools.cli.declare import argument, examples, flag, subcommand
+from lcmtools.cli.declare import accepted_for_ros, argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, asking_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
@@ -42,15 +42,12 @@ def list_parameters(
 @argument("node", completer="bus:parameters")
 @argument("name", default="", completer="bus:parameters")
 @flag("-p", "--pretty", "is_pretty", help="Print strings without quotes.")
-@flag("--hide-type", hidden=True, help="As it is here anyway.")
-def get(
-    node: str, name: str, *, is_pretty: bool, hide_type: bool, timeout: float, as_json: bool
-) -> int:
+@accepted_for_ros("--hide-type")  # the type is never shown
+def get(node: str, name: str, *, is_pretty: bool, timeout: float, as_json: bool) -> int:
     """Print a parameter: NODE NAME, or /node/name as in rosparam.
 
     Without a name: all parameters of the node, or of all nodes in a namespace.
     """
-    del hide_type
     graph, client = look(timeout)
     target = named(graph, node, name)
     if target.is_namespace:

@@ -10,13 +10,13 @@ from lcmtools.doctor.connecting import (
     ConnectionFinder,
     End,
     Suggestion,
-    is_simulator,
     unconnected_ends,
 )
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import REMAPS
 from lcmtools.graph.model import Role
+from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
 MAY_PUBLISH = {

@@ -4,10 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from shlex import quote
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Oddity
 from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
 from lcmtools.doctor.rules.shared import DECODED, SET_CLOCKS
+from lcmtools.observe.simulators import publishes_time
 
 _LOG = "file://"
 _ODDITY = {"oddity": "{topic} from {sender}: {text}{messages:count}"}
@@ -104,7 +106,8 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     evidence = replace(evidence, oddities=mine)
     yield from _odd(evidence, "future", *_clocks(evidence, "future"), "use-sim-time")
     # a simulator that was killed or hangs is reported by another rule
-    if not evidence.graph.topic("/clock").publishers and "/clock" not in evidence.stale_published:
+    is_simulated = any(map(publishes_time, evidence.graph.nodes))
+    if not is_simulated and CLOCK_TOPIC not in evidence.stale_published:
         yield from _odd(evidence, "boot", "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "unit", "microseconds")

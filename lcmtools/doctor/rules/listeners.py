@@ -1,7 +1,6 @@
 """Rules about the programs that receive on this computer, and its settings."""
 
 from collections.abc import Iterator
-from pathlib import PurePath
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
@@ -77,9 +76,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         kind = "stopped" if is_stopped else "bytes-wait"
         facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
         if x.pid:
-            remedies.append(
-                state("wake-or-end" if is_stopped else _inspect(x, evidence), pid=x.pid)
-            )
+            remedies.append(state("wake-or-end" if is_stopped else _inspect(x), pid=x.pid))
     return finding("stuck-listeners", facts, *remedies)
 
 
@@ -222,14 +219,11 @@ def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     return finding("environment", facts, "correct-environment")
 
 
-def _inspect(listener: Listener, evidence: Evidence) -> str:
+def _inspect(listener: Listener) -> str:
     """Return the kind of the remedy that shows where a program waits, by its language."""
-    commands = {process.pid: process.command for process in evidence.processes}
-    program = commands.get(listener.pid or 0, listener.name).split()[:1]
-    name = PurePath(program[0]).name if program else ""
-    if listener.is_node or name.startswith("python"):
+    if listener.is_node or listener.interpreter.startswith("python"):
         return "inspect-python"
-    return "inspect-java" if name == "java" else "inspect"
+    return "inspect-java" if listener.interpreter == "java" else "inspect"
 
 
 def _programs(evidence: Evidence) -> list[Listener]:

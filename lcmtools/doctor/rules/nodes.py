@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import (
     Finding,
@@ -19,7 +20,6 @@ from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import VERSION, Node, Staleness
 from lcmtools.graph.protocol import SOFTWARE
 
-_CLOCK = "/clock"
 _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
@@ -141,15 +141,15 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     For a node with _use_sim_time:=true, time does not pass until a message comes on /clock: its
     timers never run.
     """
-    topic = evidence.graph.topic(_CLOCK)
+    topic = evidence.graph.topic(CLOCK_TOPIC)
     waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
     # a publisher that was killed or hangs is reported by another rule
-    if not (sources or topic.foreign or _CLOCK in evidence.stale_published):
+    if not (sources or topic.foreign or CLOCK_TOPIC in evidence.stale_published):
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
-        title = state("no-clock", topic=_CLOCK)
+        title = state("no-clock", topic=CLOCK_TOPIC)
         yield from finding(title, facts, *remedies, "start-simulator")
 
 

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from lcmtools.doctor.connecting import is_simulator
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.shared import WAKE_OR_END
+from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
+from lcmtools.observe.simulators import is_simulator, publishes_time
 
-SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
-"""Topics that are meant for many publishers."""
 _STOPPED = frozenset({"T", "t"})
 _SILENCE = 3.0  # [s]
 _PERIODS = 10  # periods without a message are silence
@@ -234,10 +234,12 @@ def usual_interval(stream: Stream) -> float | None:
 def _paces(evidence: Evidence) -> Iterator[_Pace]:
     """Yield the publishers with a known usual rate, except simulators.
 
-    Another rule judges a simulator's rate, and it sends the poses of resting bodies less often.
+    Publishers of simulated time are left out too, because another rule judges their pace. A
+    simulator sends the poses of resting bodies less often.
     """
-    simulators = {node.name for node in evidence.graph.nodes if is_simulator(node)}
-    yield from (pace for pace in _remembered(evidence) if pace.name not in simulators)
+    judged_apart = (n for n in evidence.graph.nodes if is_simulator(n) or publishes_time(n))
+    excepted = {node.name for node in judged_apart}
+    yield from (pace for pace in _remembered(evidence) if pace.name not in excepted)
     before = {
         (node.id, endpoint.topic): (node, endpoint)
         for node in evidence.before.nodes
@@ -248,7 +250,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         is_known = is_subscribed and earlier.messages >= _ENOUGH
         usual = average_rate(was, earlier) if is_known else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
-        if usual and span and earlier is not endpoint and node.name not in simulators:
+        if usual and span and earlier is not endpoint and node.name not in excepted:
             sent, age = endpoint.messages - earlier.messages, silence(evidence, node, endpoint)
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
@@ -285,8 +287,8 @@ def _remembered(evidence: Evidence) -> Iterator[_Pace]:
 
 def resting_simulators(evidence: Evidence) -> list[Node]:
     """Return the simulators that publish no time now, and so no measurements."""
-    ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
-    clocks = (node for node, _ in evidence.graph.topic("/clock").publishers)
+    ticking = {s.name for s in evidence.streams if s.channel == CLOCK_TOPIC}
+    clocks = filter(publishes_time, evidence.graph.nodes)
     return [node for node in clocks if node.name not in ticking]
 
 
@@ -299,11 +301,11 @@ def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
         for endpoint in node.having(Role.SUBSCRIBER)
     }
     resting = resting_simulators(evidence)
-    missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - SHARED
+    missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - MEANT_FOR_MANY
     for node in evidence.graph.nodes:
         waits = not missed.isdisjoint(e.topic for e in node.having(Role.SUBSCRIBER))
         for endpoint in node.having(Role.PUBLISHER):
-            usual = not is_hidden(endpoint.topic) and endpoint.topic not in SHARED
+            usual = not is_hidden(endpoint.topic) and endpoint.topic not in MEANT_FOR_MANY
             is_silent_on_purpose = node in resting or waits or node.stale or node.tool
             if usual and not is_silent_on_purpose:
                 yield node, endpoint, endpoint.topic in taken

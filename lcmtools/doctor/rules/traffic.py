@@ -3,12 +3,14 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import remap_argument
-from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
+from lcmtools.doctor.rules.pace import resting_simulators, silence
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.doctor.rules.types import disagree
+from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
@@ -116,8 +118,8 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         names = sorted({stream.channel for stream in several})
         count = len({one.name for one in several})
         title = state("competing-publishers", count=count, topics=names)
-        # two simulators send the same messages without forwarding them
-        repeat = [one for one in several if one.repeated >= _SOME and "/clock" not in names]
+        # two simulators send the same without passing it on
+        repeat = [one for one in several if one.repeated >= _SOME and CLOCK_TOPIC not in names]
         facts = (
             state("repeats", sender=one, topic=one.channel, count=one.repeated)
             if one in repeat
@@ -148,7 +150,7 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
     }
     senders: dict[str, dict[str, Stream]] = defaultdict(dict)
     for stream in (*evidence.streams, *_lasting_commands(evidence)):
-        is_private = stream.channel not in SHARED and not is_hidden(stream.channel)
+        is_private = stream.channel not in MEANT_FOR_MANY and not is_hidden(stream.channel)
         if is_private and stream.times and stream.sender:
             key = groups.get(stream.channel, stream.channel)
             known = senders[key].setdefault(stream.name, stream)
@@ -185,7 +187,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
     node = next((nodes[one.sender] for one in streams if one.sender in nodes), None)
     if node is None:
         return state("end-one-or-rename", **known)
-    if len(topics) > 1 or "/clock" in topics:  # two simulators, for example
+    if len(topics) > 1 or CLOCK_TOPIC in topics:  # two simulators, for example
         return state("end-one-or-part", other=node, **known)
     (topic,) = topics
     old = remap_argument(node, topic).partition(":=")[0] or topic
@@ -213,7 +215,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
         " time that only rises",
     },
-    evidence="/clock, the processor time of its publisher",
+    evidence="messages on /clock, the processor time of their publisher",
     root_only="its processor time, if it is another user's program",
 )
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
@@ -227,8 +229,8 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         node
         for node in resting_simulators(evidence)
         for end in node.having(Role.PUBLISHER)
-        if end.topic == "/clock" and end.messages and not node.stale
-        # by its own counter, because wtf may have missed messages
+        if end.topic == CLOCK_TOPIC and end.messages and not node.stale
+        # by its own counter, for wtf may have missed what came
         if silence(evidence, node, end) > _PAUSED
     ]
     clock = evidence.clock

@@ -4,7 +4,6 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, sender_names
 from lcmtools.doctor.findings import (
     Finding,
@@ -22,6 +21,7 @@ from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates, problems, type_names
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.senders import UNKNOWN
+from lcmtools.observe.simulators import is_simulator
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1

@@ -40,7 +40,7 @@ class _Fields:
         """Find the topics."""
         try:
             self.selection = self.selection or select_topics(self.text)
-            self.selection.learn(graph)
+            self.selection.update(graph)
         except LcmtoolsError as error:
             self.mistake = str(error)
             return

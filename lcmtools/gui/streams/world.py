@@ -15,13 +15,11 @@ from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.observe.reading.find import offered_services
+from lcmtools.observe.simulators import simulators
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools.wire.packet import Packet
 
-_SIMULATOR = "sim_msgs/SetPose"
-"""The type of service that only simulators offer."""
 _MOST_WAITING = 2000  # waiting messages between two updates
 _FASTEST = 20e6  # [bytes/s] of one stream's numbers; larger messages are sent less often
 
@@ -50,11 +48,7 @@ class Drawable(PageStream):
                     if name in kinds
                 ],
                 "undrawn": sorted({name for _, name in typed if name not in kinds}),
-                "simulators": [
-                    service.name.rpartition("/")[0]
-                    for service in offered_services(latest.graph)
-                    if service.is_alive and _SIMULATOR in service.types
-                ],
+                "simulators": sorted({node.name for node in simulators(latest.graph)}),
             }
         )
 

@@ -93,7 +93,7 @@ class BusMonitor:
         self._presence = Presence(node, self._observer.send, on_shutdown)
         self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
         if self.log:
-            self._learn_from(self.log)
+            self._add_index(self.log)
 
     def __enter__(self) -> "BusMonitor":
         """Use the monitor as a context manager."""
@@ -263,8 +263,8 @@ class BusMonitor:
         self._builder.forget(node.id)
         self._records.remove(node.id)
 
-    def _learn_from(self, log: "LogFile") -> None:
-        """Learn the nodes and types that a log's index has."""
+    def _add_index(self, log: "LogFile") -> None:
+        """Add the nodes and types that a log's index has."""
         from lcmtools.packages import provide_recorded_types
 
         for packet in log.announcements():

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import Judged, judge
+from fixtures.judging import STEP, Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, LcmProcess, SenderFacts, Stream
 from lcmtools.doctor.memory import Memory
@@ -142,10 +142,13 @@ def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
     assert needed_duration(evidence) == 0.0
 
 
-def test_a_simulator_sends_less_of_what_stands_still() -> None:
-    ticks, clock = Stream("/clock", ALICE, "/mouth", (NOW,)), Endpoint("/clock", Role.PUBLISHER)
+@pytest.mark.parametrize("end", [Endpoint("/clock", Role.PUBLISHER), STEP])
+def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart(
+    end: Endpoint,
+) -> None:
+    ticks = Stream("/clock", ALICE, "/mouth", (NOW,))
     before, after = (
-        graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, clock))))
+        graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, end))))
         for graph in (_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
         for ear, mouth in (graph.nodes,)
     )
@@ -169,7 +172,7 @@ def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulato
     alone = Evidence("udpm://", graph=Graph((mouth,), time=NOW), listened=1.0)
     assert "silent" in {one.rule for one in judge(alone)}
     clock = Endpoint("/clock", Role.PUBLISHER)
-    simulator = mouth._replace(endpoints=(*mouth.endpoints, clock))
+    simulator = mouth._replace(endpoints=(*mouth.endpoints, clock, STEP))
     tick = Stream("/clock", ALICE, "/mouth", (NOW,))
     resting = replace(alone, graph=Graph((simulator,), time=NOW), streams=(tick,))
     assert "silent" not in {one.rule for one in judge(resting)}
