@@ -1,6 +1,5 @@
 """``lcmtools graph``."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -16,6 +15,7 @@ from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import write_data, write_lines, write_note
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
 from lcmtools.folders import write_whole
+from lcmtools.formats.strict_json import write_json
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.labels import counted
@@ -176,9 +176,7 @@ def _by_suffix(file: str) -> str:
 
 def _document(diagram: Diagram, format_: str) -> str:
     if format_ == "json":
-        document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
-        # a channel that is not UTF-8 has surrogates, which are written as escapes
-        return document.encode("utf-8", "backslashreplace").decode() + "\n"
+        return write_json(as_json.write(diagram), indent=2) + "\n"
     if format_ == "text":
         return "".join(f"{row}\n" for row in text.write(diagram))
     if format_ == "mermaid":

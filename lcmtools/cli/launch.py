@@ -12,18 +12,19 @@ from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import CommandT, argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.launch_screen import Screen
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, write_note, write_result
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
 from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
+from lcmtools.launch.plan_report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.reading import make_plan
-from lcmtools.launch.report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
+from lcmtools.text_table import text_table
 
 
 def _question(*names: str, text: str) -> Callable[[CommandT], CommandT]:
@@ -148,7 +149,7 @@ def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -
     for one in ended:
         log = shlex.quote(one.log) if one.log else "-"
         rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
-    for row in columns(rows):
+    for row in text_table(rows):
         write_note(row)
     return int(any(one.has_failed for one in ended))
 

@@ -1,8 +1,8 @@
 """Printing: data to standard output, notes and errors to standard error; each line flushed.
 
-To standard output: ``write_result`` (a value, as JSON or as lines), ``write_json``, ``write_lines``
-(for people, control characters escaped) and ``write_data`` (as it is). To standard error:
-``write_note`` (a line), ``write_error`` and ``write_stderr`` (as it is).
+To standard output: ``write_result`` (a value, as JSON or as lines), ``write_document`` (as JSON),
+``write_lines`` (for people, control characters escaped) and ``write_data`` (as it is). To standard
+error: ``write_note`` (a line), ``write_error`` and ``write_stderr`` (as it is).
 """
 
 import contextlib
@@ -10,7 +10,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
@@ -18,7 +18,6 @@ from lcmtools.errors import LcmtoolsError
 # The name of a channel may contain sequences that clear or recolour the terminal, begin a
 # new line or change the direction of the text.
 _ODD = (*range(0x7F, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A))
-_ESCAPES_IN_JSON = {code: f"\\u{code:04x}" for code in _ODD}  # not escaped by json.dumps
 _ESCAPES = {
     code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
     for code in (*range(0x20), *_ODD)
@@ -45,11 +44,11 @@ def write_lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> No
     _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
 
 
-def write_json(value: object) -> None:
-    """Print one JSON document."""
-    import json
+def write_document(value: object) -> None:
+    """Write a JSON document to standard output."""
+    from lcmtools.formats.strict_json import write_json
 
-    write_data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
+    write_data(write_json(value, indent=2))
 
 
 def write_result(
@@ -61,17 +60,9 @@ def write_result(
     none: str = "",
 ) -> None:
     """Write a value as a JSON document or as lines; for an empty list also the note ``none``."""
-    write_json(value) if as_json else write_lines(rows, decorate)
+    write_document(value) if as_json else write_lines(rows, decorate)
     if none and not value:
         write_note(none)
-
-
-def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table with aligned columns, two blanks apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-        yield "  ".join(cells).rstrip()
 
 
 @contextlib.contextmanager
@@ -107,10 +98,10 @@ def write_error(command: str, error: LcmtoolsError, *, as_json: bool = False) ->
     """Write an error in one line, as JSON if the command prints JSON."""
     what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
     if as_json:
-        import json
+        from lcmtools.formats.strict_json import write_json
 
         record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
-        write_note(json.dumps(record, ensure_ascii=False))
+        write_note(write_json(record))
     else:
         write_note(f"{what}; {hint}" if hint else what, command)
 

@@ -14,7 +14,7 @@ from lcmtools.bus.url import BusUrl, domain_url, parse_url
 from lcmtools.cli.bus import chosen_url, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, option, rate, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, write_result
+from lcmtools.cli.output import write_result
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.graph.relay_report import Link, State
@@ -25,9 +25,11 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules, check_rules
 from lcmtools.relay.status import known_relays
+from lcmtools.text_table import text_table
+
+_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
 _TWO = 2
-_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
 
 @subcommand("relay", json_option, bus_options)
@@ -231,7 +233,7 @@ def show_status(*, as_json: bool) -> None:
         links = known_relays(monitor)
         none = f"there is no relay on {monitor.url}"
     records = [{**asdict(link), "state": link.state.name.lower()} for link in links]
-    write_result(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
+    write_result(records, text_table(_rows(links) if links else []), as_json=as_json, none=none)
 
 
 def _rows(links: Sequence[Link]) -> list[Sequence[str]]:

@@ -5,9 +5,10 @@ from lcmtools.bag.contract import breaches, read_contract
 from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, write_json, write_lines, write_result
+from lcmtools.cli.output import write_document, write_lines, write_result
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
+from lcmtools.text_table import text_table
 
 
 @subcommand("check", json_option)
@@ -63,10 +64,10 @@ def du(file: str, *, as_json: bool) -> None:
     summary = summary_of(file)
     topics = sorted(summary.topics, key=lambda topic: (-topic.bytes, topic.name))
     if as_json:
-        write_json([{"topic": one.name, "bytes": one.bytes} for one in topics])
+        write_document([{"topic": one.name, "bytes": one.bytes} for one in topics])
         return
     rows = [
         (size_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
         for one in topics
     ]
-    write_lines(columns(rows) if rows else [])
+    write_lines(text_table(rows))

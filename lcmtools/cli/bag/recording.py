@@ -9,7 +9,7 @@ from pathlib import Path
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
-from lcmtools.cli.output import write_json
+from lcmtools.cli.output import write_document
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
@@ -66,7 +66,7 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
         raise
     finally:
         if recorder.has_ended and as_json:
-            write_json(_record(recorder.progress(), series))
+            write_document(_record(recorder.progress(), series))
         elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
             notify(summary(recorder.progress(), series))
 

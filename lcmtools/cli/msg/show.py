@@ -3,7 +3,7 @@
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.msg.services import piped_type, print_service
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import write_data, write_json, write_note, write_result
+from lcmtools.cli.output import write_data, write_document, write_note, write_result
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 from lcmtools.messages.type_source import shown
 
@@ -64,7 +64,9 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     spelling = "LCM" if raw and file.endswith(".lcm") else "ROS"
     if as_json:
         number = f"{fingerprint(kind):#018x}"
-        write_json({"type": name, "fingerprint": number, "spelling": spelling, "definition": text})
+        write_document(
+            {"type": name, "fingerprint": number, "spelling": spelling, "definition": text}
+        )
     else:
         write_data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
         write_note(

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
-from lcmtools.cli.output import write_json, write_lines, write_note
+from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.node_requests import NodeEnd, end_nodes, node_to_end, nodes_to_end
@@ -44,7 +44,7 @@ def command(
             write_lines(several if len(found) > 1 else [f"killing {found[0].name}"])
         ends = end_nodes(monitor, found, timeout)
     if as_json:
-        write_json([end.record() for end in ends])
+        write_document([end.record() for end in ends])
     elif found:  # as in rosnode kill; with names unless all have ended
         killed = [f"killed {end.node.name}" for end in ends if end.has_ended]
         write_lines(["killed"] if len(killed) == len(ends) else killed)

@@ -13,7 +13,7 @@ from lcmtools.cli.declare import (
     subcommand,
 )
 from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
-from lcmtools.cli.output import write_data, write_json, write_lines, write_note, write_result
+from lcmtools.cli.output import write_data, write_document, write_lines, write_note, write_result
 from lcmtools.graph.model import Staleness
 from lcmtools.names import Pattern
 
@@ -42,28 +42,27 @@ def list_nodes(
     "*arm*".
     """
     with open_monitor("node_list", asks=True) as monitor:
-        from lcmtools.observe.reports.describe import (  # while the nodes answer
-            listed_node,
-            node_record,
-        )
+        from lcmtools.observe.reports import node_list_report  # while the nodes answer
+        from lcmtools.observe.reports.describe import listed_node
 
         if show_all:
             from lcmtools.observe.reading.senders import programs
-            from lcmtools.observe.reports.node_report import listed, listed_program, program_record
+            from lcmtools.observe.reports import program_report
 
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
-        write_json([*map(node_record, nodes), *(program_record(one) for one in others)])
+        records = [program_report.record(one) for one in others]
+        write_document([*map(node_list_report.record, nodes), *records])
     elif count:
         write_data(str(len(nodes)))
     elif uri:
         write_lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
     elif show_all:
-        write_lines(listed(node, graph.time) for node in nodes)
-        rows = (row for one in others for row in listed_program(one))
+        write_lines(node_list_report.rows(nodes, graph.time))
+        rows = (row for one in others for row in program_report.listed_rows(one))
         write_lines(["", _HEADING, *rows] if others else [])
     else:
         write_lines(map(listed_node, nodes))

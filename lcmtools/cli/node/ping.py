@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
 from lcmtools.cli.options import asking_options, json_option, timeout_option
-from lcmtools.cli.output import write_data, write_json, write_lines, write_note
+from lcmtools.cli.output import write_data, write_document, write_lines, write_note
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.node_requests import ping, pings
@@ -60,7 +60,7 @@ def _ping_one(
             average = sum(times) / len(times) if times else None
             low, high = min(times, default=None), max(times, default=None)
             spread = {"min": low, "average": average, "max": high}
-            write_json({"node": node.name, "times": times, **spread})
+            write_document({"node": node.name, "times": times, **spread})
         else:
             write_lines(ping_summary(times))
 
@@ -77,7 +77,7 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
         answered = [seconds for seconds in times if seconds is not None]
         if as_json:
             pairs = zip(nodes, times, strict=False)
-            write_json([{"node": one.name, "time": seconds} for one, seconds in pairs])
+            write_document([{"node": one.name, "time": seconds} for one, seconds in pairs])
         elif nodes:
             write_lines(
                 [f"{len(answered)} of {len(nodes)} nodes answered", *ping_summary(answered)]

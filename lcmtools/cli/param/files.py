@@ -7,7 +7,7 @@ from pathlib import Path
 from lcmtools.cli.bus import in_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
-from lcmtools.cli.output import write_json, write_lines, write_note
+from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import write_whole
@@ -31,7 +31,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
     file, nodes = _file_and_nodes(graph, words, output)
     answers, errors = client.get_all(nodes)
     if as_json:
-        write_json(report.all_values(answers))
+        write_document(report.all_values(answers))
     elif file in (None, "-"):
         write_lines(report.tree(answers))
     elif not errors:  # an incomplete file is worse than none

@@ -4,7 +4,6 @@ from lcmtools.cli.declare import accepted_for_ros, argument, examples, flag, sub
 from lcmtools.cli.options import all_option, asking_options, json_option
 from lcmtools.cli.output import write_note, write_result
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
 from lcmtools.publish.remote_parameters import pick, value_of
 
@@ -61,7 +60,7 @@ def get(node: str, name: str, *, is_pretty: bool, timeout: float, as_json: bool)
     parameter = pick(found, target.parameter, target.node.name)
     value = value_of(parameter)
     text = value if is_pretty and isinstance(value, str) else parameter.value
-    write_result(finite(value), text.split("\n"), as_json=as_json)
+    write_result(value, text.split("\n"), as_json=as_json)
     return 0
 
 
@@ -76,7 +75,7 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     full, wanted = target.node.name, target.parameter
     found = client.request(full)
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    rows = (row for parameter in parameters for row in report.description(full, parameter))
+    rows = (row for parameter in parameters for row in report.rows(full, parameter))
     write_result(
         [report.record(full, parameter) for parameter in parameters], rows, as_json=as_json
     )

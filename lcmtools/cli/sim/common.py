@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import option, together
 from lcmtools.cli.options import bus_options, json_option, timeout_option
-from lcmtools.cli.output import write_data, write_json
+from lcmtools.cli.output import write_data, write_document
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.publish.simulator import RequestT, ResponseT, call_simulator
@@ -35,6 +35,6 @@ def call(
 def write_response(response: Message, *, as_json: bool) -> None:
     """Print the simulator's response."""
     if as_json:
-        write_json(to_plain(response))
+        write_document(to_plain(response))
     else:
         write_data(response.message)  # type: ignore[attr-defined] # all responses of sim_msgs have it

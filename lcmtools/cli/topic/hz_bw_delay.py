@@ -19,6 +19,7 @@ from lcmtools.cli.declare import (
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import write_lines, write_note
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.filter import Filter
 from lcmtools.observe.measuring.measure import (
     Delays,
@@ -136,7 +137,12 @@ def measure(
         if report.is_reset:
             write_note("time has reset, resetting counters")
         else:
-            write_lines(form.records(report.found) if as_json else form.rows(report.found))
+            _print(report.found, form, as_json=as_json)
+
+
+def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None:
+    records = (write_json(form.record(*one)) for one in found.items())
+    write_lines(records if as_json else form.rows(found))
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:

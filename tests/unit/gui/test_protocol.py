@@ -13,6 +13,7 @@ from lcmtools.gui.protocol import (
     read_request,
     text_frame,
 )
+from lcmtools.gui.requests import ACTIONS, ASKS, answer
 
 
 @pytest.mark.parametrize(
@@ -58,9 +59,10 @@ def test_parameters_are_checked() -> None:
             read()
 
 
-def test_numbers_that_json_lacks_are_null() -> None:
-    text = text_frame({"id": 1, "data": {"a": [math.inf, 1.5, (math.nan,)], "b": -math.inf}})
-    assert json.loads(text)["data"] == {"a": [None, 1.5, [None]], "b": None}
+def test_numbers_that_json_lacks_are_texts_and_null_is_a_missing_value() -> None:
+    data = {"a": [math.inf, 1.5, (math.nan,)], "b": -math.inf, "c": None}
+    text = text_frame({"id": 1, "data": data})
+    assert json.loads(text)["data"] == {"a": ["inf", 1.5, ["nan"]], "b": "-inf", "c": None}
 
 
 @pytest.mark.parametrize("name", ["", "x", "xy", "xyz", "ä" * 9])
@@ -70,3 +72,11 @@ def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
     assert (4 + length) % 8 == 0
     assert json.loads(frame[4 : 4 + length]) == {"id": 7, "name": name}
     assert frame[4 + length :] == b"\1\2\3"
+
+
+@pytest.mark.parametrize("table", [ASKS, ACTIONS])
+def test_each_request_has_its_function(table: dict[str, str]) -> None:
+    for name in table:
+        assert callable(answer(name, table))
+    with pytest.raises(Rubbish, match="there is no request 'x'"):
+        answer("x", table)

@@ -2,11 +2,12 @@
 
 import dataclasses
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
+from lcmtools.text_table import text_table
 
 _LINE = "  {:6}  {:34}  {:24}  {}"
 _BELOW = " " * 10
@@ -15,33 +16,33 @@ _BELOW = " " * 10
 def heading(
     program: str, command: Sequence[str], *, is_answer: bool = False, is_log: bool = False
 ) -> list[str]:
-    """Return the lines above a program's rows: whose program or log it is, and the columns."""
+    """Return the lines above a program's rows: the command or log, and the columns."""
     whose = "a recorded run" if is_log else "your program"
     whose = "the model answer of lcmtools" if is_answer else whose
     title = _LINE.format("", f"{program}:", "wanted", "measured")
     return ["", f"checking {whose}: {shlex.join(command)}", title]
 
 
-def result_lines(result: CheckResult) -> list[str]:
-    """Return a row, and below one that is not ok its cause and what else is known."""
+def rows(result: CheckResult) -> list[str]:
+    """Format a row, followed by its cause and further facts if it failed."""
     verdict = ("note" if result.findings else "ok") if result.is_ok else "NOT OK"
-    rows = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
+    found = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
     if result.hint:
-        rows.append(f"{_BELOW}-> {result.hint}")
+        found.append(f"{_BELOW}-> {result.hint}")
     if result.said and result.said not in result.hint:
         is_quote = not result.said.startswith("it printed nothing")
-        rows.append(f"{_BELOW}   {'it printed last: ' if is_quote else ''}{result.said}")
-    return [*rows, *(f"{_BELOW}   wtf: {finding}" for finding in result.findings)]
+        found.append(f"{_BELOW}   {'it printed last: ' if is_quote else ''}{result.said}")
+    return [*found, *(f"{_BELOW}   wtf: {finding}" for finding in result.findings)]
 
 
 def summary(reports: Sequence[Report]) -> list[str]:
-    """Return the number of rows that are ok, and the first cause of those that are not."""
+    """Summarize: the number of passed rows, and the cause of the first failure."""
     total = sum(len(report.results) for report in reports)
-    rows = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
+    found = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
     first = next((report for report in reports if report.first_cause), None)
     if first is None or sum(len(r.results) - r.passed for r in reports) == 1:
-        return rows
-    return [*rows, f"first of all, {first.program}: {first.first_cause}"]
+        return found
+    return [*found, f"first of all, {first.program}: {first.first_cause}"]
 
 
 def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
@@ -66,7 +67,7 @@ def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
 
 
 def read_record(plain: Mapping[str, Any]) -> list[Report]:
-    """Return the reports of a record; what was observed is not in it."""
+    """Return the reports in a record, which has no observations."""
 
     def result(row: Mapping[str, Any]) -> CheckResult:
         renamed = {**row, "is_ok": row["ok"], "findings": tuple(row["findings"])}
@@ -85,10 +86,10 @@ def read_record(plain: Mapping[str, Any]) -> list[Report]:
 
 
 def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
-    """Return JUnit's XML: a suite for each program of a submission, a case for each row.
+    """Format reports as JUnit's XML: a suite for each program, a case for each row.
 
-    Rows that follow from another one are skipped cases. Source of the format: the schema that
-    Jenkins and GitLab read.
+    Rows that follow from another row are skipped cases. Source of the format: the schema of Jenkins
+    and GitLab.
     """
     root = ET.Element("testsuites", name=f"lab {lab}")
     for name, reports in submissions.items():
@@ -116,11 +117,11 @@ def _add_case(suite: ET.Element, group: str, result: CheckResult) -> None:
     elif not result.is_ok:
         message = f"{result.measured}: {result.hint}" if result.hint else result.measured
         failure = ET.SubElement(case, "failure", message=_legal(message))
-        failure.text = _legal("\n".join(result_lines(result)))
+        failure.text = _legal("\n".join(rows(result)))
 
 
 def _legal(text: str) -> str:
-    """Return a text without the characters that XML cannot contain."""
+    """Replace the characters that XML cannot contain."""
     return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
 
 
@@ -128,14 +129,13 @@ def _cause(report: Report) -> str:
     return f"{report.program}: {report.first_cause}" if report.program else report.first_cause
 
 
-def table(submissions: Mapping[str, Sequence[Report]]) -> Iterator[str]:
-    """Return a line for each submission: rows that are ok of each program, and the first cause."""
+def class_rows(submissions: Mapping[str, Sequence[Report]]) -> list[str]:
+    """Return a line for each submission: the passed rows of each program, and the first cause."""
     programs = (r.program for reports in submissions.values() for r in reports if r.program)
     options = list(dict.fromkeys(programs))
-    width = max(len("submission"), *map(len, submissions))
-    yield "  ".join((f"{'submission':{width}}", *(f"{o:10}" for o in options), "first cause"))
+    cells = [("submission", *options, "first cause")]
     for name, reports in submissions.items():
         passed = {r.program: f"{r.passed} of {len(r.results)}" for r in reports}
         causes = (_cause(report) for report in reports if report.first_cause)
-        cells = (f"{passed.get(option, '-'):10}" for option in options)
-        yield "  ".join((f"{name:{width}}", *cells, next(causes, ""))).rstrip()
+        cells.append((name, *(passed.get(option, "-") for option in options), next(causes, "")))
+    return text_table(cells)
