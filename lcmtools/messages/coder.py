@@ -74,7 +74,7 @@ def _codec(leaf: Leaf) -> ArrayCodec | Array | None:
 
 def _read_numbers(run: list[Leaf], made: list[Message], cursor: Cursor) -> None:
     packer = struct.Struct(">" + "".join(FORMATS[leaf.field.type] for leaf in run))
-    values = packer.unpack_from(cursor.data, cursor.take(packer.size, run[0].where))
+    values = packer.unpack_from(cursor.data, cursor.advance(packer.size, run[0].where))
     for leaf, value in zip(run, values, strict=True):
         setattr(made[leaf.part], leaf.field.name, value)
 

@@ -214,10 +214,10 @@ class _Reading:
         """Add a statement that reads the collected numbers."""
         if self._codes:
             targets = ", ".join(self._targets)
-            self._take(f"{targets},", struct.Struct(f">{self._codes}"))
+            self._add_unpacking(f"{targets},", struct.Struct(f">{self._codes}"))
             self._codes, self._targets = "", []
 
-    def _take(self, targets: str, packer: struct.Struct) -> None:
+    def _add_unpacking(self, targets: str, packer: struct.Struct) -> None:
         unpack = self._source.name("unpack", packer.unpack_from)
         self._lines.append(f"{targets} = {unpack}(data, {self._here()})")
         self._offset += packer.size
@@ -241,7 +241,7 @@ class _Reading:
             return False
         self._unpack()
         if is_short(part.dimensions[0]) and not part.is_bytes:
-            self._take(target, numbers_struct(int(size), FORMATS[part.type]))
+            self._add_unpacking(target, numbers_struct(int(size), FORMATS[part.type]))
             return True
         packer = struct.Struct(f">{FORMATS[part.type]}")
         self._lines += [

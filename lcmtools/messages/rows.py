@@ -56,7 +56,7 @@ class Cursor:
         self.data, self.offset, self.stray = data, offset, stray
         self.depth, self.weightless = 0, _MOST_WEIGHTLESS
 
-    def take(self, size: int, where: str) -> int:
+    def advance(self, size: int, where: str) -> int:
         """Advance by ``size`` bytes and return their offset."""
         start = self.offset
         end = start + size
@@ -136,7 +136,7 @@ class _Numbers(ArrayCodec):
         return numbers_struct(count, self._code).pack(*numbers)
 
     def read(self, count: int, cursor: Cursor) -> object:
-        start = cursor.take(count * self.smallest, self._where)
+        start = cursor.advance(count * self.smallest, self._where)
         if self._code != "?" and not self._is_tuple:
             return _swap(NumberArray(self._code, cursor.data[start : cursor.offset]))
         numbers = numbers_struct(count, self._code).unpack_from(cursor.data, start)
@@ -188,7 +188,7 @@ class _Bytes(ArrayCodec):
         return data
 
     def read(self, count: int, cursor: Cursor) -> bytes:
-        start = cursor.take(count, self._where)
+        start = cursor.advance(count, self._where)
         return cursor.data[start : start + count]
 
 
@@ -279,10 +279,10 @@ def string_bytes(value: object) -> bytes:
 def read_string(cursor: Cursor, where: str) -> str:
     """Return a string; bytes that are not UTF-8 become U+FFFD, as with lcm-gen, or are kept."""
     data = cursor.data
-    start = cursor.take(STRING_BYTES, where) + STRING_BYTES
+    start = cursor.advance(STRING_BYTES, where) + STRING_BYTES
     end = start + _LENGTH.unpack_from(data, start - STRING_BYTES)[0]
     if end > len(data):
-        cursor.take(end - start, where)
+        cursor.advance(end - start, where)
     cursor.offset = end
     if start == end:  # no NUL at all, which lcm-gen's decoders accept
         return ""

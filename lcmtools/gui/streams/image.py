@@ -43,7 +43,7 @@ class NewestImage(PageStream):
         self._not_before = 0.0
         self._mistake = ""
         self._pixels = parameters.number("pixels", MOST_PIXELS, _FEWEST)
-        self.follow(parameters.text("topic"), self._take)
+        self.follow(parameters.text("topic"), self._receive)
 
     def update(self) -> Update | None:
         """Return the newest image, if it has not been returned yet."""
@@ -68,7 +68,7 @@ class NewestImage(PageStream):
         """Return why there is no image."""
         return self._mistake or absence(self.source, self._topic)
 
-    def _take(self, packet: Packet) -> None:
+    def _receive(self, packet: Packet) -> None:
         with self._lock:
             self._newest = packet
             self._count += 1

@@ -118,13 +118,13 @@ def test_the_last_command_stands_until_it_is_zero() -> None:
     commands.add("/a", twist(1.0))
     commands.add("/a", twist(0.5))
     commands.add("/b", twist(0.5))
-    (one,) = commands.take(graph, heard=False)
+    (one,) = commands.pop(graph, heard=False)
     assert one[:2] == ("/a", "linear.x 0.5")
     assert one.stop == twist(0.0)
     assert one.typed == "lcmtools pub -1 /a geometry_msgs/Twist '{}'"
-    assert commands.take(graph, heard=False) == []
+    assert commands.pop(graph, heard=False) == []
     commands.add("/a", twist(0.0))
-    assert commands.take(graph, heard=False) == []
+    assert commands.pop(graph, heard=False) == []
 
 
 def test_programs_that_are_no_nodes_may_obey_what_is_a_command() -> None:
@@ -133,7 +133,7 @@ def test_programs_that_are_no_nodes_may_obey_what_is_a_command() -> None:
     state.effort, state.name = [1.0], ["wheel"]
     commands.add("/b", twist(0.5))
     commands.add("/c", encode(state))
-    assert [one.topic for one in commands.take(Graph(), heard=True)] == ["/b"]
+    assert [one.topic for one in commands.pop(Graph(), heard=True)] == ["/b"]
 
 
 def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
@@ -141,7 +141,7 @@ def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
     state = JointState()
     state.header.seq, state.effort, state.name = 7, [1.0, -1.0], ["left", "right"]
     commands.add("/wheel_cmd", encode(state))
-    (one,) = commands.take(Graph((subscriber("/wheel_cmd"),)), heard=False)
+    (one,) = commands.pop(Graph((subscriber("/wheel_cmd"),)), heard=False)
     assert one.values == "effort0 1, effort1 -1"
     assert one.stop is not None
     stop = decode(JointState, one.stop)
@@ -158,7 +158,7 @@ def test_zero_is_no_stop_for_a_position() -> None:
     graph = Graph(
         (with_ends(HOST, *subscriber("/arm_cmd").endpoints, *subscriber("/x_cmd").endpoints),)
     )
-    found = commands.take(graph, heard=False)
+    found = commands.pop(graph, heard=False)
     assert [tuple(one) for one in found] == [
         ("/arm_cmd", "position0 1.5", None, ""),
         ("/x_cmd", "of a type that is not known here", None, ""),

@@ -6,7 +6,7 @@ import zlib
 
 import pytest
 
-from lcmtools.gui.protocol import Parameters, Rubbish
+from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.streams.image import NewestImage
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
@@ -146,5 +146,5 @@ def test_an_unknown_topic_is_named_with_the_near_one() -> None:
 
 
 def test_pixels_have_to_be_a_number() -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         NewestImage(FakeSource(), Parameters({"topic": "/camera", "pixels": "many"}))

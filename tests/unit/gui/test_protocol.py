@@ -7,8 +7,8 @@ import math
 import pytest
 
 from lcmtools.gui.protocol import (
+    MalformedRequest,
     Parameters,
-    Rubbish,
     binary_frame,
     read_request,
     text_frame,
@@ -26,13 +26,13 @@ from lcmtools.gui.protocol import (
     ids=itertools.count(),
 )
 def test_rubbish_is_refused(data: str | bytes) -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         read_request(data)
 
 
 @pytest.mark.parametrize("number", [-1, 2**40, "7", True, None, [], 1e400, 10**400])
 def test_a_requests_number_is_a_small_one(number: object) -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         read_request(json.dumps({"op": "close", "id": number}, allow_nan=True)).id  # noqa: B018
 
 
@@ -54,7 +54,7 @@ def test_parameters_are_checked() -> None:
         *(lambda: values.texts("c"), lambda: values.texts("d"), lambda: values.texts("e")),
         *(lambda: values.number("d", highest=4), lambda: values.flag("d")),
     ):
-        with pytest.raises(Rubbish):
+        with pytest.raises(MalformedRequest):
             read()
 
 

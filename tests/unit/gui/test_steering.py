@@ -46,9 +46,9 @@ def _request(op: str, **values: float | str) -> PageRequest:
 
 def test_commands_are_published_until_the_page_lets_go_then_a_stop_and_silence() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("drive", forward=0.5, turn=-0.25)) == ""
+    assert steering.execute(1, _request("drive", forward=0.5, turn=-0.25)) == ""
     assert publishers.next() == ("/v", 0.5, -0.25)
-    assert steering.take(1, _request("release")) == ""
+    assert steering.execute(1, _request("release")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
     assert publishers.sent.empty()
@@ -82,7 +82,7 @@ def test_a_page_that_is_gone_is_stopped() -> None:
 
 def test_a_stop_is_published_though_nobody_drives() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("stop")) == ""
+    assert steering.execute(1, _request("stop")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
 

@@ -114,15 +114,15 @@ def test_markers_come_and_go_and_end() -> None:
     scene = MarkerScene()
     message = MarkerArray()
     message.markers = [marker(1), marker(2, life=5), marker(3)]
-    scene.take(message, 100.0)
+    scene.add(message, 100.0)
     assert ids(scene.drawing(100.0)) == 3
     assert scene.drawing(101.0) is None
 
-    scene.take(marker(1, Marker.DELETE), 101.0)
+    scene.add(marker(1, Marker.DELETE), 101.0)
     assert ids(scene.drawing(101.0)) == 2
     assert ids(scene.drawing(105.5)) == 1
 
-    scene.take(marker(0, Marker.DELETEALL), 106.0)
+    scene.add(marker(0, Marker.DELETEALL), 106.0)
     assert ids(scene.drawing(106.0)) == 0
 
 
