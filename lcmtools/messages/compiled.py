@@ -1,9 +1,9 @@
 """Functions that write and read a type, generated as source text from its layout and compiled.
 
-Belongs here: which numbers are packed in one go, and what is checked in passing. Must not know how
-arrays are coded, except arrays of numbers.
+Belongs here: which numbers are packed together, and which checks the fast functions make. Must not
+know how arrays are coded, except arrays of numbers.
 
-Plain assignments, and numbers packed in one go, make the fast functions faster than lcm-gen's own
+Plain assignments, and numbers packed together, make the fast functions faster than lcm-gen's own
 code. That is why source text is generated and compiled, as in ``dataclasses``. For a
 std_msgs/Header:
 
@@ -99,7 +99,7 @@ class _Source:
         return f"m{place} = m{part.owner}.{part.name}" if part.name else f"m{place}"
 
     def leaves(self) -> Iterator[tuple[Leaf, ArrayCodec | Array | None, str, str]]:
-        """Yield each leaf, its codec, its expression and that of its size."""
+        """Yield each leaf with its codec, its expression and the expression of its size."""
         for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
             owner, sizes = f"m{leaf.part}", leaf.field.dimensions
             counts = [f"{owner}.{size}" if isinstance(size, str) else str(size) for size in sizes]

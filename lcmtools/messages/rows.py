@@ -27,7 +27,7 @@ STRING_BYTES = 4
 """The size of an empty string: its length, which counts its NUL."""
 
 # Elements without bytes (empty messages, empty rows) that one payload may contain: without a limit,
-# 4 bytes could claim two thousand million of them.
+# 4 bytes could claim two billion of them.
 _MOST_WEIGHTLESS = 65_536
 _DEEPEST = 100  # levels of arrays of messages; only a type that contains itself could have as many
 _LENGTH = struct.Struct(">I")
@@ -93,14 +93,14 @@ class ArrayCodec(ABC):
 
     @abstractmethod
     def write(self, values: object, count: int) -> bytes:
-        """Return the bytes of all elements, of which there must be ``count``."""
+        """Return the bytes of all elements; there must be ``count``."""
 
     @abstractmethod
     def read(self, count: int, cursor: Cursor) -> object:
         """Return ``count`` elements."""
 
     def scan(self, data: bytes, start: int, count: int) -> tuple[object, int]:
-        """Return elements and their end; after any exception, ``read`` reports what is wrong."""
+        """Return elements and their end; after any exception, ``read`` reports the fault."""
         cursor = Cursor(data, start)
         return self.read(count, cursor), cursor.offset
 

@@ -25,7 +25,7 @@ def message(kind: str, **values: Any) -> Any:
 def test_a_type_has_its_comments_units_and_defaults() -> None:
     about = described("Odometry")
     assert about["type"] == "nav_msgs/Odometry"
-    assert about["comment"].startswith("Estimate of where a robot is")
+    assert about["comment"].startswith("Estimate of a robot's pose")
     by_name = {field["name"]: field for field in about["fields"]}
     assert by_name["pose"]["unit"] == "m, rad"
     (linear, _) = by_name["twist"]["fields"][0]["fields"]
