@@ -1,4 +1,4 @@
-// A topic's latest message as a tree that unfolds, with the comments and units of its type.
+// A topic's latest message as a tree, with the comments and units of its type.
 
 import { element, iconButton, set, write } from "../elements.js";
 import { PANELS } from "./index.js";
@@ -16,7 +16,7 @@ export class MessageTree {
   /**
    * @param {import("../context.js").Context} context
    * @param {string} topic
-   * @param {(text: string) => void} onAbout called with what is known of each message
+   * @param {(text: string) => void} onAbout called with a summary of each message
    */
   constructor(context, topic, onAbout) {
     this.context = context;
@@ -66,7 +66,7 @@ export class MessageTree {
       if (type === this.type) this.fields = byPath(about.fields, "");
       this.show();
     } catch {
-      // without its comments
+      // the message is shown without comments
     }
   }
 
@@ -177,7 +177,7 @@ export class MessageTree {
 }
 
 /**
- * Return the fields of a type by their paths, without the places in arrays.
+ * Return the fields of a type by their paths, without array indices.
  * @param {Field[]} fields
  * @param {string} before
  * @returns {Map<string, Field>}
@@ -194,7 +194,7 @@ function byPath(fields, before) {
 }
 
 /**
- * Return the lines of bytes that cannot be decoded.
+ * Return the lines for bytes that cannot be decoded.
  * @param {string} hex
  * @returns {Line[]}
  */

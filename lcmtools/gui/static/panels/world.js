@@ -1,4 +1,4 @@
-// The world in 3D: robots by their shapes, what their sensors see, where they should go.
+// The world in 3D: robots, sensor data, and poses to send.
 
 import { button, element, fill, iconButton, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
@@ -25,10 +25,10 @@ const TOOLS = /** @type {[Tool, string, string][]} */ ([
   ["pose", "Send pose", "Click a place and draw the heading: a PoseStamped is sent"],
 ]);
 const SERIES = 8;
-const SMOOTH = 200; // [ms] that the view is drawn on after a message
-const TOLD = 200; // [ms] between two looks at the poses for the list
+const SMOOTH = 200; // [ms] that the view keeps drawing after a message
+const TOLD = 200; // [ms] between two updates of the poses in the list
 
-/** The panel. */
+/** The world panel. */
 export default class World {
   /**
    * @param {import("../context.js").Context} context
@@ -71,7 +71,7 @@ export default class World {
     context.onChange(() => this.showTools());
   }
 
-  /** Begin to draw, where the browser can. */
+  /** Start drawing if the browser supports WebGL. */
   begin() {
     try {
       this.view = new View(this.stage);
@@ -275,7 +275,7 @@ export default class World {
   }
 
   /**
-   * Put all that is shown where it is.
+   * Place all displays at their poses.
    * @param {number} now
    */
   place(now) {

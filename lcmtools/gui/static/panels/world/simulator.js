@@ -1,11 +1,11 @@
-// The buttons of a simulator: pause, step, reset, rate; and its time.
+// The controls of a simulator: pause, step, reset and rate; and its time.
 
 import { button, element, fill, icon, iconButton, set, write } from "../../elements.js";
 import { mistakeText } from "../../texts.js";
 
 const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"];
 
-/** The simulator's part of the tools. */
+/** The toolbar's controls of simulators. */
 export class Simulator {
   /**
    * @param {import("../../context.js").Context} context
@@ -14,10 +14,10 @@ export class Simulator {
   constructor(context, tell) {
     this.context = context;
     this.tell = tell;
-    /** The full names of simulators, the one that is controlled first. */
+    /** The simulators' full names; the first one is controlled. */
     this.nodes = /** @type {string[]} */ ([]);
     this.isPaused = false;
-    /** Messages since the last one whose time was that of the one before. */
+    /** The number of latest messages in a row that advanced the time. */
     this.advances = 0;
     this.time = NaN;
     this.pause = iconButton("pause", "Pause", () => this.toggle());
@@ -49,7 +49,7 @@ export class Simulator {
   }
 
   /**
-   * Take the time of a message; the same one twice means that it is paused.
+   * Update the time from a message; an unchanged time means that the simulator is paused.
    * @param {string} topic
    * @param {number} stamp [s]
    */
@@ -85,7 +85,7 @@ export class Simulator {
   }
 
   /**
-   * Let the simulators do something; the first one's answer counts.
+   * Send a request to the simulators; the first one's response is used.
    * @param {string} verb
    * @param {object} [fields]
    * @param {string} [node]
