@@ -64,7 +64,7 @@ export class Connection extends EventTarget {
     clearTimeout(this.timer);
     const socket = new WebSocket(this.address, "lcmtools.1");
     socket.binaryType = "arraybuffer";
-    socket.onmessage = (event) => this.take(event.data);
+    socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = (event) => this.lose(event);
     this.socket = socket;
   }
@@ -95,7 +95,7 @@ export class Connection extends EventTarget {
   }
 
   /** @param {string | ArrayBuffer} data */
-  take(data) {
+  receive(data) {
     if (typeof data !== "string") {
       const length = new DataView(data).getUint32(0, true);
       const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));

@@ -39,12 +39,12 @@ export class Context {
   open(stream, parameters, onData, onProblem) {
     const key = {};
     const opened = this.connection.open(stream, parameters, onData, (text) => {
-      this.tell(key, text);
+      this.showProblem(key, text);
       onProblem?.(text);
     });
     const close = () => {
       opened.close();
-      this.tell(key, "");
+      this.showProblem(key, "");
     };
     this.ends.signal.addEventListener("abort", close);
     return { id: opened.id, change: opened.change, close };
@@ -55,7 +55,7 @@ export class Context {
    * @param {object} key identifies its owner
    * @param {string} text
    */
-  tell(key, text) {
+  showProblem(key, text) {
     if (text) this.problems.set(key, text);
     else this.problems.delete(key);
     const told = [...new Set(this.problems.values())].join("\n");

@@ -72,7 +72,7 @@ export class Frame {
       this.body.append(this.panel.element);
       this.showTitle();
     } catch (error) {
-      this.context.tell(this, `this panel cannot be shown: ${error}`);
+      this.context.showProblem(this, `this panel cannot be shown: ${error}`);
     }
   }
 

@@ -70,10 +70,10 @@ export class Timeline {
       this.track,
       element("div", { class: "timeline-times" }, this.clock, this.date),
     );
-    connection.addEventListener("change", () => this.learn());
+    connection.addEventListener("change", () => this.update());
     addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(this.track);
-    this.learn();
+    this.update();
   }
 
   get mayPlay() {
@@ -81,7 +81,7 @@ export class Timeline {
   }
 
   /** Update the state of the log; request its histogram first. */
-  learn() {
+  update() {
     const { hello, state, isOpen } = this.connection;
     this.element.hidden = hello?.source !== "log";
     if (this.element.hidden) return;

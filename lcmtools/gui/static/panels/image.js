@@ -77,8 +77,8 @@ export default class ImagePanel {
     this.about = element("span", { class: "muted" });
     this.element = this.layOut(choice.element);
     this.pixels = 0;
-    this.stream = context.open("image", this.wanted(), (data, payload) => this.take(data, payload));
-    context.ask("color maps").then((maps) => this.takeMaps(maps), () => {});
+    this.stream = context.open("image", this.wanted(), (data, payload) => this.receive(data, payload));
+    context.ask("color maps").then((maps) => this.setMaps(maps), () => {});
   }
 
   get title() {
@@ -165,7 +165,7 @@ export default class ImagePanel {
    * @param {any} header
    * @param {ArrayBuffer} [payload]
    */
-  take(header, payload) {
+  receive(header, payload) {
     if (header.topic !== this.topic) return; // sent before the topic was changed
     this.arrivals.push({ count: header.count, time: header.time });
     const oldest = header.time - RATE_TIME;
@@ -187,10 +187,10 @@ export default class ImagePanel {
         this.picture?.bitmap?.close();
         this.picture = await readPicture(waiting.header, waiting.payload);
         if (isFirst) this.viewport.view.fit();
-        this.context.tell(this, "");
+        this.context.showProblem(this, "");
       }
     } catch (error) {
-      this.context.tell(this, `the image cannot be read: ${mistakeText(error)}`);
+      this.context.showProblem(this, `the image cannot be read: ${mistakeText(error)}`);
     }
     this.show();
     this.isReading = false;
@@ -198,7 +198,7 @@ export default class ImagePanel {
   }
 
   /** @param {Record<string, number[][]>} maps */
-  takeMaps(maps) {
+  setMaps(maps) {
     this.maps = maps;
     if (!maps[this.map]) this.map = Object.keys(maps)[0] ?? "warm";
     const options = Object.keys(maps).map((name) => element("option", { value: name }, name));

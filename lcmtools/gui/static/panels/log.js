@@ -76,7 +76,7 @@ export default class Log {
       this.scroller,
     );
     this.showNodes();
-    context.open("log", {}, (data) => this.take(data));
+    context.open("log", {}, (data) => this.receive(data));
   }
 
   settings() {
@@ -110,7 +110,7 @@ export default class Log {
   }
 
   /** @param {{lines: [number, number, string, string, string][], leftOut: number}} data */
-  take({ lines, leftOut }) {
+  receive({ lines, leftOut }) {
     const [first] = lines;
     const last = this.lines[this.lines.length - 1];
     if (first && last && first[0] < last.time - 1) this.clear(); // a played log has jumped back

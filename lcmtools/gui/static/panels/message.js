@@ -36,7 +36,7 @@ export class MessageTree {
       "aria-label": `Message of ${topic}`,
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
     });
-    this.stream = context.open("message", this.parameters(), (data) => this.take(data));
+    this.stream = context.open("message", this.parameters(), (data) => this.receive(data));
   }
 
   parameters() {
@@ -48,16 +48,16 @@ export class MessageTree {
   }
 
   /** @param {any} data */
-  take(data) {
+  receive(data) {
     const { type, size, lines, bytes } = data;
     this.onAbout(`${type || "unknown type"}, ${size} B`);
-    if (type !== this.type) this.learn(type);
+    if (type !== this.type) this.loadType(type);
     this.lines = lines ?? hexLines(bytes ?? "");
     this.show();
   }
 
   /** @param {string} type */
-  async learn(type) {
+  async loadType(type) {
     this.type = type;
     this.fields = new Map();
     if (!type) return;

@@ -90,7 +90,7 @@ export default class Plot {
     );
     this.clock.value = this.chart.isClock ? "clock" : "seconds";
     this.element = this.layOut();
-    this.stream = context.open("plot", { fields: this.fields }, (data, payload) => this.take(data, payload));
+    this.stream = context.open("plot", { fields: this.fields }, (data, payload) => this.receive(data, payload));
     context.onChange(() => this.moveHand());
   }
 
@@ -175,7 +175,7 @@ export default class Plot {
    *   every?: number}} data ``start`` begins a log anew
    * @param {ArrayBuffer} [payload]
    */
-  take(data, payload) {
+  receive(data, payload) {
     if (data.choice !== this.choiceNumber) return;
     if (data.start !== undefined) {
       const { chosen } = this.span;
@@ -190,7 +190,7 @@ export default class Plot {
       for (const label of this.labels) if (!this.places.has(label)) this.places.set(label, this.places.size);
       this.rebuild();
       const problems = data.fields.filter(({ problem }) => problem);
-      this.context.tell(this, problems.map(({ problem }) => problem).join("\n"));
+      this.context.showProblem(this, problems.map(({ problem }) => problem).join("\n"));
     }
     this.leftOut += data.leftOut ?? 0;
     if (payload) {

@@ -30,7 +30,7 @@ export class PublishForm {
       placeholder: "Type",
       spellcheck: "false",
       list,
-      onchange: () => this.learn(),
+      onchange: () => this.loadType(),
     });
     this.type.value = type;
     this.types = element("datalist", { id: list });
@@ -55,7 +55,7 @@ export class PublishForm {
       element("div", { class: "form-foot" }, this.once, this.repeat, element("label", {}, "at ", this.rate, " Hz"), this.rights, this.result),
     );
     context.onChange(() => this.showRights());
-    this.learn();
+    this.loadType();
     this.listTypes();
   }
 
@@ -79,7 +79,7 @@ export class PublishForm {
     }
   }
 
-  async learn() {
+  async loadType() {
     const type = this.type.value.trim();
     this.stop();
     this.inputs.clear();

@@ -88,7 +88,7 @@ export default class Steer {
     this.gamepadName = element("span", {}, "Gamepad");
     this.element = this.layOut(choice.element);
     this.show();
-    this.stream = context.open("steer", { topic: this.topic }, (data) => this.take(data));
+    this.stream = context.open("steer", { topic: this.topic }, (data) => this.receive(data));
     context.onChange(() => this.showAccess());
     const { signal } = context;
     addEventListener("blur", () => this.letGo(), { signal });
@@ -179,7 +179,7 @@ export default class Steer {
   }
 
   /** @param {State} data */
-  take(data) {
+  receive(data) {
     if (data.refused !== undefined) {
       this.refusal = data.refused;
       if (data.refused) this.context.announce(data.refused);
@@ -224,7 +224,7 @@ export default class Steer {
     const isStop = event.key === "Escape" || event.key === " ";
     if (event.type === "keydown" && isStop && !(event.key === " " && target.matches("input, button"))) {
       this.stop();
-    } else if (target.matches("input") || !this.keys.take(event)) {
+    } else if (target.matches("input") || !this.keys.handle(event)) {
       return;
     } else {
       this.refresh();
@@ -332,7 +332,7 @@ export default class Steer {
     for (const control of [this.forward, this.turn, this.stopButton]) control.disabled = Boolean(obstacle);
     const others = this.state.others ?? [];
     const also = others.length && !obstacle ? `${others.join(", ")} commands ${this.topic} too` : "";
-    this.context.tell(this, this.refusal || also);
+    this.context.showProblem(this, this.refusal || also);
     write(this.status, obstacle || this.stateText(Boolean(share)));
   }
 

@@ -160,7 +160,7 @@ export default class Topics {
     }
     if (this.part instanceof PublishForm && !this.part.type.value && row.types[0]) {
       this.part.type.value = row.types[0]; // the form was opened before the topics were known
-      this.part.learn();
+      this.part.loadType();
     }
     const jitter = row.jitter === null ? "–" : `${(row.jitter * 1000).toFixed(1)} ms`;
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";

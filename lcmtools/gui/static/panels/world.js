@@ -55,7 +55,7 @@ export default class World {
       "aria-label": "World in 3D: arrow keys turn the view, plus and minus change the distance, the list has the poses",
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.camera?.press(event),
     });
-    this.simulator = new Simulator(context, (text) => this.tell(text));
+    this.simulator = new Simulator(context, (text) => this.say(text));
     this.sidebar = new Sidebar({
       isShown: (topic) => this.isShown(topic),
       color: (topic) => this.colorOf(topic),
@@ -214,7 +214,7 @@ export default class World {
     const stream = this.context.connection.open(
       kind.stream,
       { topic: topic.topic },
-      (data, payload) => this.take(display, data, payload),
+      (data, payload) => this.receive(display, data, payload),
       (problem) => this.sidebar.setStatus(topic.topic, problem || kind.name, Boolean(problem)),
     );
     this.displays.set(topic.topic, { display, close: stream.close });
@@ -236,14 +236,14 @@ export default class World {
    * @param {any} data
    * @param {ArrayBuffer} [payload]
    */
-  take(display, data, payload) {
+  receive(display, data, payload) {
     const now = performance.now();
-    if (data.kind === "frames") this.takeFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
+    if (data.kind === "frames") this.addFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
     else {
       if (data.kind === "odometry" && data.child) {
-        this.frames.take(display.topic, data.frame, data.child, data.pose, now, true);
+        this.frames.add(display.topic, data.frame, data.child, data.pose, now, true);
       }
-      display.take(data, payload);
+      display.receive(data, payload);
       display.leaveTrail(this.frames, this.bodies.fixed, now);
     }
     this.view?.invalidate(SMOOTH);
@@ -255,13 +255,13 @@ export default class World {
    * @param {Float32Array} numbers
    * @param {number} now
    */
-  takeFrames(topic, data, numbers, now) {
+  addFrames(topic, data, numbers, now) {
     const before = this.frames.frames.size;
     data.frames.forEach(([parent, child], index) => {
       const pose = /** @type {Pose} */ (Array.from(numbers.subarray(7 * index, 7 * index + 7)));
-      this.frames.take(topic, parent, child, pose, now);
+      this.frames.add(topic, parent, child, pose, now);
     });
-    this.simulator.take(topic, data.stamp);
+    this.simulator.updateTime(topic, data.stamp);
     if (this.frames.frames.size !== before) this.offerFrames();
   }
 
@@ -314,14 +314,14 @@ export default class World {
     const topic = this.kept.goal;
     try {
       await this.context.do("send-pose", { topic, frame: this.bodies.fixed, x, y, qz, qw });
-      this.tell(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
+      this.say(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
     } catch (error) {
-      this.tell(mistakeText(error));
+      this.say(mistakeText(error));
     }
   }
 
   /** @param {string} text */
-  tell(text) {
+  say(text) {
     write(this.message, text);
     this.message.hidden = !text;
     clearTimeout(this.silence);

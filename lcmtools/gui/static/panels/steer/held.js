@@ -23,7 +23,7 @@ export class HeldKeys {
    * Process a key that goes down or up; return true if it has a meaning.
    * @param {KeyboardEvent} event
    */
-  take(event) {
+  handle(event) {
     const key = event.key.toLowerCase();
     if (event.ctrlKey || event.altKey || event.metaKey) return false;
     this.isFull = event.shiftKey;

@@ -26,7 +26,7 @@ export class Camera {
     /** The last pose of the followed body. @type {import("./frames.js").Pose | null} */
     this.followed = null;
     this.hasLooked = Boolean(kept.camera);
-    if (kept.camera) view.look(kept.camera.position, kept.camera.target);
+    if (kept.camera) view.lookAt(kept.camera.position, kept.camera.target);
     view.controls.addEventListener("end", () => this.keep());
   }
 

@@ -59,7 +59,7 @@ export class Display {
    * @param {any} data
    * @param {ArrayBuffer} [payload]
    */
-  take(data, payload = new ArrayBuffer(0)) {
+  receive(data, payload = new ArrayBuffer(0)) {
     this.latest = data;
     this.payload = payload;
     this.isStale = true;

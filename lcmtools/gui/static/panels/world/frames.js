@@ -31,7 +31,7 @@ export class Frames {
    * @param {number} now [ms]
    * @param {boolean} isWeak
    */
-  take(source, parent, child, pose, now, isWeak = false) {
+  add(source, parent, child, pose, now, isWeak = false) {
     let frame = this.frames.get(child);
     if (isWeak && frame && frame.source !== source) return;
     if (!frame || frame.parent !== parent) {

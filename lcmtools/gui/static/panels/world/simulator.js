@@ -9,11 +9,11 @@ const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"];
 export class Simulator {
   /**
    * @param {import("../../context.js").Context} context
-   * @param {(text: string) => void} tell
+   * @param {(text: string) => void} say
    */
-  constructor(context, tell) {
+  constructor(context, say) {
     this.context = context;
-    this.tell = tell;
+    this.say = say;
     /** The simulators' full names; the first one is controlled. */
     this.nodes = /** @type {string[]} */ ([]);
     this.isPaused = false;
@@ -53,7 +53,7 @@ export class Simulator {
    * @param {string} topic
    * @param {number} stamp [s]
    */
-  take(topic, stamp) {
+  updateTime(topic, stamp) {
     if (!this.nodes.some((node) => topic.startsWith(`${node}/`))) return;
     this.advances = stamp === this.time ? 0 : this.advances + 1;
     const isPaused = this.advances === 0 || (this.isPaused && this.advances < 2);
@@ -94,10 +94,10 @@ export class Simulator {
     try {
       const { message } = await this.context.do("simulate", { node, verb, ...fields });
       this.advances = 0;
-      this.tell(verb === "set_pose" ? "" : message);
+      this.say(verb === "set_pose" ? "" : message);
       return true;
     } catch (error) {
-      this.tell(mistakeText(error));
+      this.say(mistakeText(error));
       return false;
     }
   }

@@ -61,7 +61,7 @@ export class View {
     this.ground = plainGround();
     this.scene.add(sky, sun, sun.target, dome, this.ground);
     this.scene.fog = new Fog("#ffffff", 30, 150);
-    this.look(START.toArray(), [0, 0, 0]);
+    this.lookAt(START.toArray(), [0, 0, 0]);
     this.sizes = new ResizeObserver(() => this.resize(place));
     this.sizes.observe(place);
     this.resize(place);
@@ -136,7 +136,7 @@ export class View {
    * @param {number[]} position
    * @param {number[]} target
    */
-  look(position, target) {
+  lookAt(position, target) {
     this.camera.position.fromArray(position);
     this.controls.target.fromArray(target);
     this.controls.update();
@@ -146,13 +146,13 @@ export class View {
   /** @param {number[]} target */
   lookFromBehind(target) {
     const at = new Vector3().fromArray(target);
-    this.look(START.clone().add(at).toArray(), target);
+    this.lookAt(START.clone().add(at).toArray(), target);
   }
 
   lookFromAbove() {
     const { target } = this.controls;
     const distance = Math.max(6, this.camera.position.distanceTo(target));
-    this.look([target.x - 0.001 * distance, target.y, target.z + distance], target.toArray());
+    this.lookAt([target.x - 0.001 * distance, target.y, target.z + distance], target.toArray());
   }
 
   /**
