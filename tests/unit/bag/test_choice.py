@@ -5,6 +5,7 @@ import pytest
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import Resolver
+from tests.fixtures.says import assert_says
 
 _NAMES = Resolver("/husky0")
 _CHANNELS = ["/husky0/odometry", "/husky0/image", "/other", "EXAMPLE", "/husky0/_hidden"]
@@ -59,4 +60,5 @@ def test_topics_that_are_named_are_known_before_they_are_published() -> None:
 
 def test_a_node_that_is_not_there_is_named() -> None:
     choice = RecordedTopics((), _NAMES, nodes=["drivver", "/husky0/driver", "/*/d*"])
-    assert choice.silent(_GRAPH) == ["no node drivver yet; did you mean /husky0/driver?"]
+    (line,) = choice.silent(_GRAPH)
+    assert_says(line, "no node", "drivver", "did you mean /husky0/driver?")
