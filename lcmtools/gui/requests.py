@@ -19,13 +19,13 @@ ASKS = {
     "numbers": "choices:numbers",
     "timeline": "playback:timeline",
     "topics": "choices:topics",
-    "type": "types:describe",
-    "types": "types:names",
+    "type": "type_forms:describe",
+    "types": "type_forms:names",
 }
 """The module and the function of each question."""
 ACTIONS = {
     "play": "playback:play",
-    "publish": "streams.publishing:publish",
+    "publish": "streams.message_form:publish",
     "send-pose": "simulators:send_pose",
     "simulate": "simulators:simulate",
 }
