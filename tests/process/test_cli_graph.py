@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from lcmtools.wire.datagram import short_message
+from tests.fixtures.says import assert_line, assert_says
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -93,10 +94,8 @@ def test_text_shows_who_feeds_whom(lcmtools: Run, on_bus: dict[str, Any]) -> Non
         result.stdout,
         re.MULTILINE,
     )
-    assert result.stderr == (
-        "not drawn: 1 unused topic, without a publisher or without a subscriber (add"
-        " --leaf-topics); /rosout, which nearly all nodes use (add --all)\n"
-    )
+    parts = ("1 unused topic", "--leaf-topics", "/rosout", "--all")
+    assert_line(result.stderr, "not drawn: ", *parts)
 
 
 def test_in_the_c_locale_text_is_ascii(lcmtools: Run, on_bus: dict[str, Any]) -> None:
@@ -147,7 +146,7 @@ def test_a_looking_command_is_shown_by_tools(
     echo.wait_for("data:")
     try:
         assert "_lcmtools_echo" not in lcmtools("graph").stdout
-        assert "1 command that observes the bus (add --tools)" in lcmtools("graph").stderr
+        assert_says(lcmtools("graph").stderr, "1 command", "--tools")
         assert f"/_lcmtools_echo_{echo.pid} (observes)" in lcmtools("graph", "--tools").stdout
     finally:
         echo.end()
@@ -196,7 +195,7 @@ def test_what_is_nowhere_is_said(lcmtools: Run, on_bus: dict[str, Any], bus_url:
     del on_bus
     result = lcmtools("graph", "/nowhere")
     assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr.startswith("nothing of /nowhere to draw on udpm://")
+    assert_says(result.stderr, "nothing of /nowhere", "udpm://")
     empty = lcmtools("graph", "--format", "dot", LCM_DEFAULT_URL=bus_url)
     assert empty.stdout.startswith("digraph lcmtools {")
     assert empty.stderr == f"nothing to draw on {bus_url}\n"

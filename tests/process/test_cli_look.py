@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.fixtures.says import assert_line, assert_says
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 HOST = socket.gethostname()
@@ -118,7 +120,7 @@ def test_list_of_a_namespace_where_nothing_is_says_so_on_standard_error(
 ) -> None:
     result = lcmtools("list", "/chat")
     assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"no topics in /chat on {module_bus_url}\n"
+    assert_line(result.stderr, "no topics", "/chat", f"{module_bus_url}\n")
 
 
 def test_list_all_shows_hidden_topics_too(
@@ -193,7 +195,7 @@ def test_info_json_has_the_endpoints_with_their_counters(
 def test_unknown_topic_is_exit_code_1_with_a_near_miss(command: str, lcmtools: Run) -> None:
     result = lcmtools(command, "chater")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == (f"lcmtools {command}: unknown topic /chater; did you mean /chatter?\n")
+    assert_line(result.stderr, f"lcmtools {command}: ", "topic /chater; did you mean /chatter?\n")
 
 
 def test_topic_of_another_namespace_is_a_near_miss(lcmtools: Run) -> None:
@@ -202,7 +204,7 @@ def test_topic_of_another_namespace_is_a_near_miss(lcmtools: Run) -> None:
 
 def test_topic_like_no_other_leads_to_list(lcmtools: Run) -> None:
     result = lcmtools("info", "zzz")
-    assert result.stderr == "lcmtools info: unknown topic /zzz; lcmtools list shows the topics\n"
+    assert_line(result.stderr, "lcmtools info: ", "topic /zzz; lcmtools list")
 
 
 def test_type_prints_the_type_alone(lcmtools: Run) -> None:
@@ -230,10 +232,8 @@ def test_type_of_a_field_is_told_as_rostopic_does(lcmtools: Run) -> None:
 def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(lcmtools: Run) -> None:
     result = lcmtools("type", "/chatter/dota")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == (
-        "lcmtools type: dota: std_msgs/String has no field 'dota' (fields: data);"
-        " did you mean data?\n"
-    )
+    parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
+    assert_line(result.stderr, "lcmtools type: ", *parts)
 
 
 @pytest.mark.parametrize("argument", [[], ["-"]])
@@ -256,10 +256,8 @@ def test_show_says_what_a_pipe_lacks(
 ) -> None:
     result = lcmtools(group, "show", stdin=said)
     assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
-        f"lcmtools {group} show: standard input has {what};"
-        f" for example lcmtools {group} show {example}\n"
-    )
+    parts = ("standard input", what, f"lcmtools {group} show {example}\n")
+    assert_line(result.stderr, f"lcmtools {group} show: ", *parts)
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter"])
@@ -286,9 +284,7 @@ def test_echo_once_is_one_message(option: str, lcmtools: Run) -> None:
 def test_echo_gives_up_after_its_timeout_with_exit_code_4(lcmtools: Run) -> None:
     result = lcmtools("echo", "chater", "--timeout", "200ms")
     assert (result.returncode, result.stdout) == (4, "")
-    assert result.stderr == (
-        "lcmtools echo: nothing came on chater within 0.2 s; did you mean /chatter?\n"
-    )
+    assert_line(result.stderr, "lcmtools echo: ", "chater", "0.2 s; did you mean /chatter?\n")
 
 
 def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
@@ -296,7 +292,7 @@ def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
 ) -> None:
     echo = start(lcmtools_path, "echo", "/zzz")
     line = echo.wait_for("no message on /zzz yet")
-    assert line == "lcmtools echo: no message on /zzz yet; on the bus: /chatter, /rosout"
+    assert_says(line, "lcmtools echo: ", "no message", "/zzz", "; on the bus: /chatter, /rosout")
 
 
 def test_echo_is_seen_as_a_subscriber_while_it_runs(
@@ -335,7 +331,7 @@ def test_hz_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: s
 def test_hz_gives_up_after_its_timeout_with_exit_code_4(lcmtools: Run) -> None:
     result = lcmtools("hz", "/zzz", "--timeout", "200ms")
     assert (result.returncode, result.stdout) == (4, "")
-    assert result.stderr.endswith("lcmtools hz: nothing came on /zzz within 0.2 s\n")
+    assert_says(result.stderr, "lcmtools hz: ", "/zzz", "0.2 s\n")
 
 
 def test_node_list_prints_the_nodes_sorted(lcmtools: Run) -> None:
@@ -374,9 +370,7 @@ def test_node_info_json_has_publications_and_subscriptions(lcmtools: Run) -> Non
 def test_unknown_node_is_exit_code_1_with_a_near_miss(command: str, lcmtools: Run) -> None:
     result = lcmtools("node", command, "talkr")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == (
-        f"lcmtools node {command}: unknown node talkr; did you mean /talker?\n"
-    )
+    assert_line(result.stderr, f"lcmtools node {command}: ", "talkr; did you mean /talker?\n")
 
 
 def test_node_ping_times_the_answers(lcmtools: Run) -> None:
@@ -421,9 +415,7 @@ def test_bus_can_be_said_before_and_after_the_commands_name(
 
 def test_topic_names_resolve_in_the_shells_namespace(lcmtools: Run) -> None:
     result = lcmtools("info", "chatter", LCMTOOLS_NAMESPACE="/husky0")
-    assert result.stderr == (
-        "lcmtools info: unknown topic /husky0/chatter; did you mean /chatter?\n"
-    )
+    assert_line(result.stderr, "lcmtools info: ", "/husky0/chatter; did you mean /chatter?\n")
 
 
 def test_commands_leave_no_trace_on_the_bus(lcmtools: Run) -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
+from tests.fixtures.says import assert_line, assert_says
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -85,15 +86,14 @@ def test_find_of_a_type_that_no_topic_has_says_so_on_standard_error(
 ) -> None:
     result = lcmtools("find", "sensor_msgs/Image")
     assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"no topics of type sensor_msgs/Image on {module_bus_url}\n"
+    assert_line(result.stderr, "no topics", "sensor_msgs/Image", f"{module_bus_url}\n")
 
 
 def test_find_of_an_unknown_type_is_exit_code_2_with_a_near_miss(lcmtools: Run) -> None:
     result = lcmtools("find", "std_msgs/Strin")
     assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
-        "lcmtools find: unknown type 'std_msgs/Strin'; did you mean std_msgs/String?\n"
-    )
+    hint = "; did you mean std_msgs/String?\n"
+    assert_line(result.stderr, "lcmtools find: ", "'std_msgs/Strin'", hint)
 
 
 def test_bw_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
@@ -170,18 +170,14 @@ def test_hz_counts_what_a_filter_lets_through(lcmtools: Run) -> None:
     assert float(result.stdout.split()[2]) == pytest.approx(20, abs=5)
     none = lcmtools("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
     assert none.returncode == 4
-    assert none.stderr.endswith(
-        "lcmtools hz: nothing came on /chatter, with data == 'x', within 0.3 s\n"
-    )
+    assert_says(none.stderr, "lcmtools hz: ", "/chatter", "data == 'x'", "0.3 s\n")
 
 
 def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(lcmtools: Run) -> None:
     result = lcmtools("hz", "/chatter", "--filter", "dota == 'x'")
     assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
-        "lcmtools hz: dota: std_msgs/String has no field 'dota' (fields: data);"
-        " did you mean data?\n"
-    )
+    parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
+    assert_line(result.stderr, "lcmtools hz: ", *parts)
 
 
 def test_find_c_is_how_many_topics_there_are(lcmtools: Run) -> None:
@@ -205,11 +201,10 @@ def test_delay_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path
 def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
     result = lcmtools("delay", "/chatter")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == (
-        "subscribed to [/chatter]\n"
-        "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp, and no"
-        " utime; lcmtools msg find-field header lists the types that have one\n"
-    )
+    subscribed, error = result.stderr.splitlines()
+    assert subscribed == "subscribed to [/chatter]"
+    parts = ("std_msgs/String", "/chatter", "no header", "utime; lcmtools msg find-field header")
+    assert_says(error, "lcmtools delay: ", *parts)
 
 
 def test_delay_ends_where_no_stamp_is_a_time(
@@ -220,17 +215,14 @@ def test_delay_ends_where_no_stamp_is_a_time(
     )
     result = lcmtools("delay", "/zero", "--timeout", "1s")
     assert result.returncode == 4
-    assert "the stamp of a message on /zero is 0, which is not a time\n" in result.stderr
+    assert_says(result.stderr, "stamp", "/zero", "0")
 
 
 def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
     result = lcmtools("delay", "NOISE")
     assert (result.returncode, result.stdout) == (1, "")
     _, _, error = result.stderr.partition("\n")
-    assert error == (
-        "lcmtools delay: the type of the messages on NOISE is not known; "
-        "lcmtools echo NOISE shows their bytes\n"
-    )
+    assert_line(error, "lcmtools delay: ", "type", "NOISE", "not known; lcmtools echo NOISE")
 
 
 def test_hz_of_several_topics_is_rostopics_table(
@@ -253,7 +245,7 @@ def test_hz_tells_which_of_several_topics_is_silent(
 ) -> None:
     hz = start(lcmtools_path, "hz", "/chatter", "/POINTS")
     line = hz.wait_for("no message on")
-    assert line == "lcmtools hz: no message on /POINTS yet; did you mean POINT?"
+    assert_says(line, "lcmtools hz: ", "no message", "/POINTS", "; did you mean POINT?")
 
 
 def test_hz_measures_a_topic_under_two_spellings_twice(
@@ -269,13 +261,13 @@ def test_hz_measures_a_topic_under_two_spellings_twice(
 def test_nothing_within_the_timeout_is_exit_code_4(verb: str, lcmtools: Run) -> None:
     result = lcmtools(verb, "/zzz", "--timeout", "200ms")
     assert (result.returncode, result.stdout) == (4, "")
-    assert result.stderr.endswith(f"lcmtools {verb}: nothing came on /zzz within 0.2 s\n")
+    assert_says(result.stderr, f"lcmtools {verb}: ", "/zzz", "0.2 s\n")
 
 
 def test_timeout_of_several_topics_is_about_all_of_them(lcmtools: Run) -> None:
     result = lcmtools("hz", "/zzz", "/yyy", "--timeout", "200ms")
     assert result.returncode == 4
-    assert result.stderr.endswith("nothing came on /zzz, /yyy within 0.2 s\n")
+    assert_says(result.stderr, "/zzz, /yyy", "0.2 s\n")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.fixtures.says import assert_line, assert_says
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 CREATE = ("pkg", "create", "air_lab0", "--node", "simple_controller")
@@ -178,10 +180,8 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
     node.write_text("mine\n")
     again = lcmtools(*CREATE)
     assert (again.returncode, again.stdout) == (1, "")
-    assert again.stderr == (
-        "lcmtools pkg create: air_lab0/pyproject.toml already exists;"
-        " --force overwrites existing files\n"
-    )
+    parts = ("air_lab0/pyproject.toml", "exists; --force")
+    assert_line(again.stderr, "lcmtools pkg create: ", *parts)
     assert node.read_text() == "mine\n"
     assert lcmtools(*CREATE, "--force").returncode == 0
     assert node.read_text() != "mine\n"
@@ -220,7 +220,7 @@ def test_a_broken_package_beside_does_not_matter_until_it_is_meant(
     assert lcmtools("run", "air_lab0").stdout.startswith("simple_controller ")
     wrong = lcmtools("run", "other", "go")
     assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
-    assert f"{space}/other/pyproject.toml:2: this is not TOML" in wrong.stderr
+    assert_says(wrong.stderr, f"{space}/other/pyproject.toml:2: ", "not TOML")
 
 
 def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(

@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from tests.fixtures.says import assert_line, assert_says
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 # The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
@@ -110,7 +112,7 @@ def test_type_tells_what_the_fingerprint_tells(lcmtools: Run) -> None:
     assert lcmtools("type", "POSE").stdout == "geometry_msgs/Vector3\n"
     result = lcmtools("type", "EMPTY")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == "lcmtools type: the type of EMPTY is not known\n"
+    assert_line(result.stderr, "lcmtools type: ", "EMPTY", "not known")
 
 
 @on_the_modules_bus
@@ -138,7 +140,7 @@ def test_echo_says_once_where_types_are_looked_for(lcmtools: Run, tmp_path: Path
     )
     result = lcmtools("echo", "-n", "2", "NOISE", LCMTOOLS_TYPE_PATH=str(tmp_path / "nope"))
     assert result.stderr.startswith(before)
-    assert result.stderr.endswith("/nope: there is no such folder; see LCMTOOLS_TYPE_PATH\n")
+    assert_says(result.stderr, "/nope: ", "no such folder; ", "LCMTOOLS_TYPE_PATH\n")
     assert lcmtools("echo", "-1", "EMPTY").stderr == ""
 
 
@@ -172,7 +174,7 @@ def test_wtf_does_not_take_them_for_a_fault(lcmtools: Run) -> None:
 @on_the_modules_bus
 def test_near_miss_of_a_literal_channel_is_found(lcmtools: Run) -> None:
     result = lcmtools("info", "EXAMPEL")
-    assert result.stderr == "lcmtools info: unknown topic /EXAMPEL; did you mean EXAMPLE?\n"
+    assert_line(result.stderr, "lcmtools info: ", "topic /EXAMPEL; did you mean EXAMPLE?\n")
 
 
 @pytest.mark.parametrize("_time", range(2))

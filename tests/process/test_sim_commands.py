@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from tests.fixtures.says import assert_line
+
 pytest.importorskip("pybullet")
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
@@ -191,9 +193,7 @@ def test_a_running_simulator_is_not_stepped(tell: Tell, lcmtools: Run) -> None:
     result = lcmtools("sim", "step")
 
     assert result.returncode == 1
-    assert result.stderr == (
-        "lcmtools sim step: /yard: the simulator is not paused; pause it first\n"
-    )
+    assert_line(result.stderr, "lcmtools sim step: /yard: ", "not paused; ", "pause")
 
 
 def test_another_node_is_no_simulator(
@@ -204,4 +204,5 @@ def test_another_node_is_no_simulator(
     result = lcmtools("sim", "pause", "--sim", "talker")
 
     assert result.returncode == 1
-    assert result.stderr == "lcmtools sim pause: /talker is not a simulator; simulators: /yard\n"
+    parts = ("/talker", "not a simulator; ", "/yard\n")
+    assert_line(result.stderr, "lcmtools sim pause: ", *parts)

@@ -11,6 +11,7 @@ from lcmtools.gui.streams.image import NewestImage
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
 from tests.fixtures.gui import FakeSource
+from tests.fixtures.says import assert_says
 
 
 def _open(source: FakeSource, **parameters: float) -> NewestImage:
@@ -142,7 +143,7 @@ def test_an_unknown_topic_is_named_with_the_near_one() -> None:
     source = FakeSource()
     source.know(camera=Image)
     stream = NewestImage(source, Parameters({"topic": "/camra"}))
-    assert stream.problem() == "there is no topic /camra; did you mean /camera?"
+    assert_says(stream.problem(), "no topic /camra", "did you mean /camera?")
 
 
 def test_pixels_have_to_be_a_number() -> None:

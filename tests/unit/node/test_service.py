@@ -279,5 +279,5 @@ def test_a_response_that_lcm_cannot_carry_fails_the_call(
     node.create_service(Trigger, "much", answer)
     serve(node)
     client = Node("client").create_client(Trigger, "much")
-    with pytest.raises(ServiceError, match=r"/much: the response has 20\d\d bytes, more than LCM"):
+    with pytest.raises(ServiceError, match=r"/much: .*20\d\d bytes"):
         client.call(Trigger.Request())
