@@ -1,6 +1,7 @@
 # make demo       a virtual environment, the installation, and the Husky lab as a script
 # make test       the same environment, and the tests that a change should pass at once
 # make test-slow  the faults suite, the labs, every block of the documents, several hosts, programs of others
+# make docs       docs/wtf.md, from the rules of wtf
 # make man        the man pages, into build/man; a built wheel has them
 # make bench      what is measured, beside its anchor and its goal, in one table
 # make check      types fresh, ruff, mypy, import rules, spelling
@@ -18,9 +19,9 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
-SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
+SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py
 
-.PHONY: demo test test-slow check javascript commands types man format bench clean
+.PHONY: demo test test-slow check javascript commands types docs man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
@@ -61,6 +62,9 @@ commands: $(VENV)/.installed-dev
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
+
+docs: $(VENV)/.installed-dev
+	$(BIN)/python docs/wtf_page.py
 
 man: $(VENV)/.installed-dev
 	$(BIN)/python docs/man_pages.py build/man

@@ -20,7 +20,7 @@ from common import bus, isolate, quantile, rounds_asked, show
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
-from lcmtools.wire.log_events import encode_event
+from lcmtools.wire.log_events import encode_head
 from lcmtools.wire.packet import Packet
 
 _URL = bus(7798)
@@ -39,7 +39,7 @@ def write_log(path: Path) -> list[int]:
     with path.open("wb") as file:
         for number in range(_MESSAGES):
             packet = Packet(_CHANNEL, number.to_bytes(8, "big"), now)
-            file.write(encode_event(number, packet))
+            file.write(encode_head(number, packet) + packet.payload)
             times.append(now // 1000 * 1000)
             now += round(gaps.uniform(0, _LONGEST_GAP) * 1e9)
     return times

@@ -14,6 +14,7 @@ from statistics import median
 import lcm
 from common import bus, child, every, isolate, parser, show
 
+from lcmtools.bus import tap as tap_module
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import GraphBuilder
@@ -23,9 +24,10 @@ _URL = bus(7798)
 _IMAGE_BYTES, _IMAGE_RATE = 1_000_000, 100.0
 _SMALL_BYTES, _SMALL_RATE = 100, 1000.0
 _SECONDS = 3.0
+_UNFILTERED = "heads, no filter"
 _WAYS = {
     "heads, kernel's filter": {},
-    "heads, no filter": {"in_kernel": False},
+    _UNFILTERED: {},
     "whole messages": {"whole": True},
 }
 
@@ -59,6 +61,8 @@ def send_images(connection: Connection) -> None:
 def watch(connection: Connection, way: str) -> None:
     """Child: look for some seconds; the share of a core, and messages and bytes of both."""
     builder = GraphBuilder()
+    if way == _UNFILTERED:
+        tap_module.attach = lambda *_: False
     with Tap(parse_url(_URL), **_WAYS[way]) as tap:
         start, used = time.monotonic(), time.process_time()
         while (left := start + _SECONDS - time.monotonic()) > 0:

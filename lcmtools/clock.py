@@ -6,6 +6,8 @@ Must not know messages or nodes: a node on simulated time sets a ManualClock fro
 import time
 from typing import Protocol
 
+CLOCK_TOPIC = "/clock"
+"""The topic of simulated time."""
 NANOSECONDS = 1_000_000_000
 """Nanoseconds in a second."""
 

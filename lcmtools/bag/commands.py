@@ -18,8 +18,9 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import cells, plain_json, to_plain
 from lcmtools.messages.registry import Message, message_class
+from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic
 from lcmtools.observe.reports.describe import node_text, program_text
-from lcmtools.observe.simulators import VELOCITY_TYPES, is_command_topic, is_simulator
+from lcmtools.observe.simulators import is_simulator
 
 _JOINTS = "sensor_msgs/JointState"
 _SHARED = "/rosout"  # shared by all nodes: each line has its node's name

@@ -169,5 +169,5 @@ class IndexNotes:
         self, senders: list[Sender | None], nodes: tuple[Node, ...], packets: list[Packet]
     ) -> list[RecordedType]:
         """Return the types of packets, and learn the names of senders; on the worker's thread."""
-        self._names.learn(senders, nodes)
+        self._names.update(senders, nodes)
         return recorded_types(packets, self._decoder)

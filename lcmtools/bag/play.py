@@ -17,10 +17,10 @@ from typing import NamedTuple
 from lcmtools.bag.commands import Conflict, LastCommands, conflicts
 from lcmtools.bag.player import Player, Position
 from lcmtools.bag.player_keys import press
-from lcmtools.bag.playlist import CLOCK, Choice, Played, Playlist, Track
+from lcmtools.bag.playlist import Choice, Played, Playlist, Track
 from lcmtools.bag.times import LogTime, time_window
 from lcmtools.bus.url import BusUrl
-from lcmtools.clock import NANOSECONDS, split_stamp
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph
 from lcmtools.node.node import Node
@@ -139,8 +139,8 @@ class _Session:
             for track in tracks
         }
         # a log's own clock belongs to its messages' stamps
-        ticks = manner.clock and CLOCK not in self._publishers
-        self._clock = node.create_publisher(Clock, CLOCK) if ticks else None
+        ticks = manner.clock and CLOCK_TOPIC not in self._publishers
+        self._clock = node.create_publisher(Clock, CLOCK_TOPIC) if ticks else None
         self._count = 0
 
     def find(self, graph: Graph) -> None:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import histogram, span_of
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
@@ -23,7 +24,6 @@ from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block, disorder
 
-CLOCK = "/clock"
 _SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
@@ -207,7 +207,7 @@ def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
     namespace = resolve_namespace(said.namespace or "/")
     moved = {}
     for channel in channels:
-        is_kept = namespace == "/" or (choice.keeps_clock and channel == CLOCK)
+        is_kept = namespace == "/" or (choice.keeps_clock and channel == CLOCK_TOPIC)
         below = f"{namespace}/{channel.lstrip('/')}"
         moved[channel] = channel if is_kept else below
     for source, target in said.remaps:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
+from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 
@@ -70,3 +71,11 @@ def refusal(*, is_of_parent: bool) -> BusError:
         remedy = "call lcmtools.init() in the forked process and make its nodes there"
         return BusError("the bus belongs to the parent process", remedy)
     return BusError("the bus is closed")
+
+
+def outage_texts(url: BusUrl, *, is_lost: bool) -> tuple[str, str]:
+    """Return the message of a lost or restored connection, and the current problem, "" for none."""
+    if is_lost:
+        text = f"the connection to {url} is lost; it is tried again until it is back"
+        return text, text
+    return f"the connection to {url} is back", ""

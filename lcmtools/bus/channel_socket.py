@@ -47,9 +47,9 @@ class ChannelSocket:
         request_arrival(self._receiver)
         mark(self._receiver, SELECTIVE)
 
-    def take(self) -> list[tuple[bytes, int]]:
+    def receive(self) -> list[tuple[bytes, int]]:
         """Return waiting payloads with their receive times [ns since 1970]; never blocks."""
-        taken: list[tuple[bytes, int]] = []
+        received: list[tuple[bytes, int]] = []
         start = SHORT_HEADER_BYTES + len(self._name)
         with contextlib.suppress(OSError):  # BlockingIOError: no more are waiting
             for _ in range(_MOST_AT_ONCE):
@@ -57,10 +57,10 @@ class ChannelSocket:
                 data = bytes(self._buffer[:size])
                 # compared again: datagrams from before the filter was attached may be any
                 if data.startswith(MAGIC_SHORT) and data[SHORT_HEADER_BYTES:start] == self._name:
-                    taken.append((data[start:], arrival(ancillary)[0]))
+                    received.append((data[start:], arrival(ancillary)[0]))
                 elif data.startswith(MAGIC_FRAGMENT) and self._begins_large(data):
                     self.has_large = True
-        return taken
+        return received
 
     def wait(self, seconds: float) -> bool:
         """Wait for a message, ``seconds`` at most; return False if none came."""

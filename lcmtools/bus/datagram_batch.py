@@ -56,7 +56,7 @@ class DatagramBatch:
         self._sizes = memoryview(self._headers).cast("I")[_SIZE // 4 :: _HEADER.size // 4]
         self._words = memoryview(self._facts).cast("Q")
 
-    def take(self, most: int) -> Iterator[Datagram]:
+    def receive(self, most: int) -> Iterator[Datagram]:
         """Yield arrived datagrams, about ``most`` at most; each is gone before the next.
 
         Raises:
@@ -82,14 +82,14 @@ class DatagramBatch:
 
     def _received(self, count: int) -> list[Datagram]:
         """The datagrams in the first slots."""
-        data, known, learn = self._data, self._senders.get, self._learn
+        data, known, add = self._data, self._senders.get, self._add_sender
         facts = _FACTS.iter_unpack(memoryview(self._facts)[: count * _FACTS.size])
         is_known = all(self._words[place] == kind for place, kind in _KINDS.items())
         now = time.time_ns()
         return [
             (
                 data[at : at + size].tobytes(),
-                known(source) or learn(source),
+                known(source) or add(source),
                 seconds * 1_000_000_000 + rest if is_known else now,
                 ttl if is_known else None,
             )
@@ -101,7 +101,7 @@ class DatagramBatch:
             )
         ]
 
-    def _learn(self, source: int) -> Sender:
+    def _add_sender(self, source: int) -> Sender:
         if len(self._senders) >= _MOST_SENDERS:
             self._senders.clear()
         port, address = struct.unpack(">2xH4s", struct.pack("@Q", source))

@@ -25,6 +25,7 @@ import stat
 import time
 from collections.abc import Callable, Iterator
 
+from lcmtools.bus.base import outage_texts
 from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.kernel import drop_what_is_late, open_descriptors, receive_buffer_bytes
 from lcmtools.bus.preflight import check_bus
@@ -100,8 +101,7 @@ class Connection:
         if self._url.provider == "tcpq":
             self._pause = _FIRST_PAUSE
             self._due = time.monotonic() + self._pause
-            text = f"the connection to {self._url} is lost; it is tried again until it is back"
-            self._on_outage(text, text)
+            self._on_outage(*outage_texts(self._url, is_lost=True))
 
     def try_again(self) -> None:
         """Try to connect again; the pause before the next attempt doubles each time."""
@@ -113,7 +113,7 @@ class Connection:
             self._due = time.monotonic() + self._pause
             return
         self.instance, self._due = instance, math.inf
-        self._on_outage(f"the connection to {self._url} is back", "")
+        self._on_outage(*outage_texts(self._url, is_lost=False))
 
 
 def open_lcm(url: BusUrl) -> tuple[Instance, ChannelFilter]:

@@ -10,13 +10,13 @@ this takes longer than computing them.
 """
 
 import contextlib
-import threading
 import time
 from collections import Counter, deque
 from collections.abc import Sequence
 
 from lcmtools.bus.kernel import cuts_datagrams, send_cut
 from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.sending_thread import SendingThread
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams, short_message
@@ -29,13 +29,13 @@ MAX_WAITING_BYTES = 64 << 20
 _PAUSE = 0.0002  # [s] after each fragment; three fragments fit stock buffers (212 992 bytes)
 _MOST_TOGETHER = 32  # messages; a stock receive buffer holds three times as many
 _MOST_BYTES_TOGETHER = 65_000  # on their way they form one datagram
-_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
-class PacedSender:
+class PacedSender(SendingThread[tuple[str, bytes]]):
     """Sends large messages in the given order, on its own thread and from its own port."""
 
     def __init__(self, url: BusUrl) -> None:
+        super().__init__("paced sender")
         self._address = (url.host, url.port)
         self._socket = sending_socket(url)
         self._socket.bind(("", 0))  # to know the port before the first message
@@ -45,9 +45,6 @@ class PacedSender:
         self.channels: Counter[str] = Counter()
         """The channels of messages that wait or are being sent, which others must not overtake."""
         self._waiting_bytes = 0
-        self._changed = threading.Condition()
-        self._closed = False
-        self._thread: threading.Thread | None = None
 
     @property
     def port(self) -> int:
@@ -65,9 +62,7 @@ class PacedSender:
                 f"{channel}: {len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
             )
         with self._changed:
-            if self._thread is None and not self._closed:
-                self._thread = threading.Thread(target=self._run, name="paced sender", daemon=True)
-                self._thread.start()
+            self._start()
             self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)
             if self._closed:
                 raise BusError("the bus is closed")
@@ -110,32 +105,23 @@ class PacedSender:
 
     def close(self) -> None:
         """Send queued messages, for half a second at most, and close the socket."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify_all()
-        if self._thread is not None:
-            self._thread.join(_FLUSH_TIMEOUT)
+        super().close()
         self._socket.close()
 
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._waiting)
-                if not self._waiting:
-                    return
-                channel, payload = self._waiting[0]
-            self._send_now(channel, payload)
-            with self._changed:
-                self._waiting.popleft()
-                self.channels -= Counter([channel])  # only now; removes a channel without messages
-                self._waiting_bytes -= len(payload)
-                self._changed.notify_all()
+    def _next(self) -> tuple[str, bytes] | None:
+        return self._waiting[0] if self._waiting else None
 
-    def _send_now(self, channel: str, payload: bytes) -> None:
+    def _note_sent(self, message: tuple[str, bytes]) -> None:
+        channel, payload = message
+        self._waiting.popleft()
+        self.channels -= Counter([channel])  # only now; removes a channel without messages
+        self._waiting_bytes -= len(payload)
+
+    def _send_now(self, message: tuple[str, bytes]) -> None:
         self._seqno += 1
         # a message that cannot be sent is lost, as any datagram may be; the next one is tried
         with contextlib.suppress(OSError):
-            for datagram in datagrams(self._seqno, channel, payload):
+            for datagram in datagrams(self._seqno, *message):
                 self._socket.sendto(datagram, self._address)
                 if datagram.startswith(MAGIC_FRAGMENT):
                     time.sleep(_PAUSE)

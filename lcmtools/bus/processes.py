@@ -13,7 +13,6 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from ipaddress import IPv4Address
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,9 +24,6 @@ _SOCKET_TABLES = (_PROC / "net" / "udp", _PROC / "net" / "udp6")  # Java's socke
 _ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that also receive IPv4
 
 _SESSION_DIGITS = 16  # digits of a Zenoh session's id; its first half is its computer's number
-_INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
-"""The beginnings of the names of programs whose first argument is a script."""
-_CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})  # Java's options with a value
 
 
 class UdpSocket(NamedTuple):
@@ -47,30 +43,6 @@ class Process(NamedTuple):
     pid: int
     command: str  # its command line
     start_ticks: int = 0  # its start [clock ticks since boot]; with the pid, its identity
-
-    def called(self, most: int) -> str:
-        """Return the command line in ``most`` characters.
-
-        To shorten it, the program and an interpreter's script first lose their folders, and Java
-        its options; then words at the end are left out. Arguments are not changed.
-        """
-        if len(self.command) <= most:
-            return self.command
-        program, *arguments = self.command.split(" ")
-        program = program.rpartition("/")[2] or program
-        if program == "java":  # its options come first, and do not show what it runs
-            pairs = pairwise(["", *arguments])
-            arguments = [word for before, word in pairs if before not in _CLASS_PATHS]
-        place = next((n for n, word in enumerate(arguments) if not word.startswith("-")), None)
-        if program == "java":
-            arguments = arguments[place:]
-        elif program.startswith(_INTERPRETERS) and place is not None:
-            arguments[place] = arguments[place].rpartition("/")[2]
-        text = " ".join([program, *arguments])
-        if len(text) <= most:
-            return text
-        kept = text[: most - 1].rpartition(" ")[0] or text[: most - 2]
-        return f"{kept} …"
 
 
 class Usage(NamedTuple):

@@ -16,12 +16,14 @@ from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Node, Role, Staleness
 
+_FOLDER = "records"  # "nodes" before version 1 of the protocol
+
 
 class NodeRecords:
     """The records of one bus, in XDG_RUNTIME_DIR of the environment."""
 
     def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
-        self._folders = [base / "nodes" / url.file_name for base in _base_folders(environment)]
+        self._folders = [base / _FOLDER / url.file_name for base in _base_folders(environment)]
 
     def write(self, node: Node) -> None:
         """Write a node's record, if there is room, and remove those of dead nodes of its name."""
@@ -29,7 +31,8 @@ class NodeRecords:
             if dead.name == node.name and dead.stale is Staleness.ENDED:
                 self.remove(dead.id)
         process = process_of(os.getpid())
-        record = {
+        record = {  # keys may be added, but are never removed or changed
+            "version": node.version,
             "name": node.name,
             "id": node.id,
             "host": node.host,
@@ -67,14 +70,14 @@ class NodeRecords:
             with contextlib.suppress(ValueError, KeyError, TypeError):
                 pid = int(str(record["pid"]))
                 process = process_of(pid)
-                is_alive = process is not None and process.start_ticks == record["start_ticks"]
+                is_alive = process is not None and process.start_ticks == record.get("start_ticks")
                 yield Node(
                     name=str(record["name"]),
                     id=str(record["id"]),
                     host=str(record["host"]),
                     pid=pid,
-                    start_time=int(str(record["start_time"])),
-                    command=str(record["command"]),
+                    start_time=int(str(record.get("start_time", 0))),
+                    command=str(record.get("command", "")),
                     stale=Staleness.HANGS if is_alive else Staleness.ENDED,
                 )
 

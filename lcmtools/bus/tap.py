@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped
 from lcmtools.bus.multicast import check_multicast, sending_socket
-from lcmtools.bus.receivers import Receivers
+from lcmtools.bus.observer_sockets import ObserverSockets
 from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
@@ -51,11 +51,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     Args:
         url: The bus.
         whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
-        in_kernel: Let the kernel drop other fragments, if it can; without, the results are the
-            same.
         always_whole: Prefixes of channels whose messages are assembled anyway.
         spread: Receive with several sockets if large messages would not fit into the buffer of one
-            (see ``Receivers``); for observers that need all of them.
+            (see ``ObserverSockets``); for observers that need all of them.
 
     Attributes:
         longest_nap: The time [s] that messages of a stream may wait, to be read together.
@@ -72,24 +70,23 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         url: BusUrl,
         *,
         whole: bool = False,
-        in_kernel: bool = True,
         always_whole: tuple[str, ...] = (),
         spread: bool = False,
     ) -> None:
         check_multicast(url)
         self._address = (url.host, url.port)
-        self._receivers = Receivers(url)
+        self._sockets = ObserverSockets(url)
         self._is_spread = spread
         if spread:
-            self._receivers.make_room(_AT_FIRST)
+            self._sockets.make_room(_AT_FIRST)
         self._sender = sending_socket(url)
         self._seqno = 0
         self.longest_nap = 0.0 if whole else _NAP
         self._nap = _NAP
         self._wants_whole = whole or bool(always_whole)
         self._passing = 0  # size of messages up to which the filter lets all fragments pass [byte]
-        first = self._receivers.sockets[0]
-        self._filtered = not whole and in_kernel and attach(first, heads_only())
+        first = self._sockets.all[0]
+        self._filtered = not whole and attach(first, heads_only())
         self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
         self.malformed: Mapping[Sender, str] = self._reader.malformed
         self.sequences: Mapping[Sender, Sequence] = self._reader.sequences
@@ -107,7 +104,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
     def close(self) -> None:
         """Leave the group."""
-        self._receivers.close()
+        self._sockets.close()
         self._sender.close()
         if self._requests:
             self._requests.close()
@@ -142,7 +139,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
         None if it is unknown, or includes datagrams that the filter drops.
         """
-        sockets = self._receivers.sockets
+        sockets = self._sockets.all
         return None if self._filtered or len(sockets) > 1 else dropped(sockets[0])
 
     def send(self, channel: str, payload: bytes) -> None:
@@ -165,7 +162,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         packets = self._read_after_nap(timeout) if self._is_streaming() else []
         if not packets:
             start = time.monotonic()
-            has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
+            has_any = bool(self._sockets.ready(0.0 if self._held else timeout))
             is_soon = time.monotonic() - start < _STREAM_GAP
             self._turns = self._turns + has_any if is_soon else 0
             packets = self._read() if has_any or self._held else []
@@ -176,7 +173,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._sleep(min(self._nap, longest))
         packets = self._read()
         if packets:
-            much = max(len(packets) / _OF_A_NAP, self._receivers.filled_by(packets) / _FILLED)
+            much = max(len(packets) / _OF_A_NAP, self._sockets.filled_by(packets) / _FILLED)
             self._nap = min(self.longest_nap, self._nap / max(much, _LITTLE))
         return packets
 
@@ -193,7 +190,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if self._requests is None:
             time.sleep(seconds)
         elif self._requests.wait(seconds):
-            self._requests.take()  # the request also arrives at the tap's own socket
+            self._requests.receive()  # the request also arrives at the tap's own socket
 
     def _read(self) -> list[Packet]:
         """Return what has arrived; from several sockets, in order of arrival.
@@ -201,22 +198,22 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         Datagrams that arrive while sockets are read wait for the next turn: an earlier one may have
         arrived at a socket that was read already.
         """
-        receivers = self._receivers
-        if len(receivers.sockets) == 1:
-            return self._reader.read_all(self._datagrams(receivers.sockets[0]))
+        sockets = self._sockets
+        if len(sockets.all) == 1:
+            return self._reader.read_all(self._datagrams(sockets.all[0]))
         now, arrived = time.time_ns(), self._held
         until = now
-        for one in receivers.ready(0.0):
+        for one in sockets.ready(0.0):
             found = list(self._datagrams(one))
             if len(found) >= _BATCH:
                 until = min(until, _TIME(found[-1]))
             arrived += found
         arrived.sort(key=_TIME)
-        first = bisect_left(arrived, receivers.since, key=_TIME)
+        first = bisect_left(arrived, sockets.since, key=_TIME)
         last = bisect_right(arrived, until, key=_TIME)
         self._held = arrived[last:]
         if until == now:  # nothing older is left; the clock may be set back later
-            receivers.since = 0
+            sockets.since = 0
         return self._reader.read_all(arrived[first:last])
 
     def _attend_large(self) -> None:
@@ -224,20 +221,20 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         needed = self._reader.largest_whole
         if self._filtered and needed > self._passing:
             self._passing = needed
-            self._filtered = attach(self._receivers.sockets[0], heads_only(but_up_to=needed))
+            self._filtered = attach(self._sockets.all[0], heads_only(but_up_to=needed))
         if self._is_spread:
-            self._receivers.make_room(needed)
+            self._sockets.make_room(needed)
 
     def _datagrams(self, receiver: socket.socket) -> Iterable[Datagram]:
         """Read the datagrams that have arrived."""
         batch = self._batches.get(receiver)
-        is_short = receiver in self._receivers.short  # a batch of large ones fits no cache
-        if is_short and not batch and self._turns >= _STREAM and self._receivers.has_times:
+        is_short = receiver in self._sockets.short  # a batch of large ones fits no cache
+        if is_short and not batch and self._turns >= _STREAM and self._sockets.has_times:
             from lcmtools.bus import datagram_batch  # late: most commands end before they need it
 
             if datagram_batch.IS_POSSIBLE:
                 batch = self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
-        return batch.take(_BATCH) if batch else self._one_by_one(receiver)
+        return batch.receive(_BATCH) if batch else self._one_by_one(receiver)
 
     def _one_by_one(self, receiver: socket.socket) -> Iterator[Datagram]:
         receive, buffer = receiver.recvmsg_into, self._buffer
@@ -252,7 +249,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         Never if large messages are assembled and would fill the kernel's buffer, or if a message's
         receive time is the time of reading it.
         """
-        receivers = self._receivers
-        is_tight = self._wants_whole and self._reader.largest_whole > 0 and not receivers.has_room
-        is_useful = self.longest_nap and receivers.has_times and not is_tight
+        sockets = self._sockets
+        is_tight = self._wants_whole and self._reader.largest_whole > 0 and not sockets.has_room
+        is_useful = self.longest_nap and sockets.has_times and not is_tight
         return self._turns >= _STREAM and bool(is_useful)

@@ -39,7 +39,7 @@ class BusUrl(NamedTuple):
     network: str  # the part after "://", as written
     options: Mapping[str, str] = MappingProxyType({})  # the options after "?", as written
     host: str = ""  # multicast group (udpm, mpudpm) or server (tcpq); "" otherwise
-    port: int = 0  # UDP or TCP port; 0 for memq, file and zenoh (see ``bus.zenoh_url``)
+    port: int = 0  # UDP or TCP port; 0 for memq, file and zenoh (see ``bus.zenoh.url``)
 
     @property
     def is_multicast(self) -> bool:

@@ -62,7 +62,7 @@ def _rule(identifier: str) -> Rule:
 
 def rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callable[..., object]]:
     """Return an option whose values are rules, by their names."""
-    ids = [[rule.id, rule.title] for rule in RULES]
+    ids = [[rule.id, rule.summary] for rule in RULES]
     return option(*names, metavar="ID", multiple=multiple, type=_rule, help=text, completer=ids)
 
 

@@ -1,4 +1,4 @@
-"""Collecting the evidence: all that ``wtf`` reads from the outside, once."""
+"""Collection of the evidence: ``wtf`` reads the bus and this computer once."""
 
 import os
 import time
@@ -33,31 +33,33 @@ from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import callbacks, pace, traffic
 from lcmtools.errors import BusError, UsageError
+from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable, is_here, user_name
+from lcmtools.observe.simulators import publishes_time
 from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
-_ANSWER_TIME = 0.05  # [s] several times what nodes need
-_LONG_ENOUGH = 0.3  # [s] of a look that may last longer than was wanted
+_ANSWER_TIME = 0.05  # [s] several times as long as nodes need
+_LONG_ENOUGH = 0.3  # [s] a look of at least this duration may be extended
 
 
 def collect(
     url: BusUrl, environment: Mapping[str, str], listen: float | None, memory: Memory | None = None
 ) -> Evidence:
-    """Look at a bus for ``listen`` seconds, or longer where that leaves doubts.
+    """Observe a bus for ``listen`` seconds, or for longer if a rule needs it.
 
-    None is a second, or less where less is enough (``brief``).
-    A bus that does not work is evidence, not an error. ``memory`` is that of earlier looks.
+    None means a second, or less if that is enough (``brief``). A bus that does not work is
+    evidence, not an error. ``memory`` has the publishers of earlier looks.
     """
     here = computer.host(url, environment)
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
     failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _look(monitor, evidence, listen, memory or Memory())
+            evidence = _observe(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
@@ -77,48 +79,49 @@ def collect(
 
 
 def unusable(error: UsageError) -> Evidence:
-    """The evidence where the environment names the bus wrongly."""
+    """Return the evidence if the bus in the environment is invalid."""
     remedy = error.hint.replace("write 'udpm:", "export LCM_DEFAULT_URL='udpm:")
     return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
 
 
-def _look(
+def _observe(
     monitor: BusMonitor, evidence: Evidence, wanted: float | None, memory: Memory
 ) -> Evidence:
-    begin, taken = _Begin.now(monitor), 0.0
-    evidence = replace(evidence, before=begin.graph)
+    baseline, observed = _Baseline.now(monitor), 0.0
+    evidence = replace(evidence, before=baseline.graph)
     if wanted is None:
-        taken = brief.BRIEF
-        _take(monitor, begin.listening, taken - _ANSWER_TIME)  # the rest while the counters come
-        found = _gathered(monitor, evidence, begin, taken)
+        observed = brief.BRIEF
+        # the rest of the time is for the answers of the nodes, with their counters
+        _receive(monitor, baseline.listening, observed - _ANSWER_TIME)
+        found = _gather(monitor, evidence, baseline, observed)
         if brief.is_enough(found):
             return found
     listen = brief.WHOLE if wanted is None else wanted
-    _take(monitor, begin.listening, listen - taken)
-    found = memory.recall(_gathered(monitor, evidence, begin, listen))
-    doubts = (rules.doubt(found) for rules in (callbacks, pace, traffic))
-    longer = max(doubts) if listen >= _LONG_ENOUGH else 0.0
+    _receive(monitor, baseline.listening, listen - observed)
+    found = memory.recall(_gather(monitor, evidence, baseline, listen))
+    durations = (rules.needed_duration(found) for rules in (callbacks, pace, traffic))
+    longer = max(durations) if listen >= _LONG_ENOUGH else 0.0
     if longer > listen:
-        _take(monitor, begin.listening, longer - listen)
-        found = memory.recall(_gathered(monitor, evidence, begin, longer))
-    memory.learn(found)
+        _receive(monitor, baseline.listening, longer - listen)
+        found = memory.recall(_gather(monitor, evidence, baseline, longer))
+    memory.remember(found)
     return found
 
 
 @dataclass(frozen=True, slots=True)
-class _Begin:
-    """The bus and this computer at the start of a look, to be compared with what comes."""
+class _Baseline:
+    """The state of the bus and of this computer at the start of a look."""
 
     graph: Graph
     table: SocketTable
     on_bus: frozenset[int]  # the inodes of the sockets that receive from it
-    times: Mapping[int, tuple[int, int]]  # that processes have computed, and waited to [ns]
+    times: Mapping[int, tuple[int, int]]  # computing and waiting time by process [ns]
     overflows: int
     listening: Listening
     time: float
 
     @classmethod
-    def now(cls, monitor: BusMonitor) -> "_Begin":
+    def now(cls, monitor: BusMonitor) -> "_Baseline":
         monitor.ask()
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
@@ -128,7 +131,7 @@ class _Begin:
         return cls(graph, table, on_bus, times, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:
-        """The times that processes have computed, and waited to, since [ns]."""
+        """Return each process's computing and waiting time since the start [ns]."""
         now = {pid: lcm_processes.processor_times(pid) for pid in self.times}
         return {
             pid: (now[pid][0] - computed, now[pid][1] - waited)
@@ -136,18 +139,20 @@ class _Begin:
         }
 
 
-def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: float) -> Evidence:
-    """The evidence of a look that has lasted ``listen`` seconds."""
-    listening = begin.listening
-    after = _counted_again(monitor, listening, listen)
-    overflows = computer.buffer_overflows() - begin.overflows
+def _gather(
+    monitor: BusMonitor, evidence: Evidence, baseline: _Baseline, listen: float
+) -> Evidence:
+    """Return the evidence of a look that lasted ``listen`` seconds."""
+    listening = baseline.listening
+    after = _refreshed_graph(monitor, listening, listen)
+    overflows = computer.buffer_overflows() - baseline.overflows
     later, still_on_bus = _sockets(monitor.url)
-    seconds, spent = time.monotonic() - begin.time, begin.spent()
+    seconds, spent = time.monotonic() - baseline.time, baseline.spent()
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
-    # some are stopped and continued again and again, and miss nothing
+    # a process that is stopped and continued repeatedly misses nothing
     running = {pid for pid, (computed, _) in spent.items() if computed}
-    # those that have said goodbye too: their messages are there
-    nodes = {node.id: node for node in (*begin.graph.nodes, *after.nodes)}
+    # also nodes that have left, because their messages are in the evidence
+    nodes = {node.id: node for node in (*baseline.graph.nodes, *after.nodes)}
     names = lcm_processes.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
     processes: tuple[LcmProcess, ...] = ()
@@ -157,7 +162,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         )
     return replace(
         evidence,
-        graph=_without_the_left(after, begin.graph),
+        graph=_without_departed(after, baseline.graph),
         listened=listen,
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
@@ -173,7 +178,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         ),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
-            for one in _listeners(begin, still_on_bus, names, overflows, monitor.url.host)
+            for one in _listeners(baseline, still_on_bus, names, overflows, monitor.url.host)
         ),
         oddities=listening.oddities(names.name),
         frames=listening.frames(names.name),
@@ -188,25 +193,25 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
     )
 
 
-def _take(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
+def _receive(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
     for packet in monitor.packets(seconds):
-        listening.take(packet)
+        listening.add_packet(packet)
 
 
-def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
-    """The graph with the nodes' counters as they are at the end, if the look was long enough.
+def _refreshed_graph(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
+    """Return the graph with the nodes' counters at the end, if the look was long enough.
 
-    The request for them, or an answer, may be lost between computers, and a sender there would be
-    reported by its address, although it is a node. So the request is repeated until every sender on
-    another computer has its node. Plain LCM programs never answer, so there is a limit: where one
-    datagram in ten is lost, five requests without an answer happen once in 4,000 looks. A node
-    that runs and has not answered may have to wait for a processor: it is given more time.
+    Between computers the request or an answer may be lost, and a node would be reported as an
+    unknown address. So the request is repeated until every sender on another computer has its node.
+    Plain LCM programs never answer, so there is a limit: if one datagram in ten is lost, five
+    requests without an answer happen once in 4,000 looks. A node that runs and has not answered may
+    wait for a processor: it gets more time.
     """
     graph = monitor.graph()
     for request in range(_REQUESTS if listen >= PERIOD / 10 else 0):
         is_late = any(map(_may_answer, graph.nodes))
         monitor.probe()
-        _take(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
+        _receive(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
         graph = monitor.graph()
         senders = (seen.sender for seen in graph.foreign())
         are_named = all(sender is None or is_local(sender.address) for sender in senders)
@@ -215,15 +220,15 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     return graph
 
 
-def _without_the_left(graph: Graph, before: Graph) -> Graph:
-    """The graph without what nodes sent before their goodbye, which is no plain program's."""
+def _without_departed(graph: Graph, before: Graph) -> Graph:
+    """Return the graph without the traffic of nodes that have left: no plain program sent it."""
     was, now = ({s for node in one.nodes for s in node.senders()} for one in (before, graph))
     left = was - now
     return graph._replace(traffic=tuple(x for x in graph.traffic if x.sender not in left))
 
 
 def _may_answer(node: Node) -> bool:
-    """Return whether a node has not answered, but may be about to."""
+    """Return whether a node has not answered yet, but still may."""
     is_silent = node.stale and node.stale is not Staleness.ENDED and not node.is_hidden
     return bool(is_silent) and not (
         is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t")
@@ -231,7 +236,7 @@ def _may_answer(node: Node) -> bool:
 
 
 def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
-    """This computer's UDP sockets, and the inodes of those that receive from the bus."""
+    """Return this computer's UDP sockets, and the inodes of those that receive from the bus."""
     if not url.is_multicast:
         return SocketTable({}, {}), frozenset()
     return SocketTable.read(), listening_sockets(url)
@@ -265,7 +270,7 @@ def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[Se
 
 
 def _age(process: Process | None) -> float:
-    """The time since a process was started [s]; 0 where that is not known."""
+    """Return the time since a process started [s]; 0 if unknown."""
     usage = usage_of(process.pid) if process else None
     return max(0.0, (time.time_ns() - usage.start_time) / 1e9) if usage else 0.0
 
@@ -277,7 +282,7 @@ def _has_ended(sender: Sender | None, table: SocketTable) -> bool:
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:
-    """The other computers' clocks; a computer's quickest announcement counts."""
+    """Return the lags of the other computers' clocks, by their fastest announcements."""
     lags: dict[tuple[str, str], dict[str, float]] = {}
     for node in graph.nodes:
         if node.lag is not None and node.sender and not is_here(node):
@@ -287,19 +292,19 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
 
 
 def _listeners(
-    begin: _Begin,
+    baseline: _Baseline,
     still_on_bus: frozenset[int],
     names: lcm_processes.ProgramNames,
     overflows: int,
     group: str,
 ) -> tuple[Listener, ...]:
-    buffers, before, after = receive_buffers(), begin.table, names.table
-    # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
+    buffers, before, after = receive_buffers(), baseline.table, names.table
+    # a channel socket's kernel counters mean nothing: its filter drops nearly everything
     selective = marked_sockets(SELECTIVE)
     filtered = selective | marked_sockets(SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     found = []
-    for inode in (begin.on_bus & still_on_bus) - selective:
+    for inode in (baseline.on_bus & still_on_bus) - selective:
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
@@ -320,13 +325,14 @@ def _listeners(
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
                 joined=joined_interfaces(process.pid, inode, group) if process else (),
+                interpreter=interpreter(process.command) if process else "",
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))
 
 
 def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
-    """Return whether a process is a command of lcmtools, whose filter drops on purpose."""
+    """Return whether a process is a command of lcmtools. Its filter drops datagrams on purpose."""
     if nodes:
         return all(node.tool for node in nodes)
     return any(Path(word).name == "lcmtools" for word in process.command.split()[:3])
@@ -335,11 +341,11 @@ def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
 def clock_of(
     listening: Listening, graph: Graph, names: lcm_processes.ProgramNames, busy: Mapping[int, float]
 ) -> SimulatedClock | None:
-    """The pace of simulated time, with the share of time that its local publisher computed."""
+    """Return the pace of simulated time, with the processor time of its local publisher."""
     ratio, sender = listening.clock_ratio(), listening.clock_sender
     if ratio is None and not listening.clock_jumps():
         return None
-    publishers = [node for node, _ in graph.topic("/clock").publishers]
+    publishers = list(filter(publishes_time, graph.nodes))
     node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
     target = target_rate(node.command) if node else 1.0
     share = busy.get(node.pid) if node and is_here(node) else None

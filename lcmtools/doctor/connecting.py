@@ -1,6 +1,6 @@
-"""Endpoints of the graph with nothing at the other end, and what connects two of them.
+"""Unconnected publications and subscriptions, and remedies that connect them.
 
-Pure: the graph in, remedies out. Each changes one argument, and names the node to start with it.
+Pure: the graph in, remedies out. A remedy changes one argument of one node.
 """
 
 from collections import defaultdict
@@ -10,6 +10,7 @@ from itertools import chain, islice
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
+    REMAPS,
     NearNames,
     expanded,
     give_reason,
@@ -18,77 +19,77 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
+from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
+from lcmtools.observe.simulators import is_simulator
 
-# Topics that nodes publish or subscribe to as a matter of course; roswtf excepts /clock, /rosout.
-_COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
+CONNECTIONS = {
+    **REMAPS,
+    "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
+}
+"""The sentences of remedies that connect a subscription."""
 
-_PERIODS = 3  # of a topic on average, without a message, are no sign that it is heard no more
-_FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
-_FEWEST_OF_PLAIN = 1  # where a program runs that is no node, and may be what publishes
+_PERIODS = 3  # average periods without a message after which a topic still counts as published
+_FEWEST = 4  # messages of a topic that is published repeatedly; pub -1 sends one
+_FEWEST_OF_PLAIN = 1  # the same if a plain LCM program runs, which may be the publisher
 _LONG_AGO = 180_000_000_000  # [ns]
-_MOST_WAYS = 20  # for one subscription: of more publications, none is likelier than another
+_MOST_SUGGESTIONS = 20  # per subscription: among more publications, none is more likely
 
 End = tuple[Node, Endpoint]  # an endpoint of a node
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """A way to connect a loose subscription."""
+class Suggestion:
+    """A publication that an unconnected subscription may have meant."""
 
-    remedy: Statement  # what to do, and why
+    remedy: Statement  # the change that connects them, with its reason
     listener: str  # the id of the node that subscribes
-    channel: str  # that it may have meant
-    publisher: str = ""  # the id of the node that publishes that; "" where it is no node
+    channel: str  # the topic or channel that it may have meant
+    publisher: str = ""  # the id of the node that publishes it; "" if it is not a node
 
 
-def is_simulator(node: Node) -> bool:
-    """Return whether a node publishes the time, and so has sensors for any subscriber."""
-    return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
-
-
-def loose_ends(
+def unconnected_ends(
     graph: Graph, role: Role, *, of_tools: bool = False, beside_plain: bool = False
 ) -> list[End]:
-    """The publications, or subscriptions, of live nodes that have nothing at the other end.
+    """Return the publications or subscriptions of live nodes without a node at the other end.
 
-    Those of commands too, if ``of_tools``. Programs that are no nodes may publish what is missing,
-    if ``beside_plain``.
+    ``of_tools`` includes those of commands. ``beside_plain`` means that plain LCM programs run,
+    which may publish what is missing.
     """
     live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
     connected = {e.topic for node in live for e in node.endpoints if e.role is other}
     if role is Role.SUBSCRIBER:
-        connected |= {seen.channel for seen in graph.traffic} | _heard(
+        connected |= {seen.channel for seen in graph.traffic} | _recently_received(
             live, graph.time, _FEWEST_OF_PLAIN if beside_plain else _FEWEST
         )
     nodes = (node for node in live if of_tools or not node.tool)
-    return [(node, end) for node in nodes for end in _loose(node, role, connected)]
+    return [(node, end) for node in nodes for end in _unconnected(node, role, connected)]
 
 
-def _heard(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
-    """The topics of which messages came recently, by the counters of their subscribers.
+def _recently_received(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
+    """Return the topics with recent messages, by the counters of their subscribers.
 
-    A program that is no node may publish too seldom to be seen in one look.
+    A plain LCM program may publish too rarely to be seen in one look.
     """
-    heard = set()
+    received = set()
     for node in nodes:
         for end in node.endpoints:
             lived, age = end.last_time - node.start_time, node.time_there(now) - end.last_time
             is_fed = end.role is Role.SUBSCRIBER and end.messages >= fewest
             if is_fed and age < min(_PERIODS * lived / end.messages, _LONG_AGO):
-                heard.add(end.topic)
-    return heard
+                received.add(end.topic)
+    return received
 
 
-def _loose(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
-    """The loose ends of a node; alternatives of each other count as one, the first."""
+def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
+    """Yield a node's unconnected endpoints; only the first one of a group of alternatives."""
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
     for end in ends:
-        is_apart = end.topic in connected | _COMMON or is_hidden(end.topic)
+        is_apart = end.topic in connected | OFTEN_UNCONNECTED or is_hidden(end.topic)
         if not is_apart and end.group not in groups:
             yield end
         if end.group:
@@ -100,26 +101,26 @@ def _fit(one: Endpoint, other: Endpoint) -> bool:
 
 
 def _as_seen_by(node: Node, topic: str) -> str:
-    """A topic's name for a node: short in its own namespace."""
+    """Return a topic's name relative to a node's namespace, if it is in that."""
     own = namespace_of(node.name)
     return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
 def _sent(topic: Topic) -> set[int]:
-    """The types that are announced or sent on a topic."""
+    """Return the fingerprints that are announced or sent on a topic."""
     return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
 
 
 def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
-    """Endpoints by a part of their topics' names."""
+    """Group endpoints by a part of their topics' names."""
     found: dict[str, list[End]] = defaultdict(list)
     for node, endpoint in ends:
         found[key(endpoint.topic)].append((node, endpoint))
     return found
 
 
-class Connecting:
-    """The ways to connect loose ends; ``names`` are those of the channels' senders, for people."""
+class ConnectionFinder:
+    """Search for connections; ``names`` are the displayed names of the channels' senders."""
 
     def __init__(self, graph: Graph, names: Mapping[str, str]) -> None:
         self._graph, self._names = graph, names
@@ -129,11 +130,11 @@ class Connecting:
         self._by_namespace = _by(namespace_of, published)
         self._published = _by(str, published)
         taking = ((n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool)
-        self._subscribed = _by(str, taking)  # not by commands: spy and gui listen to all
+        self._subscribed = _by(str, taking)  # not by commands: spy and gui subscribe to all
         self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
         self._near_subscribed = NearNames(self._subscribed)
-        outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
-        self._loose = {(node.id, end.topic) for node, end in outputs}
+        outputs = unconnected_ends(graph, Role.PUBLISHER, of_tools=True)
+        self._unconnected = {(node.id, end.topic) for node, end in outputs}
         self._simulators = {node.id for node in graph.nodes if is_simulator(node)}
         self._foreign: dict[str, list[Traffic]] = defaultdict(list)  # by its channel's last part
         for seen in graph.foreign():
@@ -146,48 +147,62 @@ class Connecting:
             if end.topic in (sent if end.role is Role.SUBSCRIBER else self._subscribed)
         }
 
-    def ways(self, loose: Iterable[End]) -> list[Way]:
-        """The known ways to connect loose subscriptions.
+    def suggestions(self, unconnected: Iterable[End]) -> list[Suggestion]:
+        """Return suggestions for unconnected subscriptions.
 
-        What a node finds in the namespace to which it is to be moved needs no other way.
+        If one of them moves a node to another namespace, that also serves its topics there.
         """
-        found = [(node, way) for node, end in loose for way in self._ways(node, end)]
+        found = [
+            (node, suggestion)
+            for node, end in unconnected
+            for suggestion in self._likeliest(node, end)
+        ]
         moves = {
-            way.listener: way.remedy
-            for node, way in found
-            if way.remedy.kind == "namespace" and way.remedy.parts["node"] == subject(node)
+            suggestion.listener: suggestion.remedy
+            for node, suggestion in found
+            if suggestion.remedy.kind == "namespace"
+            and suggestion.remedy.parts["node"] == subject(node)
         }
 
-        def is_met(way: Way) -> bool:
-            move = moves.get(way.listener)
-            return move is not None and namespace_of(way.channel) == move.parts["namespace"]
+        def is_met(suggestion: Suggestion) -> bool:
+            move = moves.get(suggestion.listener)
+            return move is not None and namespace_of(suggestion.channel) == move.parts["namespace"]
 
         return [
-            replace(way, remedy=moves[way.listener]) if is_met(way) else way for _, way in found
+            replace(suggestion, remedy=moves[suggestion.listener])
+            if is_met(suggestion)
+            else suggestion
+            for _, suggestion in found
         ]
 
-    def ways_out(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
-        """The remedies that lead a loose publication to a subscription that has a publisher."""
+    def remedies_for_publication(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
+        """Yield remedies that remap an unconnected publication to a topic with subscribers."""
         for topic in self._near_subscribed.of(endpoint.topic):
             for listener, other in self._subscribed[topic]:
                 if listener.id != node.id and _fit(endpoint, other):
                     remedy = publish_on(node, endpoint.topic, topic)
                     yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
 
-    def _ways(self, node: Node, end: Endpoint) -> list[Way]:
-        """The ways of the likeliest kind of slip."""
-        kinds = self._elsewhere, self._near, self._unmapped, self._beside, self._of_another_type
-        found = (list(islice(kind(node, end), _MOST_WAYS)) for kind in kinds)
+    def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
+        """Return the suggestions of the most likely kind of mistake."""
+        kinds = (
+            self._in_other_namespace,
+            self._of_similar_name,
+            self._without_remap,
+            self._of_same_type,
+            self._of_other_type,
+        )
+        found = (list(islice(kind(node, end), _MOST_SUGGESTIONS)) for kind in kinds)
         return next(filter(None, found), [])
 
-    def _is_loose(self, publisher: Node, publication: Endpoint) -> bool:
-        return (publisher.id, publication.topic) in self._loose
+    def _is_unconnected(self, publisher: Node, publication: Endpoint) -> bool:
+        return (publisher.id, publication.topic) in self._unconnected
 
     def _is_misplaced(self, node: Node, topic: str, *, command: bool = False) -> bool:
-        """Return whether a node's namespace is what is wrong with a topic in it.
+        """Return whether a node's namespace is the reason why a topic in it is unconnected.
 
-        Where another topic of the node in it is connected, it is not; nor where a command is at the
-        other end, which has the topic as its argument, but for a node without any namespace.
+        It is not if another topic of the node in the namespace is connected. If a command is at the
+        other end, whose argument is the topic, only a node without a namespace is misplaced.
         """
         space = namespace_of(node.name)
         is_own = space == namespace_of(topic) and node.id not in self._placed
@@ -196,8 +211,8 @@ class Connecting:
     def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
         return Subject("sender", self._names.get(channel, str(fallback)))
 
-    def _elsewhere(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """The same name in another namespace: one of the two nodes is in the wrong one."""
+    def _in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest the same name in another namespace: one of the two nodes is in the wrong one."""
         announced = [
             (publisher, other)
             for publisher, other in self._by_base[base_name_of(end.topic)]
@@ -206,23 +221,26 @@ class Connecting:
         inside = expanded(end.topic.lstrip("/"), node)
         for publisher, other in announced:
             if other.topic == inside != end.topic:
-                yield _way(node, start_with(node, end.topic, inside), inside, publisher)
+                yield _suggestion(node, start_with(node, end.topic, inside), inside, publisher)
                 return
-        misplaced = [pair for pair in announced if self._is_loose(*pair)]
+        misplaced = [pair for pair in announced if self._is_unconnected(*pair)]
         command = bool(misplaced) and misplaced[0][0].tool
         if announced and self._is_misplaced(node, end.topic, command=command):
             publisher, other = announced[0]
             first, *more = dict.fromkeys(namespace_of(one.topic) for _, one in announced)
-            parts = {"or": tuple(more)} if more else {}
-            remedy = state("namespace", node=node, namespace=first, **parts)
-            yield _way(node, remedy, other.topic, publisher)
+            remedy = state("namespace", node=node, namespace=first)
+            if more:
+                parts = {**remedy.parts, "or": tuple(more)}
+                sentence = f"{remedy.sentence} (or {{or:namespaces}})"
+                remedy = replace(remedy, parts=parts, sentence=sentence)
+            yield _suggestion(node, remedy, other.topic, publisher)
         elif misplaced:
-            yield _moved(node, end, *misplaced[0])
+            yield _rename_publisher(node, end, *misplaced[0])
         elif not announced:
-            yield from self._sent_elsewhere(node, end)
+            yield from self._sent_in_other_namespace(node, end)
 
-    def _sent_elsewhere(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """The same for senders that are no nodes."""
+    def _sent_in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest the same name in another namespace, sent by a plain LCM program."""
         for seen in self._foreign[base_name_of(end.topic)]:
             channel = seen.channel
             if set(seen.fingerprints).isdisjoint(end.fingerprints):
@@ -233,20 +251,20 @@ class Connecting:
                 remedy = state("republish", topic=end.topic)
             else:
                 continue
-            yield _way(node, remedy, channel, by=self._sender(channel, seen.sender))
+            yield _suggestion(node, remedy, channel, by=self._sender(channel, seen.sender))
             return
 
-    def _near(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """Nearly the same name, and not of a wrong type."""
+    def _of_similar_name(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest a similar name, unless its type differs."""
         for name in self._near_names.of(end.topic):
             topic = self._graph.topic(name)
             sent, taken = _sent(topic), set(end.fingerprints)
             others = [(n, e) for n, e in topic.publishers if n.id != node.id]
             if (taken and sent and not sent & taken) or not (others or topic.traffic):
                 continue
-            slip = next(((n, e) for n, e in others if self._is_loose(n, e)), None)
+            slip = next(((n, e) for n, e in others if self._is_unconnected(n, e)), None)
             if is_legal(name) and slip and _is_slip_of(slip[0], name, node, end):
-                yield _moved(node, end, *slip)
+                yield _rename_publisher(node, end, *slip)
                 return
             known: dict[str, Part] = {} if others else {"by": self._sender(name)}
             if is_legal(name):
@@ -255,23 +273,23 @@ class Connecting:
                     known["or_publish_on"] = end.topic
             else:
                 remedy = state("republish", topic=end.topic)
-            yield _way(node, remedy, name, slip and slip[0], "published", **known)
+            yield _suggestion(node, remedy, name, slip and slip[0], "published", **known)
             return
 
-    def _unmapped(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """A remap that leads away from a topic that is published."""
+    def _without_remap(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest to drop a remap of a topic that is published."""
         argument = remap_argument(node, end.topic)
         before = expanded(argument.partition(":=")[0], node)
         topic = self._graph.topic(before)
         others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
         if argument and (others or topic.foreign) and _sent(topic) & set(end.fingerprints):
-            yield _way(node, state("drop-remap", node=node, argument=argument), before)
+            yield _suggestion(node, state("drop-remap", node=node, argument=argument), before)
 
-    def _beside(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """Publications of the same type and namespace without subscribers: a remap is missing.
+    def _of_same_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest publications of the same type and namespace without subscribers.
 
-        The names of a simulator's topics are fixed; others are remapped to them. Of two others,
-        the name that a remap has given is the wrong one.
+        A simulator's topics have fixed names: other nodes are remapped to them. Otherwise the name
+        that comes from a remap is the wrong one.
         """
         for publisher, publication in self._by_namespace[namespace_of(end.topic)]:
             topic = publication.topic
@@ -280,62 +298,66 @@ class Connecting:
             if publisher.id in self._simulators:
                 if node.id not in self._simulators:
                     remedy = start_with(node, end.topic, _as_seen_by(node, topic))
-                    yield _way(node, remedy, topic, publisher, "same-type")
-            elif self._is_loose(publisher, publication) and not publisher.tool:
+                    yield _suggestion(node, remedy, topic, publisher, "same-type")
+            elif self._is_unconnected(publisher, publication) and not publisher.tool:
                 if remap_argument(node, end.topic) and not remap_argument(publisher, topic):
                     remedy = start_with(node, end.topic, _as_seen_by(node, topic))
                 else:
                     remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
-                yield _way(node, remedy, topic, publisher, "no-subscriber")
+                yield _suggestion(node, remedy, topic, publisher, "no-subscriber")
 
-    def _of_another_type(self, node: Node, end: Endpoint) -> Iterator[Way]:
-        """The same name in another namespace, or nearly the same name, but of another type."""
+    def _of_other_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest another type for the same name in another namespace, or for a similar name."""
         if not end.fingerprints:
             return
         base, near = base_name_of(end.topic), list(self._near_names.of(end.topic))
         published = chain(self._by_base[base], *(self._published[name] for name in near))
         for publisher, other in published:
             if publisher.id != node.id:
-                yield _retyped(node, end, other.topic, subject(publisher), other.type, publisher.id)
+                yield _change_type(
+                    node, end, other.topic, subject(publisher), other.type, publisher.id
+                )
                 return
         meant = (seen for name in near for seen in self._graph.topic(name).foreign)
         for seen in chain(self._foreign[base], meant):
             known = [name for number in seen.fingerprints for name in candidates(number)]
             if known:
-                yield _retyped(node, end, seen.channel, self._sender(seen.channel), known[0])
+                yield _change_type(node, end, seen.channel, self._sender(seen.channel), known[0])
                 return
 
 
-def _way(
+def _suggestion(
     node: Node,
     remedy: Statement,
     channel: str,
     by_node: Node | None = None,
     because: str = "published",
     **parts: Part,
-) -> Way:
+) -> Suggestion:
     given = give_reason(remedy, because, channel=channel, **parts)
-    return Way(given, node.id, channel, by_node.id if by_node else "")
+    return Suggestion(given, node.id, channel, by_node.id if by_node else "")
 
 
-def _moved(node: Node, end: Endpoint, publisher: Node, publication: Endpoint) -> Way:
-    """The publisher has the wrong name, not the subscription."""
+def _rename_publisher(
+    node: Node, end: Endpoint, publisher: Node, publication: Endpoint
+) -> Suggestion:
+    """Suggest another topic for the publisher, because its name is the wrong one."""
     topic = publication.topic
     remedy = publish_on(publisher, topic, end.topic)
-    return _way(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
+    return _suggestion(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
 
 
-def _retyped(
+def _change_type(
     node: Node, end: Endpoint, topic: str, publisher: Subject, name: str, identity: str = ""
-) -> Way:
+) -> Suggestion:
     types = {"type": name, "topic": topic, "expected": end.type}
-    return Way(
+    return Suggestion(
         state("change-type", publisher=publisher, node=node, **types), node.id, topic, identity
     )
 
 
 def _is_slip_of(publisher: Node, name: str, node: Node, end: Endpoint) -> bool:
-    """Return whether the publisher, not the subscriber, has the name that is to be changed."""
+    """Return whether the publisher's topic has the wrong name, and not the subscriber's."""
     if remap_argument(publisher, name) or remap_argument(node, end.topic):
         return bool(remap_argument(publisher, name))
     return publisher.tool or namespace_of(node.name) != namespace_of(end.topic)

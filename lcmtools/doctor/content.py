@@ -1,7 +1,7 @@
 """Odd values in a message: numbers that are not finite, invalid rotations, covariances, times.
 
-Pure: messages in, descriptions out. Values that mean something, although they look odd, are listed
-here: a laser's infinite range is a measurement, and -1 in an IMU's covariance means: unknown.
+Pure: messages in, descriptions out. Values that look odd but have a meaning are listed here: a
+laser's infinite range is a measurement, and -1 in an IMU's covariance means: unknown.
 """
 
 import math
@@ -15,7 +15,7 @@ from lcmtools.types.std_msgs import Time
 _FLOATS = ("float32", "float64")
 _QUATERNION = "geometry_msgs/Quaternion"
 _SECOND = 10**9  # [ns]
-_MAY_BE_NONE = {  # as the types themselves define
+_NAN_ALLOWED = {  # as the types themselves define
     "sensor_msgs/LaserScan": {"ranges", "intensities", "range_max"},
     "sensor_msgs/LaserEcho": {"echoes"},
     "sensor_msgs/Range": {"range"},
@@ -26,7 +26,7 @@ _MAY_BE_NONE = {  # as the types themselves define
         *("percentage", "cell_voltage", "cell_temperature"),
     },
 }
-"""The fields in which a number that is none means something, by type."""
+"""Fields in which NaN is legal (it means 'not measured'), by message type."""
 _SQUARES = {9: 3, 36: 6}
 _MOST_NUMBERS = 4096
 _MOST_MESSAGES = 64
@@ -38,7 +38,7 @@ Odd = tuple[str, str]
 
 
 def oddities(message: Message, path: str = "") -> Iterator[Odd]:
-    """The odd values in a message."""
+    """Yield the odd values in a message."""
     cls = type(message)
     name = type_name(cls)
     if name == _QUATERNION:
@@ -51,7 +51,7 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
         if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
     }
     for field in visible_fields(cls):
-        if field.name not in unmeasured and field.name not in _MAY_BE_NONE.get(name, ()):
+        if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
             yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
 
 
@@ -100,7 +100,7 @@ def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
 
 
 def _is_unmeasured(values: object) -> bool:
-    """As sensor_msgs/Imu has it: the first number of a covariance is -1."""
+    """Return whether a covariance begins with -1: not measured, as sensor_msgs/Imu defines."""
     return isinstance(values, Sequence) and len(values) > 0 and values[0] == -1
 
 

@@ -1,21 +1,21 @@
-"""The datagrams for which receive buffers had no room, by the kernel's counters.
+"""Datagrams that full receive buffers dropped, by the kernel's counters.
 
-A socket counts what its filter drops and what its full buffer drops together; the system counts the
-latter alone, of all sockets.
+A socket's counter includes the datagrams that its filter drops. The system's counter has only the
+drops of full buffers, of all sockets.
 """
 
 from collections.abc import Collection, Mapping
 
 from lcmtools.bus.processes import UdpSocket
 
-_BEHIND = 0.5  # of its buffer that waits, where a program reads too slowly
+_BEHIND = 0.5  # share of its buffer that is full if a program reads too slowly
 
 
 class BufferDrops:
     """The drops between two readings of the table of sockets by inode.
 
-    Sockets whose filter drops on purpose are ``filtered``. ``overflows`` are those of all sockets
-    together, in a time within that of the two readings.
+    ``filtered`` sockets have a filter that drops on purpose. ``overflows`` are the drops of full
+    buffers of all sockets between the two readings.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class BufferDrops:
         self._unexplained = max(0, overflows - others)
 
     def of(self, inode: int, buffer_bytes: int | None) -> int:
-        """Return a socket's drops; of one with a filter the most it can be, if much waits there."""
+        """Return a socket's dropped datagrams. For a filtered socket this is an upper bound."""
         counted = self._counted(inode)
         if inode not in self._filtered:
             return counted

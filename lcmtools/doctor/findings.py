@@ -1,11 +1,12 @@
-"""Findings and rules. A finding is data, without sentences: ``words`` puts it into words.
+"""Findings and rules. A finding is data; ``sentences`` formats it as text.
 
-Belongs here: what a rule yields, and what a rule is. Must not know any rule.
+Belongs here: the types of findings and rules. Must not know any rule.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from lcmtools.doctor.evidence import (
@@ -21,7 +22,7 @@ from lcmtools.graph.model import Node
 
 
 class Severity(IntEnum):
-    """The gravity of a finding; the greatest one is the exit code of ``wtf``, a note counts 0."""
+    """The severity of a finding. The highest one is the exit code of ``wtf``; a note counts 0."""
 
     NOTE = 0
     WARNING = 1
@@ -33,9 +34,9 @@ class Subject:
     """Something that a finding is about."""
 
     kind: str  # node, process, topic, service, sender, listener, host, interface, user or bus
-    name: str  # for people
-    pid: int | None = None  # its process on this computer, if there is one and it is known
-    address: str = ""  # in the network, if it has one and it is known
+    name: str  # as it is displayed
+    pid: int | None = None  # its process on this computer, if known
+    address: str = ""  # in the network, if known
 
     def __str__(self) -> str:
         """Return the name."""
@@ -47,6 +48,9 @@ Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Publication | L
 Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str, ...]
 """A subject, or a measured value."""
 
+Sentences: TypeAlias = Mapping[str, str]
+"""Templates of statements by their kinds, as ``sentences`` formats them."""
+
 _KINDS = {
     **dict.fromkeys(("topic", "topics", "awaited", "other_topic", "channel"), "topic"),
     **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
@@ -55,11 +59,11 @@ _KINDS = {
     **dict.fromkeys(("user", "users"), "user"),
     **dict.fromkeys(("interface", "interfaces", "bridge"), "interface"),
 }
-"""The kind of subject that a bare name is, by the part's name."""
+"""The kind of the subject that a plain string becomes, by the part's name."""
 
 
 def subject(observed: Observed) -> Subject:
-    """The subject that a value of the evidence is."""
+    """Return a value of the evidence as a subject."""
     match observed:
         case Node():
             return Subject("node", observed.name, observed.pid, str(observed.sender or ""))
@@ -79,11 +83,16 @@ def subject(observed: Observed) -> Subject:
 class Statement:
     """A title, a fact or a remedy: its kind, and the subjects and values in it by their names."""
 
-    kind: str  # the key of its sentence in ``words``; of a remedy, what to do ("wake", "export")
+    kind: str  # the key of its sentence in its rule; of a remedy, what to do ("wake", "export")
     parts: Mapping[str, Part]
+    sentence: str = "%s"  # the template of its text; %s until the sentence of its rule is known
+
+    def worded(self, sentences: Sentences) -> "Statement":
+        """Return the statement with the sentence of its kind."""
+        return replace(self, sentence=self.sentence.replace("%s", sentences[self.kind]))
 
     def subjects(self) -> Iterator[Subject]:
-        """Every subject in it."""
+        """Yield every subject in it."""
         for part in self.parts.values():
             for one in part if isinstance(part, tuple) else (part,):
                 if isinstance(one, Subject):
@@ -91,7 +100,7 @@ class Statement:
 
 
 def state(kind: str, **parts: Part | Observed | Iterable[Subject | str]) -> Statement:
-    """A statement of this kind; values of the evidence and bare names become subjects."""
+    """Make a statement; values of the evidence and names become subjects."""
     return Statement(kind, {name: _part(name, value) for name, value in parts.items()})
 
 
@@ -110,26 +119,26 @@ class Finding:
     """Something that is, or may be, wrong."""
 
     title: Statement  # the fault
-    facts: tuple[Statement, ...] = ()  # the single cases of it, or what else is known
-    remedies: tuple[Statement, ...] = ()  # what to type or change
+    facts: tuple[Statement, ...] = ()  # its single cases, or further observations
+    remedies: tuple[Statement, ...] = ()  # commands and changes
     severity: Severity = Severity.ERROR  # its rule limits it
     rule: str = ""  # the id of the rule that found it ("unconnected-subscriptions")
 
     def subjects(self) -> list[Subject]:
-        """Everything it is about, each once."""
+        """Return the subjects of the title and the facts, each once."""
         statements = (self.title, *self.facts)
         return list(dict.fromkeys(one for s in statements for one in s.subjects()))
 
 
-def found(
+def finding(
     title: str | Statement,
     facts: Iterable[Statement] | None = None,
     *remedies: str | Statement,
     severity: Severity = Severity.ERROR,
 ) -> Iterator[Finding]:
-    """A finding, with each remedy once; none if it is one of facts and there are no facts.
+    """Yield a finding without repeated remedies. Yield nothing if ``facts`` is given but empty.
 
-    The kind alone is a statement without parts. Its rule limits the severity.
+    A string is the kind of a statement without parts. The rule limits the severity.
     """
     items = tuple(facts or ())
     if items or facts is None:
@@ -143,45 +152,75 @@ def _statement(stated: str | Statement) -> Statement:
 
 @dataclass(frozen=True, slots=True)
 class Unchecked:
-    """A rule, by its id, that lacks something to look at, with the reason."""
+    """A rule that lacks evidence, and the reason."""
 
     rule: str
     reason: Statement
 
 
+_NONE: Sentences = MappingProxyType({})
+
 Check = Callable[[Evidence], Iterator[Finding]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Rule:
     """A rule of ``wtf``."""
 
     id: str  # its name ("unconnected-subscriptions")
-    severity: Severity  # of its gravest finding; others say that they are milder
+    severity: Severity  # the highest severity of its findings
     explanation: str  # a paragraph: what should be true, and why that matters
-    remedy: str  # the usual one; findings give it more exactly
+    remedy: str  # the usual one; findings are more exact
     check: Check  # looks at the evidence and yields findings
+    titles: Sentences  # of findings, by the kinds of their titles
+    facts: Sentences
+    remedies: Sentences
+    evidence: str  # its input
+    root_only: str  # the part of its input that only root can see
 
     @property
-    def title(self) -> str:
+    def summary(self) -> str:
         """The first sentence of the explanation."""
         return self.explanation.partition(". ")[0].rstrip(".")
 
     def examine(self, evidence: Evidence) -> list[Finding]:
-        """Everything that this rule finds."""
-        return [
-            replace(finding, rule=self.id, severity=min(finding.severity, self.severity))
-            for finding in self.check(evidence)
-        ]
+        """Return the findings of this rule."""
+        return [self._completed(finding) for finding in self.check(evidence)]
+
+    def _completed(self, finding: Finding) -> Finding:
+        return Finding(
+            finding.title.worded(self.titles),
+            tuple(fact.worded(self.facts) for fact in finding.facts),
+            tuple(remedy.worded(self.remedies) for remedy in finding.remedies),
+            min(finding.severity, self.severity),
+            self.id,
+        )
 
 
-def rule(
-    identifier: str, remedy: str, severity: Severity = Severity.WARNING
+def rule(  # noqa: PLR0913 - all that is known of a rule
+    identifier: str,
+    *,
+    remedy: str,
+    title: str | Sentences,
+    evidence: str,
+    facts: Sentences = _NONE,
+    remedies: Sentences = _NONE,
+    severity: Severity = Severity.WARNING,
+    root_only: str = "",
 ) -> Callable[[Check], Rule]:
-    """Make a check a rule; its docstring is the explanation."""
+    """Make a rule of a check; its docstring is the explanation.
+
+    ``title`` is a sentence if findings have one title, whose kind is the id of the rule. ``remedy``
+    is the usual one, ``evidence`` the input of the rule, and ``root_only`` the part of it that only
+    root can see.
+    """
 
     def make(check: Check) -> Rule:
         explanation = " ".join((check.__doc__ or "").split())
-        return Rule(identifier, severity, explanation, remedy, check)
+        titles = {identifier: title} if isinstance(title, str) else title
+        sentences = titles, facts, remedies
+        return Rule(
+            identifier, severity, explanation, remedy, check, *sentences, evidence, root_only
+        )
 
     return make

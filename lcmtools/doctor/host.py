@@ -1,6 +1,6 @@
-"""The parts of this computer that bear on a bus, read from /proc and /sys where these exist.
+"""The state of this computer that affects a bus, read from /proc and /sys if these exist.
 
-Belongs here: all that ``wtf`` reads besides the bus. Must not judge.
+Belongs here: everything that ``wtf`` reads besides the bus. Must not judge.
 """
 
 import contextlib
@@ -34,14 +34,14 @@ _UFW = Path("/etc/ufw/ufw.conf")
 _FIREWALLD = Path("/run/firewalld.pid")
 _READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
 _TIMEOUT = 2.0  # [s]
-_MET = re.compile(r"\bhook (input|output)\b")
+_HOOK = re.compile(r"\bhook (input|output)\b")
 _BASES = ("INPUT", "OUTPUT")
 _JUMPS = frozenset({"jump", "goto", "-j", "-g"})
 _REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
 
 
 def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
-    """This computer, as it bears on a bus."""
+    """Return the state of this computer that affects a bus."""
     interface = route_interface(url.host) if url.is_multicast else ""
     folder = _NET / interface if interface else Path("/nonexistent")
     flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
@@ -70,7 +70,7 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
 
 
 def _network(url: BusUrl, interface: str) -> dict[str, Any]:
-    """The parts that bear on messages that leave this computer, and the self test."""
+    """Return the state that affects messages to other computers, and the self test's result."""
     known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
     if url.ttl:
         folder = _NET / interface
@@ -83,7 +83,7 @@ def _network(url: BusUrl, interface: str) -> dict[str, Any]:
 
 
 def silent_bridge(interface: str) -> str:
-    """The bridge that an interface is, or is a port of, if it snoops without a querier; else ""."""
+    """Return an interface's bridge if it snoops IGMP without a querier; else ""."""
     folder = _NET / interface
     if not interface or not folder.exists():
         return ""
@@ -94,7 +94,7 @@ def silent_bridge(interface: str) -> str:
 
 
 def route_interface(group: str) -> str:
-    """The interface that the route to a group leads to; "" where that is not known."""
+    """Return the interface of the route to a group; "" if unknown."""
     best, found = -1, ""
     for line in text_of(_PROC / "net/route").splitlines()[1:]:
         columns = line.split()
@@ -107,7 +107,7 @@ def route_interface(group: str) -> str:
 
 
 def _flags(interface: str) -> int:
-    """An interface's flags; those of one that works where not known."""
+    """Return an interface's flags; those of a working one if unknown."""
     if not _PROC.joinpath("net/route").exists():
         return _WORKS
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
@@ -117,28 +117,28 @@ def _flags(interface: str) -> int:
 
 
 def _routed_interfaces() -> set[str]:
-    """The interfaces to which any route leads."""
+    """Return the interfaces of all routes."""
     rows = text_of(_PROC / "net/route").splitlines()[1:]
     return {columns[0] for row in rows if (columns := row.split())}
 
 
 def reassembly_failures() -> int:
-    """IP datagrams so far whose pieces did not all come."""
+    """Return the number of IP datagrams that lost fragments, since the system started."""
     return _counter(_PROC / "net/snmp", "Ip:", "ReasmFails")
 
 
 def rp_filter_drops() -> int:
-    """IP datagrams so far that rp_filter has dropped."""
+    """Return the number of IP datagrams that rp_filter dropped, since the system started."""
     return _counter(_PROC / "net/netstat", "TcpExt:", "IPReversePathFilter")
 
 
 def buffer_overflows() -> int:
-    """UDP datagrams so far for which a receive buffer had no room."""
+    """Return the number of UDP datagrams that full receive buffers dropped, since the start."""
     return _counter(_PROC / "net/snmp", "Udp:", "RcvbufErrors")
 
 
 def _counter(file: Path, group: str, name: str) -> int:
-    """A counter of the kernel, in a file with a line of names before each line of numbers."""
+    """Return a counter of the kernel. The file has a line of names before each line of numbers."""
     rows = [line.split() for line in text_of(file).splitlines() if line.startswith(group)]
     with contextlib.suppress(ValueError, IndexError):
         return int(rows[1][rows[0].index(name)])
@@ -146,7 +146,7 @@ def _counter(file: Path, group: str, name: str) -> int:
 
 
 def _joined(group: str) -> tuple[str, ...]:
-    """The interfaces on which the group is joined."""
+    """Return the interfaces on which the group is joined."""
     packed = f"{struct.unpack('=I', socket.inet_aton(group))[0]:08X}"
     found, interface = [], ""
     for line in text_of(_PROC / "net/igmp").splitlines()[1:]:
@@ -187,7 +187,7 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
 
 
 def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
-    """Packages of types that lie in several places, as ROS's and ones made by lcm-gen do."""
+    """Yield packages of types in several folders, for example those of ROS and of lcm-gen."""
     folders = [*environment.get("PYTHONPATH", "").split(os.pathsep), *sys.path]
     for name in _TYPE_PACKAGES:
         places = {Path(f, name).resolve(): None for f in folders if f and Path(f, name).is_dir()}
@@ -196,9 +196,9 @@ def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
 
 
 def firewall() -> tuple[str, str, str]:
-    """Return a firewall that may drop datagrams, its chain, and the reason if it is not known.
+    """Return a firewall that may drop datagrams, its chain, and the reason if that is unknown.
 
-    All are empty where none is at work. The chain is known where the rules were read.
+    All are empty if there is none. The chain is known if the rules were readable.
     """
     if "ENABLED=yes" in text_of(_UFW):
         return "ufw", "", ""
@@ -221,8 +221,8 @@ def firewall() -> tuple[str, str, str]:
 def refusing_chain(rules: str) -> str:
     """Return the chain of rules that drops incoming or outgoing traffic; "" if none does.
 
-    Rules are as nft or iptables-save print them, and so is the name: "inet filter input", "INPUT".
-    What is only forwarded for others, as Docker's rules are about, does not count.
+    ``rules`` is the output of nft or iptables-save, and the name is as in that ("inet filter
+    input", "INPUT"). Rules about forwarding for others, such as Docker's, do not count.
     """
     bases, refusing, jumps = dict[str, str](), set(), defaultdict[str, set[str]](set)
     table = current = ""
@@ -234,7 +234,7 @@ def refusing_chain(rules: str) -> str:
             current = words[1]
         elif words and words[0][:1] == ":":
             current = words[0][1:]
-        if current in _BASES or _MET.search(line):
+        if current in _BASES or _HOOK.search(line):
             bases[current] = f"{table} {current}".strip()
         if _REFUSALS & set(words):
             refusing.add(current)
@@ -244,11 +244,11 @@ def refusing_chain(rules: str) -> str:
 
 
 def _reached(base: str, jumps: Mapping[str, set[str]]) -> set[str]:
-    """Return a chain and those to which it leads."""
-    met = {base}
-    while new := {target for name in met for target in jumps.get(name, ())} - met:
-        met |= new
-    return met
+    """Return a chain and those to which it jumps."""
+    reached = {base}
+    while new := {target for name in reached for target in jumps.get(name, ())} - reached:
+        reached |= new
+    return reached
 
 
 def _output(command: Sequence[str]) -> str:
@@ -262,7 +262,7 @@ def _output(command: Sequence[str]) -> str:
 
 
 def text_of(file: Path) -> str:
-    """The text of a file; "" if it cannot be read."""
+    """Return the text of a file; "" if it cannot be read."""
     try:
         return file.read_text(errors="replace")
     except OSError:

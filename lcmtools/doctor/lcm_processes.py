@@ -1,4 +1,4 @@
-"""Processes of this computer that use LCM: their state, their buses, their names in findings."""
+"""Processes of this computer that use LCM: their states, buses and displayed names."""
 
 import contextlib
 import os
@@ -16,11 +16,12 @@ from pathlib import Path
 from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
-from lcmtools.doctor.connecting import loose_ends
+from lcmtools.doctor.connecting import unconnected_ends
 from lcmtools.doctor.evidence import LcmProcess, Stream
 from lcmtools.doctor.host import text_of
 from lcmtools.doctor.listening import Listening
 from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -30,20 +31,19 @@ from lcmtools.wire.packet import Sender
 _PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
-_NAME_CHARACTERS = 60
 _URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
 _MOST_CODE = 4 << 20  # bytes of a file in which a URL is searched
-_MOST_BUSES = 3  # that are looked at
+_MOST_BUSES = 3  # other buses that are observed
 _LISTEN, _MOST_LISTENS = 0.2, 6  # [s] to another bus; 1.2 s in all show what is sent at 1 Hz
 
 
 def state_of(pid: int) -> str:
-    """A process's state as ps shows it; "" where there is none."""
+    """Return a process's state as in ps; "" if it has ended."""
     return text_of(_PROC / str(pid) / "stat").rpartition(")")[2].strip()[:1]
 
 
 def processor_times(pid: int) -> tuple[int, int]:
-    """The time that a process's threads have computed, and waited for a processor [ns]."""
+    """Return the times that a process's threads computed and waited for a processor [ns]."""
     files = (_PROC / str(pid) / "task").glob("*/schedstat")
     rows = [row for file in files if len(row := text_of(file).split()) > 1]
     return sum(int(row[0]) for row in rows), sum(int(row[1]) for row in rows)
@@ -52,7 +52,8 @@ def processor_times(pid: int) -> tuple[int, int]:
 def never_reads(pid: int) -> bool:
     """Return whether a process only sends, although it has a socket that receives.
 
-    lcm.jar makes one for sending too, and starts a thread that reads with the first subscription.
+    lcm.jar has a socket that receives even for sending, and starts the thread that reads it with
+    the first subscription.
     """
     if Path(text_of(_PROC / str(pid) / "cmdline").partition("\0")[0]).name != "java":
         return False
@@ -63,11 +64,11 @@ def never_reads(pid: int) -> bool:
 def lcm_processes(
     url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], seen: set[int]
 ) -> tuple[LcmProcess, ...]:
-    """The processes of this user that have to do with LCM, with where they are.
+    """Return the processes of this user that use LCM, with their buses.
 
-    Those that listen to a multicast group are there. One that only sends is where it was seen
-    (its port is one of ``seen``), or the bus that its arguments, variables or code name; so is one
-    without UDP.
+    A process that joins a multicast group is on that bus. A process that only sends is on this bus
+    if its port is one of ``seen``; else its arguments, variables or code name its bus, as for a
+    process without UDP.
     """
     own = os.getuid()
     mine = [
@@ -83,7 +84,7 @@ def lcm_processes(
             buses[pid] = ""
         elif not multicast:
             sending.setdefault(pid, set()).add(row.port)
-        elif _is_of_lcm(holders[row.inode]):
+        elif _probably_uses_lcm(holders[row.inode]):
             buses.setdefault(pid, f"{row.address}:{row.port}")
     guessed = set()
     for pid, ports in sending.items():
@@ -100,13 +101,13 @@ def lcm_processes(
     )
 
 
-def _is_of_lcm(process: Process) -> bool:
-    """Return whether a process uses LCM, as far as that shows: of Java only by its command line."""
+def _probably_uses_lcm(process: Process) -> bool:
+    """Guess whether a process uses LCM. For Java only the command line can tell."""
     return "lcm" in process.command or uses_lcm(process.pid)
 
 
 def _pids_of(user: int) -> set[int]:
-    """The processes of a user in this network."""
+    """Return the processes of a user in this network namespace."""
     found = set()
     for folder in _PROC.glob("[0-9]*"):
         with contextlib.suppress(OSError):
@@ -117,26 +118,26 @@ def _pids_of(user: int) -> set[int]:
 
 
 def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
-    """The other bus that a process's arguments, variables or code name: HOST:PORT, or a URL."""
+    """Return the other bus in a process's arguments, variables or code: HOST:PORT, or a URL."""
     variables = _variables(pid)
-    said = _argument_url(pid) or code
+    written = _argument_url(pid) or code
     try:
-        named, _ = choose_url(said, "", variables)
+        named, _ = choose_url(written, "", variables)
     except LcmtoolsError:  # a URL without a port, for example
-        return said or variables.get("LCM_DEFAULT_URL", "")
+        return written or variables.get("LCM_DEFAULT_URL", "")
     if named.file_name == url.file_name:
         return ""
     return f"{named.host}:{named.port}" if named.is_multicast else str(named)
 
 
 def _argument_url(pid: int) -> str:
-    """The URL of a bus in a process's command line; "" for none."""
+    """Return the URL of a bus in a process's command line; "" if there is none."""
     found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
     return found[0] if found else ""
 
 
 def _code_url(pid: int) -> str:
-    """The only URL of a bus in a process's script or executable; "" where there is none."""
+    """Return the only URL of a bus in a process's script or executable; "" for none or several."""
     program, *words = text_of(_PROC / str(pid) / "cmdline").split("\0")
     script = next((word for word in words if word and not word.startswith("-")), "")
     folder = _PROC / str(pid)
@@ -163,7 +164,7 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
     return LcmProcess(
         pid,
-        process.called(_NAME_CHARACTERS) if process else "",
+        shortened(process.command, LONGEST_COMMAND) if process else "",
         bus,
         next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
         open_files,
@@ -173,15 +174,14 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
-    """The processes, those on other buses with the topics there, and those they wait for.
+    """Add to processes on other buses the topics there, and those of this bus that they wait for.
 
-    Other buses are looked at only if all nodes, or the other ends of topics, are missing on this
-    one.
+    Other buses are observed only if this one has no nodes, or unconnected ones.
     """
     every = tuple(processes)
-    missed = {end.topic for _, end in loose_ends(graph, Role.SUBSCRIBER)}
+    missed = {end.topic for _, end in unconnected_ends(graph, Role.SUBSCRIBER)}
     announced = {e.topic for node in graph.nodes for e in node.endpoints}
-    offered = {end.topic for _, end in loose_ends(graph, Role.PUBLISHER)}
+    offered = {end.topic for _, end in unconnected_ends(graph, Role.PUBLISHER)}
     offered |= _published(graph) - announced
     if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
@@ -199,9 +199,9 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
 def _topics(
     processes: Sequence[LcmProcess], missed: set[str]
 ) -> tuple[Mapping[str, set[str]], Mapping[int, set[str]]]:
-    """The topics that are published on other buses, and those that each process waits for.
+    """Return the topics that are published on other buses, and those that each process waits for.
 
-    Programs that are no nodes may publish what is missed seldom: they are given more time.
+    Plain LCM programs may publish a missing topic rarely: they get more time.
     """
     pids = {process.pid for process in processes}
     topics: dict[str, set[str]] = defaultdict(set)
@@ -218,7 +218,7 @@ def _topics(
                 graph = probe.graph()
                 pids -= {node.pid for node in graph.nodes if is_here(node)}
                 topics[bus] |= _published(graph)
-                for node, end in loose_ends(graph, Role.SUBSCRIBER):
+                for node, end in unconnected_ends(graph, Role.SUBSCRIBER):
                     if is_here(node):
                         awaited[node.pid].add(end.topic)
             if not pids or missed.issubset(chain.from_iterable(topics.values())):
@@ -233,7 +233,7 @@ def _published(graph: Graph) -> set[str]:
 
 
 class ProgramNames:
-    """The names of senders and processes, for people."""
+    """The displayed names of senders and processes."""
 
     def __init__(
         self, monitor: BusMonitor, listening: Listening, nodes: Collection[Node], table: SocketTable
@@ -246,11 +246,11 @@ class ProgramNames:
         self.senders = SenderNames(lambda _: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap
-        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
-        self.senders.learn((), nodes)
+        self.senders.update(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
+        self.senders.update((), nodes)
 
     def name(self, sender: Sender | None) -> str:
-        """A sender's node, else its process; of a port that Java programs share, the candidates."""
+        """Return a sender's node, else its process, or all processes that may share its port."""
         known = self.senders.name(sender)
         if sender is None or known != str(sender):
             return known
@@ -261,20 +261,19 @@ class ProgramNames:
         return " or ".join(names) or known
 
     def pid(self, stream: Stream) -> int | None:
-        """A sender's process on this computer."""
+        """Return a sender's process on this computer."""
         if node := self.senders.node(stream.sender):
             return node.pid if is_here(node) else None
         process = self.senders.process(stream.sender)
         return process.pid if process else None
 
     def of_process(self, process: Process) -> str:
-        """A process's nodes, or its command, with its number."""
-        nodes = self.by_pid.get(process.pid, [])
-        called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
-        return f"{called} (pid {process.pid})"
+        """Return a process's nodes, or its command, with its number."""
+        nodes = ", ".join(node.name for node in self.by_pid.get(process.pid, []))
+        return f"{nodes or shortened(process.command, LONGEST_COMMAND)} (pid {process.pid})"
 
     def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
-        """The senders of datagrams that are not LCM's, with the reason."""
+        """Return the senders of datagrams that are not LCM's, with the reasons."""
         found = []
         for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
             process = self.senders.process(sender)

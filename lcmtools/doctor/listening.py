@@ -1,7 +1,7 @@
-"""The evidence in the messages that come during the look.
+"""The evidence in the messages that arrive during the look.
 
-Packets in, evidence out. The time for looking into messages is limited, so that a busy bus is
-sampled; everything is counted.
+Packets in, evidence out. Every message is counted; the time for decoding is limited, so that only
+a sample of a busy bus is decoded.
 """
 
 import contextlib
@@ -13,37 +13,36 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
-from lcmtools.messages.codec import decode
+from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.types.lcmtools_msgs import RelayLink, RelayReport
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
-if TYPE_CHECKING:  # to import it takes longer than most looks need
+if TYPE_CHECKING:  # the import is slow, and most looks do not need it
     from lcmtools.types.tf2_msgs import TFMessage
 
-_CLOCK, _LOG = "/clock", "/rosout"
+_LOG = "/rosout"
 _TRANSFORMS = "tf2_msgs/TFMessage"
 _LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
-_CLOCK_SPAN = 0.3  # [s] of ticks show how fast simulated time is
+_CLOCK_SPAN = 0.3  # [s] of ticks are enough for the rate of simulated time
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
 _MOST_ODDITIES, _MOST_LOGS, _MOST_FRAMES = 200, 50, 2000
 _MOST_COMPARED = 1000  # messages of a channel
 _COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
-_SHARE = 0.3  # of the time may go into looking into messages
-_LARGEST = 4 << 20  # bytes of a message that is looked into
-_FUTURE, _OLD = 1.0, 10.0  # [s] that a stamp may be off
+_SHARE = 0.3  # of the time may be spent on decoding
+_LARGEST = 4 << 20  # bytes of a message that is decoded
+_FUTURE, _OLD = 1.0, 10.0  # [s] the largest error of a stamp
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
 
 _UNITS = {"nanoseconds": 1, "milliseconds": 10**6, "seconds": 10**9}  # [ns]
@@ -66,17 +65,17 @@ class _Stream:
 
 
 class Listening:
-    """The evidence in messages, as they come.
+    """The evidence in messages as they arrive.
 
-    ``types_of`` are the announced types of a topic; ``share`` is the part of the time that may go
-    into looking into messages.
+    ``types_of`` returns the announced types of a topic; ``share`` is the share of the time that
+    decoding may take.
     """
 
     def __init__(self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE) -> None:
         self._share = share
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
-        self._compared: dict[str, dict[int, Sender | None]] = {}  # who sent a payload first
+        self._compared: dict[str, dict[int, Sender | None]] = {}  # the first sender of each payload
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
         self._frames: dict[tuple[str, str, str], Sender | None] = {}  # by tree, child and parent
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
@@ -89,11 +88,11 @@ class Listening:
         self._clocks: set[Sender | None] = set()
         self.relays = RelayReports()
 
-    def take(self, packet: Packet) -> None:
-        """Take note of a message."""
+    def add_packet(self, packet: Packet) -> None:
+        """Add a message to the evidence."""
         if is_hidden(packet.channel):
             if packet.channel == RELAY_CHANNEL:
-                self.relays.take(packet.payload)
+                self.relays.add_report(packet.payload)
             return
         key = (packet.channel, packet.sender)
         if key not in self._streams and len(self._streams) >= _MOST_STREAMS:
@@ -105,22 +104,22 @@ class Listening:
         stream.bytes += packet.size
         self._compare(packet, stream)
         try:
-            self._decoder.message_class(packet)  # to load a type is not to look into a message
-        except LcmtoolsError:  # its type is not known
+            self._decoder.message_class(packet)  # loading a type does not count as decoding
+        except LcmtoolsError:  # unknown type
             is_whole = packet.whole_bytes is None
             if packet.fingerprint is not None and not stream.format:
                 stream.format = foreign_format(packet.payload, is_whole=is_whole)
             return
         now = time.monotonic()
         if (
-            packet.channel in (_CLOCK, _LOG)
+            packet.channel in (CLOCK_TOPIC, _LOG)
             or self._spent <= self._share * (now - self._start) + 0.05
         ):
-            self._look_into(packet, key)
+            self._inspect(packet, key)
             self._spent += time.monotonic() - now
 
     def streams(self) -> tuple[Stream, ...]:
-        """The messages by channel and sender; the senders have no names yet."""
+        """Return the messages by channel and sender; the senders have no names yet."""
         return tuple(
             Stream(
                 *(*key, "", tuple(s.times), s.largest, s.bytes, len(s.times) >= _MOST_TIMES),
@@ -132,35 +131,36 @@ class Listening:
         )
 
     def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:
-        """The oddities in the messages, each once."""
+        """Return the oddities in the messages, each once."""
         return tuple(
             replace(odd, name=name(key[1]), kind=self._replayed(key) if kind == "old" else kind)
             for (kind, key, place), odd in self._odd.items()
-            # a utime that stays may be that of what is sent again and again
+            # a constant utime may belong to a message that is sent repeatedly
             if (kind, place) != ("old", "utime") or self._replayed(key) == "replayed"
-            if kind != "boot" or not self.clock_ticks  # the clock came after it
-            if kind not in ("future", "old") or len(self._clocks) <= 1  # else by which of them?
+            if kind != "boot" or not self.clock_ticks  # the clock started later
+            if kind not in ("future", "old")
+            or len(self._clocks) <= 1  # with several clocks it is ambiguous
         )
 
     def _replayed(self, key: _Key) -> str:
-        """Return "replayed" where a topic's old stamps advance with the clock, else "old"."""
+        """Return "replayed" if a topic's old stamps advance with the clock, else "old"."""
         (arrival, stamped), (last_arrival, last_stamped) = self._old[key]
         advance, passed = last_stamped - stamped, last_arrival - arrival
         is_even = passed and 1 / _FASTEST < advance / passed < _FASTEST
         return "replayed" if is_even else "old"
 
     def frames(self, name: Callable[[Sender | None], str]) -> tuple[FrameParent, ...]:
-        """The frames of transforms with their parents, each pair once."""
+        """Return the frames of transforms with their parents, each pair once."""
         return tuple(FrameParent(*link, name(sender)) for link, sender in self._frames.items())
 
     def logs(self) -> tuple[LogLine, ...]:
-        """The warnings and errors on ``/rosout``, each once."""
+        """Return the warnings and errors on ``/rosout``, each once."""
         return tuple(LogLine(*entry, count) for entry, count in self._logs.items())
 
     def clock_ratio(self) -> float | None:
-        """Simulated seconds in a second, in the best quarter: one stumble is no slowness.
+        """Return the simulated seconds per second in the fastest quarter of the look.
 
-        None where the ticks are too few, or do not only rise.
+        A single pause is not slowness. None if there are too few ticks, or time jumps back.
         """
         ticks = self.clock_ticks
         seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
@@ -171,14 +171,14 @@ class Listening:
         return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
 
     def clock_jumps(self) -> int:
-        """The ticks of the only simulated clock that are earlier than the one before."""
+        """Return how often simulated time jumps back; 0 if several clocks are published."""
         return self._jumps() if len(self._clocks) == 1 else 0
 
     def _jumps(self) -> int:
         return sum(later[1] < one[1] for one, later in pairwise(self.clock_ticks))
 
     def _compare(self, packet: Packet, stream: _Stream) -> None:
-        """Tell whether the same message has come before: again, or from another sender."""
+        """Note whether the same message came before, from the same or another sender."""
         known = self._compared.setdefault(packet.channel, {})
         for memory in (known, stream.numbered):
             if len(memory) >= _MOST_COMPARED:
@@ -193,15 +193,15 @@ class Listening:
                 stream.doubled.add(packet.seqno)
             stream.numbered[packet.seqno] = message
 
-    def _look_into(self, packet: Packet, key: _Key) -> None:
+    def _inspect(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
         try:
             message = self._decoder.decode(packet)
         except DecodeError as error:
-            self._note("undecodable", key, str(error))
+            self._add_oddity("undecodable", key, str(error))
             return
-        if packet.channel == _CLOCK and isinstance(message, Clock):
+        if packet.channel == CLOCK_TOPIC and isinstance(message, Clock):
             simulated = join_stamp(message.clock.sec, message.clock.nsec)
             self.clock_ticks.append((packet.time, simulated))
             self.clock_sender = packet.sender
@@ -211,14 +211,14 @@ class Listening:
             entry = message.name, _LEVELS[message.level], text
             if entry in self._logs or len(self._logs) < _MOST_LOGS:
                 self._logs[entry] += 1
-        self._note_frames(packet, message)
+        self._add_frames(packet, message)
         odd = list(oddities(message))
         for kind, text in odd:
-            self._note(kind, key, text)
+            self._add_oddity(kind, key, text)
         if not any(kind == "nsec" for kind, _ in odd):
             self._check_stamp(message, packet.time, key)
 
-    def _note_frames(self, packet: Packet, message: Message) -> None:
+    def _add_frames(self, packet: Packet, message: Message) -> None:
         if type_name(message) == _TRANSFORMS:
             tree, transforms = namespace_of(packet.channel), cast("TFMessage", message).transforms
             for one in transforms[: _MOST_FRAMES - len(self._frames)]:
@@ -230,25 +230,27 @@ class Listening:
         if stamped is None:
             stamped, place = utime(message), "utime"
             if stamped and (unit := _unit(stamped // 1000, arrival)):
-                self._note("unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds")
+                self._add_oddity(
+                    "unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds"
+                )
                 return
-        if not stamped or (place == "utime" and stamped < _SIMULATED):  # of a clock of its own
+        if not stamped or (place == "utime" and stamped < _SIMULATED):  # by another clock
             return
         if stamped < _SIMULATED and not self.clock_ticks:
-            self._note("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
+            self._add_oddity("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
             return
         late = (arrival - stamped) / 1e9
         if stamped < _SIMULATED:
             late = (self.clock_ticks[-1][1] - stamped) / 1e9
         if late < -_FUTURE:
-            self._note("future", key, f"{place} is {-late:.1f} s in the future")
+            self._add_oddity("future", key, f"{place} is {-late:.1f} s in the future")
         elif late > _OLD:
-            self._note("old", key, f"{place} is {late:.1f} s old")
+            self._add_oddity("old", key, f"{place} is {late:.1f} s old")
             first, _ = self._old.get(key, ((arrival, stamped), None))
             self._old[key] = first, (arrival, stamped)
 
-    def _note(self, kind: str, key: _Key, text: str) -> None:
-        """Count an oddity, by the kind and the place, which its text begins with."""
+    def _add_oddity(self, kind: str, key: _Key, text: str) -> None:
+        """Count an oddity by its kind and its place, the first word of its text."""
         place = (kind, key, text.partition(" ")[0])
         known = self._odd.get(place)
         if known:
@@ -258,12 +260,12 @@ class Listening:
 
 
 def _unit(number: int, now: int) -> str:
-    """Return the unit in which a number is about the time now [ns]; "" for microseconds."""
+    """Return the unit in which a number is near the time ``now`` [ns]; "" for microseconds."""
     return next((name for name, size in _UNITS.items() if abs(number * size - now) < _DAY), "")
 
 
 def target_rate(command: str) -> float | None:
-    """The --rate of a simulator's command line; 1 without, None if it is 0."""
+    """Return the --rate in a simulator's command line; 1 by default, None for 0."""
     try:
         words = shlex.split(command.replace("--rate=", "--rate "))
     except ValueError:
@@ -276,18 +278,15 @@ def target_rate(command: str) -> float | None:
 
 
 class RelayReports:
-    """The reports that come during a look: of each relay the first and the last."""
+    """The first and the last report of each relay during a look."""
 
     def __init__(self) -> None:
-        self._found: dict[str, tuple[RelayLink, RelayLink]] = {}
+        self._found: dict[str, tuple[Link, Link]] = {}
 
-    def take(self, payload: bytes) -> None:
-        """Take note of a report, which tells of other relays too."""
-        try:
-            links = decode(RelayReport, payload).links
-        except DecodeError:
-            return
-        for link in links:
+    def add_report(self, payload: bytes) -> None:
+        """Add a report, which includes other relays."""
+        report = decode_report(payload)
+        for link in report.links if report else ():
             first, last = self._found.get(link.id, (link, link))
             self._found[link.id] = first, link if link.number > last.number else last
 
@@ -297,9 +296,9 @@ class RelayReports:
             RelayEnd(
                 *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
                 commands=tuple(end.commands),
-                stands_by=last.state == RelayLink.STANDBY,
+                stands_by=last.state == State.STANDBY,
             )
             for first, last in self._found.values()
-            if last.state != RelayLink.LEFT
+            if last.state != State.LEFT
             for before, end in zip(first.ends, last.ends, strict=False)
         )

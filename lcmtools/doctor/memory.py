@@ -1,4 +1,4 @@
-"""The publishers that earlier looks of ``wtf --watch`` have seen. Evidence in, evidence out."""
+"""The publishers in earlier looks of ``wtf --watch``. Evidence in, evidence out."""
 
 from collections import deque
 from dataclasses import replace
@@ -9,21 +9,21 @@ from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Sender
 
 _KEPT, _LATEST = 200, 20  # times of arrival
-_ENOUGH, _SPAN = 5, 900_000_000  # times, and [ns] between them, that tell a rate
-_UNKNOWN = 60.0  # [s] that a sender is remembered whose process is not known
+_ENOUGH, _SPAN = 5, 900_000_000  # times, and their span [ns], that are enough for a rate
+_UNKNOWN = 60.0  # [s] to remember a sender of unknown process
 
 _Key = tuple[str, Sender | None]
 
 
 class Memory:
-    """The publishers of earlier looks, with the fastest rates that they had."""
+    """The publishers of earlier looks, with their fastest rates."""
 
     def __init__(self) -> None:
         self._times: dict[_Key, deque[int]] = {}
         self._known: dict[_Key, Publication] = {}
 
     def recall(self, evidence: Evidence) -> Evidence:
-        """Return the evidence with the publishers that are remembered and have not ended."""
+        """Return the evidence with the publishers of earlier looks that have not ended."""
         running = {process.pid for process in evidence.processes}
         running |= {listener.pid for listener in evidence.listeners if listener.pid}
         running |= {node.pid for node in evidence.own_nodes() if not node.stale}
@@ -39,13 +39,13 @@ class Memory:
         self._times = {key: times for key, times in self._times.items() if key not in ended}
         return replace(evidence, remembered=tuple(self._known.values()))
 
-    def learn(self, evidence: Evidence) -> None:
+    def remember(self, evidence: Evidence) -> None:
         """Remember the publishers of a look."""
         for stream in evidence.streams:
             if not (is_hidden(stream.channel) or stream.has_ended):
-                self._learn(stream)
+                self._remember_stream(stream)
 
-    def _learn(self, stream: Stream) -> None:
+    def _remember_stream(self, stream: Stream) -> None:
         key = stream.channel, stream.sender
         times = self._times.setdefault(key, deque(maxlen=_KEPT))
         times.extend(stream.times[-_KEPT:])

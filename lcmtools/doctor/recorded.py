@@ -1,7 +1,7 @@
-"""The evidence in a log: what its messages and its index say.
+"""The evidence in a log: its messages and its index.
 
-A log tells nothing of the computer that reads it, nor of programs that run now: the rules that
-judge those are not among ``OF_LOGS``.
+A log contains nothing about this computer or the programs that run now: the rules about those are
+not in ``OF_LOGS``.
 """
 
 import math
@@ -25,11 +25,11 @@ OF_LOGS = frozenset(
         *("stamps", "undecodable", "frames", "damaged-log"),
     }
 )
-"""The rules that judge messages alone."""
+"""The rules that need only messages."""
 
 
 def collect_log(path: str | Path) -> Evidence:
-    """Return the evidence in a log, of which every message is looked at.
+    """Return the evidence in all messages of a log.
 
     Raises:
         BusError: It cannot be read.
@@ -40,7 +40,7 @@ def collect_log(path: str | Path) -> Evidence:
         first = 0
         for packet in monitor.packets():
             first = first or packet.time
-            listening.take(packet)
+            listening.add_packet(packet)
         graph = monitor.graph()
         names = ProgramNames(monitor, listening, graph.nodes, SocketTable({}, {}))
         return Evidence(

@@ -1,6 +1,6 @@
-"""Names that nearly agree, and the argument that gives a node's topic another name.
+"""Similar names, and the arguments that give a node's topic another name.
 
-Pure: nodes as they are in, remedies out.
+Pure: nodes in, remedies out.
 """
 
 import re
@@ -13,16 +13,38 @@ from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
 from lcmtools.names import base_name_of, namespace_of
 
-_SHORT, _LONG = 4, 8  # characters: shorter names are near by chance; longer ones have more slips
-_ABBREVIATED = 4  # consonants of a word that may be shortened, as command to cmd
+DROP_REMAP = {"drop-remap": "start {node} without {argument}"}
+REMAPS = {
+    **DROP_REMAP,
+    "namespace": "start {node} with __ns:={namespace}",
+    "remap": "start {node} with {old}:={new}",
+    "remove-slash": "let {node} use '{name}' in place of '{topic}': the slash at its start keeps it"
+    " out of the namespace {namespace}",
+    "replace-remap": "start {node} with {old}:={new} in place of {argument}",
+    "republish": "let it publish on '{topic}'",
+}
+"""The sentences of remedies that give a topic another name."""
+_REASONS = {
+    "no-subscriber": "{channel} of the same type has no subscriber",
+    "offered": "{channel} is offered",
+    "published": "{channel} is published",
+    "publishes": "{publisher} publishes {channel}",
+    "same-type": "{channel} is of the same type",
+    "subscribes": "{listener} subscribes to {channel}",
+}
+_SHORT, _LONG = (
+    4,
+    8,
+)  # characters: shorter names are similar by chance; longer ones have more errors
+_ABBREVIATED = 4  # consonants of a word that may be abbreviated, as command by cmd
 
 
 def are_near(one: str, other: str) -> bool:
-    """Return whether a person may have typed one name for the other.
+    """Return whether one name may be a misspelling of the other.
 
-    Equal but for case, slashes and spaces; but for one slip, in long names two: a character more,
-    less or changed, or two swapped; or with words abbreviated (velocity_command, velocity_cmd).
-    Names that differ only in their numbers mean different things (/husky0, /husky1).
+    Names are near if they differ only in case, slashes and spaces, in one typing error (two in long
+    names), or in abbreviated words (velocity_command, velocity_cmd). Names that differ only in
+    numbers mean different things (/husky0, /husky1).
     """
     if _without_numbers(one) == _without_numbers(other):
         return False
@@ -33,22 +55,22 @@ def are_near(one: str, other: str) -> bool:
         return False
     bases = base_name_of(one), base_name_of(other)
     is_long = min(len(_folded(base)) for base in bases) >= _LONG
-    if _are_within(first, second, 2 if is_long else 1):
+    if _has_distance_within(first, second, 2 if is_long else 1):
         return True
     return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
 
 
 class NearNames:
-    """Names by which others are near; those that differ only in numbers are compared once."""
+    """An index of names for similar ones. Names that differ only in numbers are compared once."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self._alike: dict[str, list[str]] = {}
-        self._near: dict[str, tuple[str, ...]] = {}  # to each name that was asked for
+        self._near: dict[str, tuple[str, ...]] = {}  # a cache by name
         for name in names:
             self._alike.setdefault(_without_numbers(name), []).append(name)
 
     def of(self, name: str) -> tuple[str, ...]:
-        """The names that are near to one."""
+        """Return the names that are near to a name."""
         if name not in self._near:
             pattern = _without_numbers(name)
             near = (o for other, o in self._alike.items() if _are_near_patterns(pattern, other))
@@ -71,8 +93,8 @@ def _folded(name: str) -> str:
     return re.sub(r"[\s/_]", "", name).casefold()
 
 
-def _are_within(one: str, other: str, edits: int) -> bool:
-    """Return whether so many characters more, less or changed, or pairs swapped, are enough."""
+def _has_distance_within(one: str, other: str, edits: int) -> bool:
+    """Return whether the edit distance (with transpositions) of two words is at most ``edits``."""
     if abs(len(one) - len(other)) > edits or len(set(one) ^ set(other)) > 2 * edits:
         return False
     differing = (n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
@@ -80,39 +102,45 @@ def _are_within(one: str, other: str, edits: int) -> bool:
     one, other = one[start:], other[start:]
     if not edits or one == other:
         return one == other
-    swapped = one[1::-1] == other[:2] and _are_within(one[2:], other[2:], edits - 1)
+    swapped = one[1::-1] == other[:2] and _has_distance_within(one[2:], other[2:], edits - 1)
     pairs = (one[1:], other), (one, other[1:]), (one[1:], other[1:])
-    return swapped or any(_are_within(first, second, edits - 1) for first, second in pairs)
+    return swapped or any(_has_distance_within(first, second, edits - 1) for first, second in pairs)
 
 
 def _are_abbreviations(one: str, other: str) -> bool:
-    """Return whether each word of two names may be short for the other's."""
+    """Return whether each word of one name may abbreviate the same word of the other."""
     pairs = list(zip_longest(*(name.casefold().split("_") for name in (one, other)), fillvalue=""))
     return all(a[:1] == b[:1] and _are_near_words(a, b) for a, b in pairs)
 
 
 def _are_near_words(one: str, other: str) -> bool:
     if min(len(one), len(other)) > _SHORT:
-        return _are_within(one, other, 1)
+        return _has_distance_within(one, other, 1)
     first, second = (re.sub(r"[aeiou]|(.)(?=\1)", "", word) for word in (one, other))
     return one == other or (
-        max(len(first), len(second)) >= _ABBREVIATED and _are_within(first, second, 1)
+        max(len(first), len(second)) >= _ABBREVIATED and _has_distance_within(first, second, 1)
     )
 
 
 def is_legal(channel: str) -> bool:
-    """Return whether a node can have this channel: a slash before each part, and nowhere else."""
+    """Return whether a channel is a valid topic of a node: one slash before each part."""
     return re.fullmatch(r"(/[A-Za-z0-9_]+)+", channel) is not None
 
 
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
-    """Give a remedy its reason."""
+    """Add the reason to a remedy, and the alternative in the part ``or_publish_on``, if any."""
     known = state("", because=reason, **parts).parts
-    return replace(remedy, parts={**known, **remedy.parts})
+    sentence = _REASONS[reason]
+    if reason == "published" and remedy.kind == "republish":
+        sentence = sentence.replace("{channel}", "'{channel!s}'")  # its spaces may be the mistake
+    sentence += ", by {by}: " if "by" in parts else ": "
+    if "or_publish_on" in parts:
+        sentence += "let it publish on '{or_publish_on}', or "
+    return replace(remedy, parts={**known, **remedy.parts}, sentence=f"{sentence}{remedy.sentence}")
 
 
 def start_with(node: Node, topic: str, target: str) -> Statement:
-    """Start a node so that it uses another topic in place of one that it uses now."""
+    """Return the remedy that starts a node with another topic instead of ``topic``."""
     argument, space = remap_argument(node, topic), namespace_of(node.name)
     source, wanted = argument.partition(":=")[0], expanded(target, node)
     name = base_name_of(topic) if space == namespace_of(topic) else topic
@@ -124,13 +152,13 @@ def start_with(node: Node, topic: str, target: str) -> Statement:
         return state("replace-remap", node=node, old=source, new=target, argument=argument)
     if are_near(topic, wanted) or wanted == expanded(topic.lstrip("/"), node):
         return state("drop-remap", node=node, argument=argument)
-    # the other way round was meant
+    # source and target of the remap were exchanged
     return state("replace-remap", node=node, old=name, new=target, argument=argument)
 
 
 def publish_on(publisher: Node, topic: str, target: str) -> Statement:
-    """Let a node publish on another topic than it does."""
-    if publisher.tool:  # a command: its topic is an argument, and no remap changes it
+    """Return the remedy that lets a node publish on another topic."""
+    if publisher.tool:  # a command: its topic is an argument, which no remap changes
         return state("republish", topic=expanded(target, publisher))
     space = namespace_of(target)
     if namespace_of(publisher.name) == namespace_of(topic) and base_name_of(topic) == base_name_of(
@@ -141,7 +169,7 @@ def publish_on(publisher: Node, topic: str, target: str) -> Statement:
 
 
 def remap_argument(node: Node, topic: str) -> str:
-    """The argument of a node's command line that gave it this topic; "" if there is none."""
+    """Return the remap in a node's command line that results in a topic; "" if there is none."""
     for word in node.command.split():
         source, sign, target = word.partition(":=")
         if sign and target and not source.startswith("_") and expanded(target, node) == topic:
@@ -150,5 +178,5 @@ def remap_argument(node: Node, topic: str) -> str:
 
 
 def expanded(name: str, node: Node) -> str:
-    """The topic that a name means in a node's namespace."""
+    """Return the topic that a name means in a node's namespace."""
     return name if name.startswith("/") else f"{namespace_of(node.name).rstrip('/')}/{name}"

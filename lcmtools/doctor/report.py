@@ -1,4 +1,4 @@
-"""The outcome of a look, as text in roswtf's manner, as JSON, and as changes between two looks.
+"""Findings as text in the style of roswtf, as JSON, and as changes between two looks.
 
 Pure: findings in, lines and plain values out.
 """
@@ -13,7 +13,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.words import commands, describe, fact_lines, remedy_text, unchecked_text
+from lcmtools.doctor.sentences import commands, describe, fact_lines, remedy_text, unchecked_text
 
 _MOST = 24  # items, or remedies, of a finding in text
 _HEADINGS = {
@@ -28,7 +28,7 @@ _COLORS = {"ERROR": RED, "WARNING": YELLOW, "NOTE": BOLD, "CLEARED": BOLD}
 
 
 def text(findings: Sequence[Finding]) -> list[str]:
-    """A count for each severity, then its findings with their items."""
+    """Format findings by severity, with a count for each."""
     is_well = all(finding.severity is Severity.NOTE for finding in findings)
     rows = ["No errors or warnings", ""] if is_well else []
     for severity, (noun, meaning) in _HEADINGS.items():
@@ -41,7 +41,7 @@ def text(findings: Sequence[Finding]) -> list[str]:
 
 
 def finding_text(finding: Finding) -> list[str]:
-    """A finding, its items and its remedies."""
+    """Format a finding with its items and remedies."""
     words = describe(finding)
     remedies = [f"   -> {remedy}" for remedy in words.remedies]
     rows = [*_shortened(words.items, " *"), *_shortened(remedies, "   ->")]
@@ -49,14 +49,14 @@ def finding_text(finding: Finding) -> list[str]:
 
 
 def _shortened(rows: Sequence[str], mark: str) -> list[str]:
-    """The first rows, and the number of the others; JSON has them all."""
+    """Return the first rows, and the number of the others; JSON has all of them."""
     if len(rows) <= _MOST:
         return list(rows)
     return [*rows[: _MOST - 1], f"{mark} … and {len(rows) - _MOST + 1} more"]
 
 
 def change_text(change: str, finding: Finding) -> list[str]:
-    """A finding of ``changes``; of one that is gone, its items without the remedies."""
+    """Format a changed finding. A cleared one is shown without its remedies."""
     if change != "cleared":
         return finding_text(finding)
     words = describe(finding)
@@ -64,13 +64,13 @@ def change_text(change: str, finding: Finding) -> list[str]:
 
 
 def colored(row: str) -> str:
-    """A finding's first word in the colour of its severity; other lines as they are."""
+    """Color the first word of a finding by its severity; other lines stay as they are."""
     word, space, rest = row.partition(" ")
     return f"{paint(word, _COLORS[word])}{space}{rest}" if word in _COLORS else row
 
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
-    """The parts that could not be looked at, a line for each reason, and an empty one before."""
+    """Format the rules that lack evidence, a line for each reason, after an empty line."""
     records = groupby(unchecked_records(evidence, rules), lambda one: one["text"])
     rows = [
         f"Not checked: {', '.join(str(one['rule']) for one in those)} ({text})"
@@ -80,7 +80,7 @@ def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
 
 
 def unchecked_records(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[str, object]]:
-    """The same for JSON, with the keys of findings."""
+    """Return the rules that lack evidence for JSON, with the keys of findings."""
     wanted = {rule.id for rule in rules}
     keys = ("items", "remedies", "subjects", "facts", "actions")
     empty: dict[str, list[object]] = {key: [] for key in keys}
@@ -98,7 +98,7 @@ def unchecked_records(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[st
 
 
 def record(finding: Finding) -> dict[str, object]:
-    """A finding for JSON: in words, and as data."""
+    """Return a finding for JSON: as text and as data."""
     words = describe(finding)
     return {
         "rule": finding.rule,
@@ -122,7 +122,7 @@ def _subject(subject: Subject) -> dict[str, object]:
 
 
 def _plain(statement: Statement) -> dict[str, object]:
-    """The kind and the parts of a statement, subjects by their names."""
+    """Return the kind and the parts of a statement, subjects by their names."""
 
     def plain(part: Part) -> object:
         if isinstance(part, tuple):
@@ -133,19 +133,19 @@ def _plain(statement: Statement) -> dict[str, object]:
 
 
 def rules_text(rules: Sequence[Rule], *, in_full: bool) -> list[str]:
-    """A line for each rule; in full, its explanation and remedy."""
+    """Return a line for each rule, or (``in_full``) its explanation and remedy."""
     rows, width = [], max(len(rule.id) for rule in rules)
     for rule in rules:
         severity = rule.severity.name.lower()
         if in_full:
             rows += [f"{rule.id} ({severity})", "", rule.explanation, "", f"   -> {rule.remedy}"]
         else:
-            rows.append(f"{rule.id:{width}}  {severity:7}  {rule.title}")
+            rows.append(f"{rule.id:{width}}  {severity:7}  {rule.summary}")
     return rows
 
 
 def rule_record(rule: Rule) -> dict[str, object]:
-    """A rule for JSON."""
+    """Return a rule for JSON."""
     known = {"explanation": rule.explanation, "remedy": rule.remedy}
     return {"rule": rule.id, "severity": rule.severity.name.lower(), **known}
 
@@ -153,7 +153,7 @@ def rule_record(rule: Rule) -> dict[str, object]:
 def watch(
     look: Callable[[], Evidence], rules: Sequence[Rule]
 ) -> Iterator[list[tuple[str, Finding]]]:
-    """The changes from look to look, without end; at first everything that is found."""
+    """Yield the changes after each look, without end; first all findings."""
     known: list[Finding] = []
     while True:
         found = examine(look(), rules)
@@ -162,7 +162,7 @@ def watch(
 
 
 def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple[str, Finding]]:
-    """The findings that "cleared", "appeared" or "changed" their subjects between two looks."""
+    """Yield findings that "cleared", "appeared" or "changed" their subjects between two looks."""
     known, found = ({_key(one): one for one in findings} for findings in (before, now))
     for key, finding in known.items():
         if key not in found:
@@ -183,11 +183,11 @@ def _key(finding: Finding) -> str:
 
 
 def _cases(facts: Iterable[Statement]) -> set[str]:
-    """The facts of a finding in words, without what is measured."""
+    """Return the facts of a finding as text, without measured values."""
     rows = (row for fact in facts for row in fact_lines(fact))
     return {_without_numbers(row.partition(": ")[0]) for row in rows}
 
 
 def _without_numbers(text: str) -> str:
-    """A text without its numbers, which change from look to look; but with those of processes."""
+    """Replace numbers, which change from look to look, except those of processes."""
     return re.sub(r"(?<!pid )(?<![\w/.:])\d[\d.]*", "#", text)

@@ -1,14 +1,17 @@
 """Evidence in a file: JSON with a version, to be judged again elsewhere.
 
-The fields of ``Evidence`` and of the values in it are written as they are called, but for those
-that have their default; named tuples of a few fields are lists. Pure, but for reading and writing
-the file. Must not judge.
+The fields of ``Evidence`` and of the values in it are written by name, except those that have
+their default; named tuples of a few fields are lists. Later versions may add fields with defaults,
+and names of enumerations: a reader ignores fields that it does not know, and leaves out a value or
+an element of a list with a name that it does not know. Pure, except for reading and writing the
+file. Must not judge.
 """
 
 import json
 import types
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
+from contextlib import nullcontext, suppress
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
@@ -19,7 +22,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.folders import write_whole
 
-VERSION = 1  # of the file's layout: greater by one when a reader of the one before would go wrong
+VERSION = 1  # of the file's layout: greater by one with each addition
 _KEY = "lcmtools_evidence"
 _FEW = 3  # fields of a named tuple that is written as a list, unless all have a default
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
@@ -31,8 +34,12 @@ _Type: TypeAlias = Any  # a type as annotations have it
 _Made: TypeAlias = Any  # a value of such a type
 
 
-class _Misfit(Exception):  # noqa: N818 - never leaves this module
-    """A value in the file that does not fit."""
+class _InvalidEvidence(Exception):  # noqa: N818 - never leaves this module
+    """A value in the file that does not match its type."""
+
+
+class _UnknownName(_InvalidEvidence):
+    """A name of an enumeration in another version."""
 
 
 def save(evidence: Evidence, file: Path) -> None:
@@ -45,26 +52,25 @@ def load(file: Path) -> Evidence:
     try:
         with os_errors_as(f"cannot read {file}"):
             return from_text(file.read_text(encoding="ascii"))
-    except (_Misfit, ValueError, RecursionError) as error:
-        why = error if isinstance(error, _Misfit) else "it is not JSON"
+    except (_InvalidEvidence, ValueError, RecursionError) as error:
+        why = error if isinstance(error, _InvalidEvidence) else "it is not JSON"
         raise LcmtoolsError(
             f"{file} does not contain evidence that wtf can judge: {why}"
         ) from error
 
 
 def to_text(evidence: Evidence) -> str:
-    """The text of a file that holds this evidence."""
+    """Return evidence as the text of a file."""
     document = {_KEY: VERSION, "evidence": _plain(evidence)}
     return f"{json.dumps(document, separators=(',', ':'))}\n"
 
 
 def from_text(text: str) -> Evidence:
-    """The evidence in the text of a file."""
+    """Return the evidence in the text of a file."""
     document = json.loads(text)
     version = document.get(_KEY) if isinstance(document, dict) else None
-    if version != VERSION:
-        kind = f"version {version}, not {VERSION}" if isinstance(version, int) else "other JSON"
-        raise _Misfit(f"it is {kind}")
+    if not isinstance(version, int):
+        raise _InvalidEvidence("it is other JSON")
     found: Evidence = _value(document.get("evidence"), Evidence, "evidence")
     return found
 
@@ -86,7 +92,7 @@ def _plain(value: object) -> object:
 
 
 def _has_names(kind: _Type) -> bool:
-    """Return whether the fields of such a value are written with their names."""
+    """Return whether the fields of a type are written with their names."""
     if is_dataclass(kind):
         return True
     names, defaults = getattr(kind, "_fields", ()), getattr(kind, "_field_defaults", ())
@@ -95,7 +101,7 @@ def _has_names(kind: _Type) -> bool:
 
 @cache
 def _defaults(kind: _Type) -> dict[str, object]:
-    """The fields of a kind of value, with their defaults; MISSING for none."""
+    """Return the defaults of a type's fields; MISSING for a field without one."""
     if not is_dataclass(kind):
         return {name: kind._field_defaults.get(name, MISSING) for name in kind._fields}
     factories = {part.name: part.default_factory for part in fields(kind)}
@@ -104,7 +110,7 @@ def _defaults(kind: _Type) -> dict[str, object]:
 
 
 def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
-    """The value of a type that a plain one is written for."""
+    """Build a value of type ``kind`` from JSON; the inverse of ``_plain``."""
     origin: object = get_origin(kind)
     kinds = get_args(kind)
     if origin in (Union, types.UnionType):  # as in ``float | None``
@@ -124,25 +130,35 @@ def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
 
 def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
     _expect(isinstance(plain, dict), path)
-    hints = _hints(kind)
-    needed = {name for name, default in _defaults(kind).items() if default is MISSING}
-    for name in (plain.keys() - hints.keys()) | (needed - plain.keys()):
-        _expect(False, f"{path}.{name}")  # noqa: FBT003 - an assertion
-    return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})
+    hints, values = _hints(kind), {}
+    for name, default in _defaults(kind).items():
+        is_needed = default is MISSING
+        _expect(name in plain or not is_needed, f"{path}.{name}")
+        if name in plain:
+            with nullcontext() if is_needed else suppress(_UnknownName):
+                values[name] = _value(plain[name], hints[name], f"{path}.{name}")
+    return kind(**values)
 
 
 def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
-    """The values in a list: all of one type, or each of its own."""
+    """Build the values of a list, all of one type or each of its own; ignore further ones."""
     _expect(isinstance(plain, list), path)
-    each = kinds[:1] * len(plain) if kinds[-1] is ... else kinds
-    _expect(len(each) == len(plain), path)
-    pairs = zip(plain, each, strict=True)
-    return [_value(part, kind, f"{path}[{n}]") for n, (part, kind) in enumerate(pairs)]
+    if kinds[-1] is not ...:
+        _expect(len(plain) >= len(kinds), path)
+        pairs = zip(plain, kinds, strict=False)
+        return [_value(part, kind, f"{path}[{n}]") for n, (part, kind) in enumerate(pairs)]
+    values = []
+    for n, part in enumerate(plain):
+        with suppress(_UnknownName):
+            values.append(_value(part, kinds[0], f"{path}[{n}]"))
+    return values
 
 
 def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
     if issubclass(kind, Enum):
-        _expect(isinstance(plain, str) and plain in kind.__members__, path)
+        _expect(isinstance(plain, str), path)
+        if plain not in kind.__members__:
+            raise _UnknownName(f"'{path[:80]}' is missing, unknown or wrong")
         return kind[plain]
     _expect(isinstance(plain, (int, float) if kind is float else kind), path)
     _expect(isinstance(plain, bool) == (kind is bool), path)
@@ -152,4 +168,4 @@ def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
 
 def _expect(holds: bool, path: str) -> None:  # noqa: FBT001 - an assertion
     if not holds:
-        raise _Misfit(f"'{path[:80]}' is missing, unknown or wrong")
+        raise _InvalidEvidence(f"'{path[:80]}' is missing, unknown or wrong")

@@ -1,7 +1,7 @@
-"""Messages that wtf sends to itself, to see whether they can be sent and come back.
+"""Messages that wtf sends to itself, to test whether they can be sent and received.
 
-Belongs here: the tests' own sockets. Nothing of it reaches a program on the bus but LCM's usual
-self test: the large message goes to a port of its own, with ttl 0.
+Belongs here: the sockets of these tests. Programs on the bus receive only LCM's usual self test:
+the large message goes to a free port, with ttl 0.
 """
 
 import errno
@@ -20,9 +20,10 @@ _LARGEST_DATAGRAM = 65_535  # bytes
 
 
 def large_problem(url: BusUrl) -> str:
-    """The reason why a large message does not come back to this computer; "" when it does.
+    """Return the reason why a large message does not come back to this computer; "" if it does.
 
-    Each datagram is read before the next is sent, so that it is not the buffer that is tested.
+    Each datagram is read before the next one is sent, so that the size of the buffer
+    does not matter.
     """
     try:
         check_multicast(url)
@@ -48,7 +49,7 @@ def large_problem(url: BusUrl) -> str:
 
 
 def send_problem(url: BusUrl) -> tuple[str, str]:
-    """The reason why nothing can be sent with the bus's ttl, and a cure; empty where it can."""
+    """Return the reason why nothing can be sent with the bus's ttl, and a remedy; else ""."""
     try:
         check_sending(url)
     except BusError as error:

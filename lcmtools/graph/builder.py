@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from lcmtools.graph.model import STALE_AFTER, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     TALK_CHANNELS,
@@ -140,8 +140,12 @@ class GraphBuilder:
             for identifier, node in self._recorded.items()
             if identifier not in self._nodes and identifier not in self._left
         ]
-        nodes = sorted(announced + silent, key=lambda node: (node.name, node.start_time))
-        return Graph(tuple(nodes), tuple(self._traffic_seen()), now)
+        traffic = tuple(self._traffic_seen())
+        known = [
+            node if node.has_details else _with_observed_topics(node, traffic) for node in announced
+        ]
+        nodes = sorted(known + silent, key=lambda node: (node.name, node.start_time))
+        return Graph(tuple(nodes), traffic, now)
 
     def _count_of(self, packet: Packet) -> _Count:
         key = packet.channel, packet.sender
@@ -191,6 +195,25 @@ class GraphBuilder:
                 count.last_time,
                 tuple(count.types),
             )
+
+
+def _with_observed_topics(node: Node, traffic: Iterable[Traffic]) -> Node:
+    """Return a node whose endpoints are unknown, with those that its messages show."""
+    own = node.senders()
+    return node._replace(
+        endpoints=tuple(
+            Endpoint(
+                seen.channel,
+                Role.PUBLISHER,
+                fingerprints=seen.fingerprints,
+                messages=seen.messages,
+                bytes=seen.bytes,
+                last_time=seen.last_time,
+            )
+            for seen in traffic
+            if seen.sender in own
+        )
+    )
 
 
 def _aged(node: Node, now: int) -> Node:

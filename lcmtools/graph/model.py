@@ -8,6 +8,8 @@ from typing import NamedTuple
 from lcmtools.names import SELF_TEST_CHANNEL, base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
 
+VERSION = 1
+"""The version of the protocol of announcements: greater by one with each field appended to it."""
 STALE_AFTER = 3_000_000_000
 """A node that has not announced itself for this time is stale [ns]."""
 
@@ -118,6 +120,11 @@ class Node(NamedTuple):
     # The relays between its bus and this one, the nearest first; empty for a node on this bus. For
     # a node behind a relay, computer, process and ports are those there, whatever their names.
     path: tuple[RelayStep, ...] = ()
+    version: int = VERSION  # of the protocol that it speaks
+    software: str = ""  # name and version of the library that announces it: "lcmtools 0.1.0"
+    # False if only the head of its announcement could be read: endpoints are those of the messages
+    # that it is seen to send, and ports, busy and errors are unknown.
+    has_details: bool = True
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """Return the endpoints of one role, sorted by topic."""
@@ -238,6 +245,10 @@ class Graph(_Known):  # a separate class, to cache the table of topics
         return [
             seen for one in self.topics() if one.name != SELF_TEST_CHANNEL for seen in one.foreign
         ]
+
+    def unexplained(self) -> list[Node]:
+        """Return the living nodes, except commands, of which only the head is known."""
+        return [one for one in self.nodes if not (one.has_details or one.stale or one.tool)]
 
     def named(self, name: str) -> list[Node]:
         """Return the nodes for a typed name: a full name, or the last part of one."""

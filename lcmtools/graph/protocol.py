@@ -5,15 +5,23 @@ or on a lcmtools_msgs/Probe on PROBE_CHANNEL, and, with the state LEAVING, when 
 lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end. Relays pass
 announcements on to other buses as lcmtools_msgs/RemoteAnnouncement, on NODE_CHANNEL too, and
 report on RELAY_CHANNEL.
+
+These messages are frozen; what may grow in them is appendable (``messages/appendable``), so that
+programs of different versions see each other. docs/protocol.md describes all of it.
 """
 
+import struct
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
+from lcmtools import __version__
 from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.graph.model import STALE_AFTER, CallbackError, Endpoint, Node, RelayStep, Role
+from lcmtools.messages.appendable import appendables, decode_appendable, encode_appendable
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint
+from lcmtools.messages.rows import Cursor, Malformed, read_string
 from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
 
@@ -23,6 +31,8 @@ SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
 RELAY_CHANNEL = "/_lcmtools/relay"
 TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
 """The hidden channels of the protocol, which are not topics."""
+SOFTWARE = f"lcmtools {__version__}"
+"""The name and version of this library, as its nodes announce it."""
 PERIOD = 1.0
 """Seconds between two announcements of a node that does not change."""
 ANSWER_SPREAD = 0.01
@@ -34,13 +44,17 @@ MOST_OF_COMMAND = 1000
 M = TypeVar("M", bound=Message)
 _COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate")
 _OF_ENDPOINT = ("group", "depth", "latched", *_COUNTERS)
-_OF_NODE = ("name", "id", "host", "pid", "start_time", "busy", "sent")
+_OF_HEAD = ("version", "name", "id", "host", "pid", "start_time", "software", "sent")
 
 _OF_ERROR = ("callback", "exception", "message", "place", "count", "last_time")
 _MOST_ERRORS = 5
 
 _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
-_NAME_OFFSET = 20  # after the fingerprint and three length fields
+_VERSION_0 = 0x7AD407B1A45D0859.to_bytes(8, "big")  # the announcement before the first version
+_NAME_OFFSETS = {  # in an announcement
+    _FINGERPRINT: 16,  # after the fingerprint, the length of the details and the version
+    _VERSION_0: 20,  # after the fingerprint and three lengths
+}
 _BEFORE_ID_BYTES = 12  # pid and start time
 _STATE_BYTES = 1
 _REMOTE = fingerprint(msgs.RemoteAnnouncement).to_bytes(8, "big")
@@ -109,38 +123,30 @@ def decode_shutdown(payload: bytes) -> Shutdown | None:
 def encode_announcement(announcement: Announcement) -> bytes:
     """Return the payload of an announcement."""
     node = announcement.node
-    message = _filled(msgs.Announcement(), node, _OF_NODE)
+    message = _filled(msgs.Announcement(), node, _OF_HEAD)
     message.command, message.tool = _sendable(node.command), node.tool
     message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
     message.revision = _revision(node)
     message.answers = announcement.answers
-    message.ports = list(node.ports)
-    message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
-    newest = node.errors[-_MOST_ERRORS:]
-    message.errors = [_filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest]
+    message.details = _encode_details(node) if node.has_details else b""
     return _wrapped(encode(message), node.path) if node.path else encode(message)
 
 
 def decode_announcement(payload: bytes) -> Announcement | None:
-    """Return the announcement in a payload; None if it has another version or type."""
+    """Return the announcement in a payload, of whatever version; None if there is none.
+
+    A node whose details cannot be read has none (``Node.has_details``).
+    """
     if payload.startswith(_REMOTE):
         return _decode_remote(payload)
+    if payload.startswith(_VERSION_0):
+        return _decode_version_0(payload)
     message = _decoded(msgs.Announcement, payload)
-    if message is None:
+    if message is None or not _is_node_name(message.name):
         return None
-    try:
-        endpoints = tuple(_endpoint(part) for part in message.endpoints)
-        check_node(check_length(message.name))
-    except (InvalidName, ValueError):
-        return None
-    node = Node(
-        **_values(message, (*_OF_NODE, "command")),
-        tool=bool(message.tool),
-        ports=tuple(message.ports),
-        endpoints=endpoints,
-        errors=tuple(CallbackError(**_values(error, _OF_ERROR)) for error in message.errors),
-    )
-    return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
+    node = Node(**_values(message, (*_OF_HEAD, "command")), tool=bool(message.tool))
+    is_leaving = message.state == msgs.Announcement.LEAVING
+    return Announcement(_with_details(node, message.details), is_leaving, message.answers)
 
 
 def head_of(payload: bytes) -> Head:
@@ -149,12 +155,12 @@ def head_of(payload: bytes) -> Head:
         end = _WRAPPED_OFFSET + int.from_bytes(payload[8:12], "big")
         inner = head_of(payload[_WRAPPED_OFFSET:end])
         return Head(_REMOTE + inner.identity, inner.revision + payload[end:])
-    if not payload.startswith(_FINGERPRINT):
+    start = end = _NAME_OFFSETS.get(payload[:8], 0)
+    if not start:
         return Head(b"", b"")
-    end = _NAME_OFFSET
     for fixed_bytes in (0, _BEFORE_ID_BYTES, _STATE_BYTES):  # after name, after host, after id
         end += 4 + int.from_bytes(payload[end : end + 4], "big") + fixed_bytes
-    return Head(payload[_NAME_OFFSET:end], payload[end : end + _REVISION_BYTES])
+    return Head(payload[start:end], payload[end : end + _REVISION_BYTES])
 
 
 class Retained:
@@ -178,14 +184,83 @@ class Retained:
         Times are monotonic [s].
         """
         for payload, kept in tuple(self._latest.values()):
-            if (now - kept) * 1e9 < STALE_AFTER and (known := decode_announcement(payload)):
-                yield encode_announcement(Announcement(known.node).sent_at(0))
+            if (now - kept) * 1e9 < STALE_AFTER:
+                yield _without_time(payload)
+
+
+def _without_time(payload: bytes) -> bytes:
+    """Return an announcement without the time of sending and the answer, its details unread."""
+    if payload.startswith(_REMOTE):
+        remote = decode(msgs.RemoteAnnouncement, payload)
+        remote.announcement = _without_time(remote.announcement)
+        return encode(remote)
+    if not payload.startswith(_FINGERPRINT):
+        return payload
+    message = decode(msgs.Announcement, payload)
+    message.sent = message.answers = 0
+    return encode(message)
+
+
+def _encode_details(node: Node) -> bytes:
+    details = msgs.NodeDetails()
+    details.ports, details.busy = list(node.ports), node.busy
+    details.endpoints = appendables(map(_endpoint_message, node.endpoints))
+    newest = node.errors[-_MOST_ERRORS:]
+    details.errors = appendables(
+        _filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest
+    )
+    return encode_appendable(details)
+
+
+def _with_details(node: Node, data: bytes) -> Node:
+    """Return a node with its details, without endpoints of unknown roles."""
+    if not data:  # a relay could not read them
+        return node._replace(has_details=False)
+    try:
+        details = decode_appendable(msgs.NodeDetails, data)
+        endpoints = [decode_appendable(msgs.Endpoint, one.data) for one in details.endpoints]
+        errors = [decode_appendable(msgs.CallbackError, one.data) for one in details.errors]
+    except DecodeError:
+        return node._replace(has_details=False)
+    return node._replace(
+        ports=tuple(details.ports),
+        endpoints=tuple(end for one in endpoints if (end := _endpoint(one))),
+        busy=details.busy,
+        errors=tuple(CallbackError(**_values(error, _OF_ERROR)) for error in errors),
+    )
+
+
+def _decode_version_0(payload: bytes) -> Announcement | None:
+    """Return the head of an announcement as it was before the first version."""
+    cursor = Cursor(payload, _NAME_OFFSETS[_VERSION_0])
+    try:
+        name, host = read_string(cursor, "name"), read_string(cursor, "host")
+        pid, start_time = struct.unpack_from(">iq", payload, cursor.advance(12, "pid"))
+        identifier = read_string(cursor, "id")
+        state, _, tool = struct.unpack_from(">bq?", payload, cursor.advance(10, "state"))
+        command = read_string(cursor, "command")
+        (answers,) = struct.unpack_from(">q", payload, cursor.advance(8, "answers"))
+    except Malformed:
+        return None
+    if not _is_node_name(name):
+        return None
+    node = Node(
+        name, identifier, host, pid, start_time, command, tool, version=0, has_details=False
+    )
+    return Announcement(node, state == msgs.Announcement.LEAVING, answers)
+
+
+def _is_node_name(name: str) -> bool:
+    with suppress(InvalidName, ValueError):
+        check_node(check_length(name))
+        return True
+    return False
 
 
 def _wrapped(announcement: bytes, path: Iterable[RelayStep]) -> bytes:
     message = msgs.RemoteAnnouncement()
     message.announcement = announcement
-    message.steps = [_filled(msgs.RelayStep(), step, RelayStep._fields) for step in path]
+    message.steps = appendables(_filled(msgs.RelayStep(), step, RelayStep._fields) for step in path)
     return encode(message)
 
 
@@ -197,7 +272,11 @@ def _decode_remote(payload: bytes) -> Announcement | None:
     announcement = decode_announcement(inner)
     if announcement is None:
         return None
-    path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in message.steps)
+    try:
+        steps = [decode_appendable(msgs.RelayStep, step.data) for step in message.steps]
+    except DecodeError:
+        return None
+    path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in steps)
     return announcement._replace(node=announcement.node._replace(path=path, ports=()))
 
 
@@ -218,14 +297,18 @@ def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
     return message
 
 
-def _endpoint(message: msgs.Endpoint) -> Endpoint:
-    return Endpoint(
-        **_values(message, _OF_ENDPOINT),
-        topic=check_length(message.topic),
-        role=Role(message.role),
-        types=tuple(message.types),
-        fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),
-    )
+def _endpoint(message: msgs.Endpoint) -> Endpoint | None:
+    """Return an announced endpoint; None if its role is unknown or its topic is no channel."""
+    try:
+        return Endpoint(
+            **_values(message, _OF_ENDPOINT),
+            topic=check_length(message.topic),
+            role=Role(message.role),
+            types=tuple(message.types),
+            fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),
+        )
+    except (InvalidName, ValueError):
+        return None
 
 
 def _filled(message: M, source: object, names: Iterable[str]) -> M:

@@ -1,5 +1,8 @@
 """Messages in the form that pages draw: plain values, and many numbers as bytes.
 
+A type is drawn if it is in DRAWINGS, which also has the kind of its drawing: the page's code for
+each kind is in static/panels/world/drawings.js.
+
 Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure: no source, and
 times come in as arguments.
 """
@@ -8,7 +11,7 @@ import sys
 from array import array
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from typing import cast
+from typing import NamedTuple, cast
 
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.streams.base import Update
@@ -32,9 +35,18 @@ _NANOSECONDS = 1e9
 
 
 @cache
-def drawable_types() -> frozenset[str]:
-    """Return the names of all types that can be drawn."""
-    return frozenset(type_name(kind) for kind in (*DRAWINGS, TFMessage, Marker, MarkerArray))
+def drawing_kinds() -> Mapping[str, str]:
+    """Return the kind of drawing of each type that can be drawn, by the type's name."""
+    kinds = {message_type: drawing.kind for message_type, drawing in DRAWINGS.items()}
+    kinds |= {TFMessage: "frames", Marker: "markers", MarkerArray: "markers"}
+    return {type_name(message_type): kind for message_type, kind in kinds.items()}
+
+
+class WorldDrawing(NamedTuple):
+    """The drawing of a type of which only the newest message is drawn."""
+
+    kind: str  # a key of KINDS in static/panels/world/drawings.js, shared by similar types
+    convert: Callable[[Message], Update]  # returns what the page's drawing of this kind reads
 
 
 class Poses:
@@ -136,7 +148,6 @@ def _rgba(color: ColorRGBA) -> list[float]:
 def _scan(scan: LaserScan) -> Update:
     """Return the ranges as float32 [m]."""
     about: dict[str, Json] = {
-        "kind": "scan",
         "frame": scan.header.frame_id,
         "first": scan.angle_min,
         "step": scan.angle_increment,
@@ -149,7 +160,6 @@ def _scan(scan: LaserScan) -> Update:
 def _cloud(cloud: PointCloud2) -> Update:
     """Return the points unchanged, with the offsets of their fields, for the page to read."""
     about: dict[str, Json] = {
-        "kind": "cloud",
         "frame": cloud.header.frame_id,
         "width": cloud.width,
         "height": cloud.height,
@@ -163,7 +173,7 @@ def _cloud(cloud: PointCloud2) -> Update:
 
 def _plain_cloud(cloud: PointCloud) -> Update:
     """Return the points as float32 [m]."""
-    about: dict[str, Json] = {"kind": "points", "frame": cloud.header.frame_id}
+    about: dict[str, Json] = {"frame": cloud.header.frame_id}
     return Update(about, floats(number for at in cloud.points for number in (at.x, at.y, at.z)))
 
 
@@ -171,7 +181,6 @@ def _odometry(odometry: Odometry) -> Update:
     linear, angular = odometry.twist.twist.linear, odometry.twist.twist.angular
     return Update(
         {
-            "kind": "odometry",
             "frame": odometry.header.frame_id,
             "child": odometry.child_frame_id,
             "pose": _of(odometry.pose.pose),
@@ -181,13 +190,12 @@ def _odometry(odometry: Odometry) -> Update:
 
 
 def _stamped(message: PoseStamped) -> Update:
-    return Update({"kind": "pose", "frame": message.header.frame_id, "pose": _of(message.pose)})
+    return Update({"frame": message.header.frame_id, "pose": _of(message.pose)})
 
 
 def _uncertain(message: PoseWithCovarianceStamped) -> Update:
     return Update(
         {
-            "kind": "pose",
             "frame": message.header.frame_id,
             "pose": _of(message.pose.pose),
             "covariance": list(message.pose.covariance),
@@ -197,21 +205,20 @@ def _uncertain(message: PoseWithCovarianceStamped) -> Update:
 
 def _many(message: PoseArray) -> Update:
     """Return the poses as float32."""
-    about: dict[str, Json] = {"kind": "poses", "frame": message.header.frame_id}
+    about: dict[str, Json] = {"frame": message.header.frame_id}
     return Update(about, floats(number for pose in message.poses for number in _of(pose)))
 
 
 def _path(path: Path) -> Update:
     """Return the positions as float32 [m]."""
     places = (one.pose.position for one in path.poses)
-    about: dict[str, Json] = {"kind": "path", "frame": path.header.frame_id}
+    about: dict[str, Json] = {"frame": path.header.frame_id}
     return Update(about, floats(number for at in places for number in (at.x, at.y, at.z)))
 
 
 def _grid(grid: OccupancyGrid) -> Update:
     """Return the cells as int8: -1 for unknown, 0 to 100 for the probability of occupancy [%]."""
     about: dict[str, Json] = {
-        "kind": "grid",
         "frame": grid.header.frame_id,
         "resolution": grid.info.resolution,
         "width": grid.info.width,
@@ -222,15 +229,20 @@ def _grid(grid: OccupancyGrid) -> Update:
 
 
 _DRAWINGS = {
-    LaserScan: _scan,
-    PointCloud2: _cloud,
-    PointCloud: _plain_cloud,
-    Odometry: _odometry,
-    PoseStamped: _stamped,
-    PoseWithCovarianceStamped: _uncertain,
-    PoseArray: _many,
-    Path: _path,
-    OccupancyGrid: _grid,
+    LaserScan: ("scan", _scan),
+    PointCloud2: ("cloud", _cloud),
+    PointCloud: ("points", _plain_cloud),
+    Odometry: ("odometry", _odometry),
+    PoseStamped: ("pose", _stamped),
+    PoseWithCovarianceStamped: ("pose", _uncertain),
+    PoseArray: ("poses", _many),
+    Path: ("path", _path),
+    OccupancyGrid: ("grid", _grid),
 }
-DRAWINGS = cast("Mapping[type[Message], Callable[[Message], Update]]", _DRAWINGS)
+DRAWINGS = {
+    cast("type[Message]", message_type): WorldDrawing(
+        kind, cast("Callable[[Message], Update]", convert)
+    )
+    for message_type, (kind, convert) in _DRAWINGS.items()
+}
 """The types of which only the newest message is drawn."""

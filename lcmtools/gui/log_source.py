@@ -25,7 +25,7 @@ from lcmtools.observe.channels.activity import Activity
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow, ChannelRows, ChannelSelection
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.observe.reading.following import Take
+from lcmtools.observe.reading.following import Receiver
 from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
@@ -63,9 +63,9 @@ class LogSource:
         self._graph = builder.snapshot(self._playlist.span[1])
         self._rows = ChannelRows(ChannelSelection(), SenderNames())
         self._activity = Activity(_WINDOW)
-        self._takers: dict[str, tuple[Take, ...]] = {}
+        self._receivers: dict[str, tuple[Receiver, ...]] = {}
         self._wishes: SimpleQueue[Callable[[], object]] = SimpleQueue()
-        self._new: list[tuple[str, Take]] = []  # new followers since the last turn
+        self._new: list[tuple[str, Receiver]] = []  # new followers since the last turn
         self._wakes, self._ends = threading.Event(), threading.Event()
         self._fault = ""
         self.latest = self._snapshot()
@@ -74,10 +74,10 @@ class LogSource:
 
     # For pages; called on any thread
 
-    def follow(self, channel: str, take: Take) -> End:
+    def follow(self, channel: str, receive: Receiver) -> End:
         """Pass a channel's messages on, its latest one at once; return a call to end it."""
-        self._wish(lambda: self._add(channel, take))
-        return partial(self._wish, lambda: self._remove(channel, take))
+        self._wish(lambda: self._add(channel, receive))
+        return partial(self._wish, lambda: self._remove(channel, receive))
 
     def read(self, topics: Collection[str]) -> tuple[int, Iterator[Packet]]:
         """Return n, 1 unless there are many, and every n-th message of topics in the log."""
@@ -184,9 +184,9 @@ class LogSource:
             new, self._new = self._new, []
             now = self._player.time(time.monotonic_ns())
             for played in self._playlist.latest({topic for topic, _ in new}, now):
-                for topic, take in new:
+                for topic, receive in new:
                     if topic == played.topic:
-                        take(_packet(played))
+                        receive(_packet(played))
 
     def _due(self) -> list[Played]:
         due: list[Played] = []
@@ -201,17 +201,17 @@ class LogSource:
             self._give(packet)
 
     def _give(self, packet: Packet) -> None:
-        for take in self._takers.get(packet.channel, ()):
-            take(packet)
+        for receive in self._receivers.get(packet.channel, ()):
+            receive(packet)
 
-    def _add(self, channel: str, take: Take) -> None:
-        self._takers[channel] = (*self._takers.get(channel, ()), take)
-        self._new.append((channel, take))
+    def _add(self, channel: str, receive: Receiver) -> None:
+        self._receivers[channel] = (*self._receivers.get(channel, ()), receive)
+        self._new.append((channel, receive))
 
-    def _remove(self, channel: str, take: Take) -> None:
-        left = [one for one in self._takers.get(channel, ()) if one is not take]
-        self._takers[channel] = tuple(left)
-        self._new = [one for one in self._new if one[1] is not take]
+    def _remove(self, channel: str, receive: Receiver) -> None:
+        left = [one for one in self._receivers.get(channel, ()) if one is not receive]
+        self._receivers[channel] = tuple(left)
+        self._new = [one for one in self._new if one[1] is not receive]
 
     def _resume(self) -> None:
         now = time.monotonic_ns()

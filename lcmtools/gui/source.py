@@ -15,7 +15,7 @@ from lcmtools.names import check_length, closest
 from lcmtools.observe.channels.feed import Feed, Snapshot
 from lcmtools.observe.channels.rows import ChannelSelection
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.observe.reading.following import Take
+from lcmtools.observe.reading.following import Receiver
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
@@ -35,7 +35,7 @@ class Source(Protocol):
     def latest(self) -> Snapshot:
         """Its channels, nodes and problems; a new object each time it changes."""
 
-    def follow(self, channel: str, take: Take) -> End:
+    def follow(self, channel: str, receive: Receiver) -> End:
         """Pass a channel's whole messages on, on another thread; return a call to end it."""
 
     def listen_to_all(self) -> End:
@@ -74,13 +74,13 @@ class BusSource:
         """The latest snapshot of the bus."""
         return self._feed.latest
 
-    def follow(self, channel: str, take: Take) -> End:
+    def follow(self, channel: str, receive: Receiver) -> End:
         """Pass a channel's whole messages on, on another thread; return a call to end it.
 
         Raises:
             InvalidName: No channel can have this name.
         """
-        return self._feed.follow(check_length(channel), take)
+        return self._feed.follow(check_length(channel), receive)
 
     def listen_to_all(self) -> End:
         """Announce a listener to every channel except images'; return a call to end it."""

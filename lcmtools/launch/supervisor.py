@@ -112,7 +112,7 @@ class Supervisor:
 
     def _handle_signals(self) -> None:
         """Handle signals: the first asks all nodes to end, each further one to end sooner."""
-        for number in self._signals.take():
+        for number in self._signals.pop():
             if self._is_stopping:
                 self._ask_all()
                 continue

@@ -26,7 +26,8 @@ from lcmtools.messages.shape import Element, check_lengths, shaped
 M = TypeVar("M", bound=Message)
 
 _FINGERPRINT_BYTES = 8
-_NOT_PLAIN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error)
+NOT_PLAIN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error)
+"""Raised by the fast functions of ``coder`` for anything that they leave to the careful ones."""
 
 
 def encode(message: Message) -> bytes:
@@ -42,7 +43,7 @@ def encode(message: Message) -> bytes:
         try:
             known = coder(cls)
             return b"".join((known.fingerprint, *known.write(message)))
-        except _NOT_PLAIN:
+        except NOT_PLAIN:
             plain, known = _conformed(message, cls), coder(cls)
             return b"".join((known.fingerprint, *known.write(plain)))
     except Misfit as misfit:
@@ -72,7 +73,7 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray:
         raise DecodeError(f"expected {type_name(cls)}, got {describe_payload(data)}")
     try:
         return known.scan(data, _FINGERPRINT_BYTES)[0]  # type: ignore[return-value] # a ``cls``
-    except _NOT_PLAIN:
+    except NOT_PLAIN:
         cursor = Cursor(data, _FINGERPRINT_BYTES, STRAY_BYTES if keep_stray else "replace")
     try:
         return cast("M", known.read(cursor))
@@ -92,7 +93,7 @@ class PayloadEncoder:
         """Return the payload of a message of the class; raises ValueMismatch as ``encode`` does."""
         try:
             return b"".join((self._head, *self._write(message)))
-        except (*_NOT_PLAIN, Misfit, RecursionError):  # left to the careful encoder
+        except (*NOT_PLAIN, Misfit, RecursionError):  # left to the careful encoder
             return encode(message)
 
     def _write_first(self, message: object) -> tuple[bytes, ...]:
@@ -118,7 +119,7 @@ class PayloadDecoder:
         head = payload[:_FINGERPRINT_BYTES]
         try:
             return self._scans[head](payload, _FINGERPRINT_BYTES)[0]
-        except _NOT_PLAIN:  # first of its class, or one for the careful decoder
+        except NOT_PLAIN:  # first of its class, or one for the careful decoder
             cls = self._classes.get(head)
         if cls is None:
             expected = " or ".join(map(type_name, self._classes.values()))

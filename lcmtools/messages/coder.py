@@ -51,6 +51,21 @@ class Coder(NamedTuple):
                 setattr(made[leaf.part], leaf.field.name, value)
         return made[0]
 
+    def read_available(self, cursor: Cursor) -> Message:
+        """Return the message in the rest of the bytes; fields without bytes have their defaults.
+
+        The type must contain other messages only in arrays.
+        """
+        message = self.layout.parts[0].cls()
+        for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
+            if cursor.offset == len(cursor.data):
+                break
+            if leaf.is_number:
+                _read_numbers([leaf], [message], cursor)
+            else:
+                setattr(message, leaf.field.name, _read_other(leaf, codec, message, cursor))
+        return message
+
 
 @cache
 def coder(cls: type[Message]) -> Coder:

@@ -92,7 +92,7 @@ class Callbacks:
 
     def deliver(self, subscription: Subscription) -> None:
         """Run the callback of the oldest waiting message."""
-        payload = subscription.take()
+        payload = subscription.pop()
         if payload is None:  # the subscription was destroyed meanwhile
             return
         with subscription.stopwatch:

@@ -159,7 +159,8 @@ class Context:
 
     def _pids_here(self) -> frozenset[int]:
         """Return the processes of this computer that are nodes, this one included."""
-        others = (node.pid for node in self.follower.graph().nodes if node.host == self.host)
+        nodes = self.follower.graph().nodes
+        others = (node.pid for node in nodes if node.host == self.host and node.has_details)
         return frozenset((os.getpid(), *others))
 
     def close(self) -> None:

@@ -96,7 +96,7 @@ class GraphFollower:
         with self._socket_lock:
             if self._socket is None:
                 return
-            for payload, arrival in self._socket.take():
+            for payload, arrival in self._socket.receive():
                 self._keep(payload, arrival)
             if self._socket.has_large:  # a node with hundreds of endpoints
                 large, self._socket = self._socket, None

@@ -8,9 +8,10 @@ import uuid
 from typing import TYPE_CHECKING
 
 from lcmtools import names
-from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
+from lcmtools.clock import CLOCK_TOPIC, Clock, ManualClock, SystemClock, join_stamp
 from lcmtools.errors import InvalidName, explained
 from lcmtools.graph import model
+from lcmtools.graph.protocol import SOFTWARE
 from lcmtools.node import checks
 from lcmtools.node.callback_errors import CallbackErrors
 from lcmtools.node.callbacks import Callbacks
@@ -74,6 +75,7 @@ class Node(Parametric, Factory):
             start_time=time.time_ns(),
             command=" ".join(sys.argv),
             tool=tool,
+            software=SOFTWARE,
         )
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
         self.__errors = CallbackErrors(self.__logger, context.announcer.announce_soon)
@@ -167,13 +169,15 @@ class Node(Parametric, Factory):
         )
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Return whether programs that are not nodes can be listening, to any topic.
+        """Return whether programs can be listening that do not tell to which topics.
 
-        On a bus that leaves this computer one can always be listening. With ``at_once`` every
-        possible listener counts, at once, instead of waiting a second or two to be sure.
+        These are programs that are not nodes, and nodes whose announced details cannot be read. On
+        a bus that leaves this computer one can always be listening. With ``at_once`` every possible
+        listener counts, at once, instead of waiting a second or two to be sure.
         """
         listeners = self.__context.plain_listeners
-        return bool(listeners and listeners.possible(at_once=at_once))
+        is_possible = listeners and listeners.possible(at_once=at_once)
+        return bool(is_possible or self.graph().unexplained())
 
     def __forward_log(self, entry: Log) -> None:
         if self.__rosout is not None:
@@ -197,4 +201,4 @@ class Node(Parametric, Factory):
         def set_clock(message: ClockMessage) -> None:
             clock.set(join_stamp(message.clock.sec, message.clock.nsec))
 
-        self.create_subscription(ClockMessage, "/clock", set_clock, 1)
+        self.create_subscription(ClockMessage, CLOCK_TOPIC, set_clock, 1)

@@ -67,7 +67,7 @@ class Subscription:
             self._bytes += len(payload)
             self._last_time = time
 
-    def take(self) -> bytes | None:
+    def pop(self) -> bytes | None:
         """Return the oldest waiting payload; None if there is none."""
         with self._lock:
             return self._queue.popleft() if self._queue else None

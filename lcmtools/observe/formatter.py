@@ -82,7 +82,7 @@ class MessageFormatter:
         self._decoder, self._options = decoder, options
         self._condition, self._is_raw = options.condition, options.is_raw
         self._is_one_of_many, self._notify = is_one_of_many, notify
-        self._table = CsvTable(self._tell)
+        self._table = CsvTable(self._notify_once)
         self._paths: dict[Path, tuple[Path, ...]] = {}
         self._whole: dict[tuple[Path, MessageClass], bool] = {}
         self._notified: set[str] = set()
@@ -99,7 +99,7 @@ class MessageFormatter:
             if not (self._is_one_of_many() or self._has_shown):
                 raise
             channel = found.packet.channel
-            self._tell(f"unfit {channel}", f"a message on {channel} is left out: {mismatch}")
+            self._notify_once(f"unfit {channel}", f"a message on {channel} is left out: {mismatch}")
             return None
         self._has_shown = self._has_shown or text is not None
         return text
@@ -185,15 +185,16 @@ class MessageFormatter:
         is_unknown = isinstance(reason, UnknownFingerprint)
         if is_all and self._options.form in ("text", "flow"):
             if is_unknown and not self._notified:
-                self._tell("unknown", f"no type is known for {channel}; {remedy_of_unknown()}")
+                what = f"no type is known for {channel}; {remedy_of_unknown()}"
+                self._notify_once("unknown", what)
             return self._headed(found, f"{_raw_text(packet, str(reason))}\n---")
         what = (
             f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._notified else str(reason)
         )
-        self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
+        self._notify_once(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
         return None
 
-    def _tell(self, about: str, text: str) -> None:
+    def _notify_once(self, about: str, text: str) -> None:
         if about not in self._notified:
             self._notified.add(about)
             self._notify(text)
@@ -224,15 +225,15 @@ def _raw_text(packet: Packet, reason: str) -> str:
 class CsvTable:
     """Rows of comma-separated values under the columns of the first one.
 
-    Rows of another type of message are left out. ``tell`` is called with the reason and a sentence
-    if something is left out; the sentence ends with the ``remedy`` where values have no column.
+    Rows of another type of message are left out. ``notify`` is called with the reason and a
+    sentence if something is left out; it ends with the ``remedy`` where values have no column.
     """
 
-    def __init__(self, tell: Callable[[str, str], None], remedy: str = _SLICE) -> None:
+    def __init__(self, notify: Callable[[str, str], None], remedy: str = _SLICE) -> None:
         self._remedy = remedy
         self._columns: list[str] = []
         self._kind = ""
-        self._tell = tell
+        self._notify = notify
 
     def row(self, cells: dict[str, Cell], kind: str) -> str | None:
         """The row of a message, after the line with the columns' names if it is the first.
@@ -245,10 +246,10 @@ class CsvTable:
             self._columns, self._kind = list(cells), kind
         elif kind != self._kind:
             columns = f"the columns are those of {self._kind}"
-            self._tell(f"kind {kind}", f"messages of {kind} are left out: {columns}")
+            self._notify(f"kind {kind}", f"messages of {kind} are left out: {columns}")
             return None
         if more := len(cells.keys() - set(self._columns)):
-            self._tell(
+            self._notify(
                 "more",
                 f"no column for {more} more in an array that was shorter in the first message;"
                 f" {self._remedy}",

@@ -1,39 +1,36 @@
-"""Topics whose messages move a robot.
+"""Simulators, and publishers of simulated time.
 
-A command is recognized by its type (a velocity, an effort, a trajectory) or by its topic's name
-(cmd_vel, WHEEL_COMMAND, goal); a simulator obeys what it subscribes to.
+Most are both. But a log that is played with its clock publishes the time and simulates nothing, and
+a simulator that follows the time of another one publishes none.
 """
 
-import re
+from lcmtools.clock import CLOCK_TOPIC
+from lcmtools.graph.model import Graph, Node, Role
 
-from lcmtools.graph.model import Node, Role
-
-VELOCITY_TYPES = frozenset(
-    f"geometry_msgs/{name}{suffix}"
-    for name in ("Twist", "Accel", "Wrench")
-    for suffix in ("", "Stamped")
-)
-"""Types of velocities and efforts: in these, zeros mean stop."""
-_COMMAND_TYPES = VELOCITY_TYPES | {
-    "trajectory_msgs/JointTrajectory",
-    "trajectory_msgs/MultiDOFJointTrajectory",
-}
-_WORDS = re.compile(
-    r"cmd|commands?|control|setpoints?|goal|target|efforts?|torque|throttle|steering|actuators?"
-    r"|motors?",
-    re.IGNORECASE,
-)
-_SPLIT = re.compile(r"[^A-Za-z]+|(?<=[a-z])(?=[A-Z])")
-_SIMULATORS = "sim_msgs/"  # services that only simulators offer
-
-
-def is_command_topic(topic: str, type_name: str) -> bool:
-    """Return whether a topic's type or name says that its messages are commands."""
-    words = _SPLIT.split(topic.rpartition("/")[2])
-    return type_name in _COMMAND_TYPES or any(map(_WORDS.fullmatch, words))
+_SERVICES = "sim_msgs/"  # types of services that only simulators offer
 
 
 def is_simulator(node: Node) -> bool:
-    """Return whether a node is a simulator, by the services that it offers."""
-    services = node.having(Role.SERVICE)
-    return any(name.startswith(_SIMULATORS) for end in services for name in end.types)
+    """Return whether a node is a simulator, by the services that it offers.
+
+    It obeys what it subscribes to, its topics have fixed names and types, and it measures only for
+    subscribers.
+    """
+    ends = (end for end in node.endpoints if end.role is Role.SERVICE)
+    return any(name.startswith(_SERVICES) for end in ends for name in end.types)
+
+
+def simulators(graph: Graph) -> list[Node]:
+    """Return the living simulators."""
+    return [node for node in graph.nodes if not node.stale and is_simulator(node)]
+
+
+def publishes_time(node: Node) -> bool:
+    """Return whether a node publishes the simulated time."""
+    return any(e.topic == CLOCK_TOPIC and e.role is Role.PUBLISHER for e in node.endpoints)
+
+
+def has_simulated_time(graph: Graph) -> bool:
+    """Return whether anything on the bus, or in the log, publishes the simulated time."""
+    is_announced = any(publishes_time(node) for node in graph.nodes if not node.stale)
+    return is_announced or bool(graph.topic(CLOCK_TOPIC).traffic)

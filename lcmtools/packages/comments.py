@@ -23,24 +23,24 @@ def comments(source: str) -> dict[str, Comment]:
     found: dict[str, Comment] = {}
     above: list[str] = []
     for line in source.splitlines():
-        code, said = _split(line)
+        code, comment = _split(line)
         if not code:
-            above = [*above, said] if said else []
+            above = [*above, comment] if comment else []
             continue
         if _STRUCT.match(code):
             found[""] = _comment(" ".join(above))
         elif field := _FIELD.fullmatch(code):
-            found[field[1]] = _comment(said or " ".join(above))
+            found[field[1]] = _comment(comment or " ".join(above))
         above = []
     return found
 
 
 def _split(line: str) -> tuple[str, str]:
     """Split a line into its code and its comment."""
-    code, mark, said = line.partition("//")
+    code, mark, comment = line.partition("//")
     if not mark:
-        code, mark, said = line.partition("#")
-    return code.strip(), said.strip()
+        code, mark, comment = line.partition("#")
+    return code.strip(), comment.strip()
 
 
 def _comment(text: str) -> Comment:

@@ -165,7 +165,7 @@ def _words(new: NewPackage) -> dict[str, str]:
     heard = next((one for one in new.dependencies if one in _USUAL_TOPICS), "std_msgs")
     kind, topic = _USUAL_TOPICS[heard]
     own_import = f'{new.message} = lcmtools.message_class("{new.name}/{new.message}")\n'
-    said = new.message or "Int32"
+    sent = new.message or "Int32"
     return {
         "package": new.name,
         "node": new.node,
@@ -176,9 +176,9 @@ def _words(new: NewPackage) -> dict[str, str]:
         "heard_package": heard,
         "heard": kind,
         "topic": topic,
-        "said": said,
-        "said_type": f"{new.name}/{new.message}" if new.message else "std_msgs/Int32",
-        "said_field": "count" if new.message else "data",
+        "sent": sent,
+        "sent_type": f"{new.name}/{new.message}" if new.message else "std_msgs/Int32",
+        "sent_field": "count" if new.message else "data",
         "own_import": f"\n{own_import}" if new.message else "",
         "other_import": "" if new.message else "from lcmtools.types.std_msgs import Int32\n",
         "message_entry": (

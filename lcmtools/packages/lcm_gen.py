@@ -114,12 +114,12 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
 
 def _problem(file: Path, output: str) -> Problem:
     """Parse lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
-    said = [line.strip() for line in output.splitlines() if line.strip()]
-    for before, line in pairwise(said):
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    for before, line in pairwise(lines):
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):
             hints = (hint for start, hint in _HINTS.items() if before.lower().startswith(start))
             return Problem(str(file), int(place[1]), before.rstrip("."), next(hints, ""))
-    return Problem(str(file), 0, said[0] if said else "lcm-gen rejects it without a reason")
+    return Problem(str(file), 0, lines[0] if lines else "lcm-gen rejects it without a reason")
 
 
 def _joined(new: Path, old: Path) -> str:

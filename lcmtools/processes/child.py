@@ -107,7 +107,7 @@ class ChildProcess:
             piece = os.read(stream, _PIECE)
         except BlockingIOError:
             return
-        for line in lines.take(piece) if piece else lines.end():
+        for line in lines.feed(piece) if piece else lines.end():
             yield is_error, line
         if not piece:
             self._close(stream)
@@ -118,7 +118,7 @@ class ChildProcess:
             _, lines, is_error = self._lines[stream]
             with contextlib.suppress(BlockingIOError):
                 for _ in range(_MOST_PIECES):
-                    yield from ((is_error, line) for line in lines.take(os.read(stream, _PIECE)))
+                    yield from ((is_error, line) for line in lines.feed(os.read(stream, _PIECE)))
             yield from ((is_error, line) for line in lines.end())
             self._close(stream)
 
@@ -265,7 +265,7 @@ class Lines:
     def __init__(self) -> None:
         self._rest = b""
 
-    def take(self, piece: bytes) -> list[str]:
+    def feed(self, piece: bytes) -> list[str]:
         """Return the lines that this piece completes, without their line ends."""
         *whole, self._rest = (self._rest + piece).split(b"\n")
         if len(self._rest) > LONGEST:

@@ -45,7 +45,7 @@ class SignalWaiter:
         self._receiver.close()
         self._sender.close()
 
-    def take(self) -> list[int]:
+    def pop(self) -> list[int]:
         """Return the signals since the last call that request an end."""
         asked, self._asked = self._asked, []
         return asked

@@ -49,7 +49,7 @@ def wait_for_service(monitor: BusMonitor, name: str, longest: float, notify: Not
         NothingReceived: No node does within ``longest`` seconds.
     """
 
-    def tell() -> None:
+    def notify_waiting() -> None:
         known = [one.name for one in offered_services(monitor.graph(), show_all=False)]
         there = f"there is {', '.join(known[:_MOST_SHOWN])}" if known else "no node offers any"
         notify(f"waiting for the service {name}; {there}")
@@ -58,7 +58,7 @@ def wait_for_service(monitor: BusMonitor, name: str, longest: float, notify: Not
         return any(s.name == name and s.is_alive for s in offered_services(monitor.graph()))
 
     try:
-        found = wait_until(is_offered, longest, tell, lambda _: monitor.receive(_POLL))
+        found = wait_until(is_offered, longest, notify_waiting, lambda _: monitor.receive(_POLL))
     except EOFError:
         raise LcmtoolsError(f"no node offers {name}: the log has ended") from None
     if not found:

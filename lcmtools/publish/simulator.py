@@ -5,16 +5,14 @@ from typing import TYPE_CHECKING, TypeVar
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Staleness
 from lcmtools.messages.registry import Message
-from lcmtools.observe.reading.find import OfferedService, find_node, offered_services
+from lcmtools.observe.reading.find import find_node
 from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.observe.simulators import publishes_time, simulators
 from lcmtools.publish.own_node import own_node
 
 if TYPE_CHECKING:
     from lcmtools.node.service import ServiceType
 
-_MARK = "sim_msgs/Step"
-"""The type of service that only simulators offer."""
-_CLOCK = "/clock"
 _HOW_TO_START = "lcmtools run sim starts one"
 
 RequestT = TypeVar("RequestT", bound=Message)
@@ -56,29 +54,24 @@ def find_simulator(graph: Graph, name: str | None) -> str:
     Raises:
         LcmtoolsError: There is none of this name, none at all, or there are several.
     """
-    marks = (service for service in offered_services(graph) if _is_mark(service))
-    simulators = sorted({service.servers[0][0].name for service in marks})
-    leaders = {node.name for node, _ in graph.topic(_CLOCK).publishers if not node.stale}
+    known = sorted({node.name for node in simulators(graph)})
+    leaders = {node.name for node in simulators(graph) if publishes_time(node)}
     if name is not None:
         node = find_node(graph, name)
-        if node.name not in simulators:
-            known = f"simulators: {', '.join(simulators)}" if simulators else _HOW_TO_START
-            raise LcmtoolsError(f"{node.name} is not a simulator", known)
+        if node.name not in known:
+            hint = f"simulators: {', '.join(known)}" if known else _HOW_TO_START
+            raise LcmtoolsError(f"{node.name} is not a simulator", hint)
         return node.name
-    if len(simulators) > 1 and len(leaders) == 1:  # the others follow the clock of this one
+    if len(known) > 1 and len(leaders) == 1:  # the others follow the clock of this one
         return leaders.pop()
-    if len(simulators) > 1:
-        raise LcmtoolsError("several simulators run", f"choose one: --sim {', '.join(simulators)}")
-    if not simulators:
+    if len(known) > 1:
+        raise LcmtoolsError("several simulators run", f"choose one: --sim {', '.join(known)}")
+    if not known:
         raise LcmtoolsError("no simulator runs on this bus", _HOW_TO_START)
-    return simulators[0]
+    return known[0]
 
 
 def _may_be_late(graph: Graph) -> bool:
     """True if a busy simulator may not have answered yet: another must not be taken for it."""
     hangs = any(node.stale is Staleness.HANGS for node in graph.nodes)
-    return hangs or not any(map(_is_mark, offered_services(graph)))
-
-
-def _is_mark(service: OfferedService) -> bool:
-    return service.is_alive and _MARK in service.types
+    return hangs or not simulators(graph)

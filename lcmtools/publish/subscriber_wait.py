@@ -126,20 +126,20 @@ class SubscriberWait:
 def wait_until(
     condition: Callable[[], object],
     timeout: float | None,
-    tell: Callable[[], None] | None = None,
+    notify: Callable[[], None] | None = None,
     pause: Callable[[float], object] = time.sleep,
 ) -> bool:
     """Return whether a condition comes true within ``timeout`` seconds (None: no limit).
 
-    ``tell`` is called once if that takes long; ``pause`` waits for a number of seconds.
+    ``notify`` is called once if that takes long; ``pause`` waits for a number of seconds.
     """
     start = time.monotonic()
     while not condition():
         waited = time.monotonic() - start
         if timeout is not None and waited >= timeout:
             return False
-        if tell and waited >= _PATIENCE:
-            tell()
-            tell = None
+        if notify and waited >= _PATIENCE:
+            notify()
+            notify = None
         pause(_POLL)
     return True

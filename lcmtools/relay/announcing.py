@@ -30,7 +30,7 @@ class Announced:
         self._one_way = one_way
         self._kept: dict[str, tuple[Announcement, int]] = {}
 
-    def take(self, said: Announcement, now: int) -> Announcement | None:
+    def convert(self, said: Announcement, now: int) -> Announcement | None:
         """Return an announcement as it must be passed on; None if it must not.
 
         ``now`` is the time of any monotonic clock [ns].

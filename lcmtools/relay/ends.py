@@ -115,12 +115,12 @@ class ZenohEnd:
     takes_origin, is_quick = True, False
 
     def __init__(self, url: BusUrl) -> None:
-        from lcmtools.bus.zenoh.listener import ZenohListener
+        from lcmtools.bus.zenoh.observer import ZenohObserver
 
         self.trouble = ""
         # longer than for local programs: a lossy long-distance line can stall for seconds
         patient = url.with_option("patience", str(_PATIENCE))
-        self._listener = ZenohListener(patient, self._note)
+        self._listener = ZenohObserver(patient, self._note)
 
     def receive(self, timeout: float) -> list[Packet]:
         """See ``BusEnd``."""
@@ -159,11 +159,11 @@ class TcpqEnd:
     takes_origin = is_quick = False
 
     def __init__(self, url: BusUrl) -> None:
-        from lcmtools.bus.lcm_listener import LcmListener
+        from lcmtools.bus.lcm_observer import LcmObserver
 
         self.trouble = ""
         self._echo = EchoFilter()
-        self._listener = LcmListener(url, self._note)
+        self._listener = LcmObserver(url, self._note)
 
     def receive(self, timeout: float) -> list[Packet]:
         """See ``BusEnd``."""

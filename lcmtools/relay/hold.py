@@ -8,11 +8,11 @@ the other relay sent must have arrived; what arrives even later is dropped.
 
 from collections.abc import Iterable
 
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.relay.line_queue import LATE
-from lcmtools.relay.topology import Link, State
 
 _HOLD = 0.7  # [s]
-_DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``zenoh_config``), a server in about 1
+_DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``bus.zenoh.config``), a server in about 1
 _HANDOVER = LATE + 0.2  # [s]
 
 
@@ -34,7 +34,7 @@ class Hold:
         """Start waiting, because a bus was lost or restored."""
         self._until, self._deaf_until = now + _HOLD, now + _DEAF
 
-    def learn(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
+    def update(self, links: tuple[Link, ...], active: frozenset[str], now: float) -> None:
         """Update from all relays, this one first, and the ids of those that should now carry."""
         own, *others = links
         deaf = {end.id for end in own.ends if not end.heard}

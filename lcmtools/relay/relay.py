@@ -37,6 +37,7 @@ from lcmtools.graph.protocol import (
     encode_announcement,
     encode_probe,
 )
+from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
 from lcmtools.names import check_node
 from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
@@ -45,15 +46,7 @@ from lcmtools.relay.hold import Hold
 from lcmtools.relay.line_queue import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
-from lcmtools.relay.topology import (
-    End,
-    Knowledge,
-    KnownRelays,
-    Link,
-    State,
-    decode_report,
-    encode_report,
-)
+from lcmtools.relay.topology import KnownRelays
 from lcmtools.wire.packet import Packet
 
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
@@ -253,7 +246,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.forget_routes()
         if not self._carries or other.has(said.node.id):
             return
-        passed = self._announced[index].take(said, time.monotonic_ns())
+        passed = self._announced[index].convert(said, time.monotonic_ns())
         if passed is not None:
             other.talk(NODE_CHANNEL, encode_announcement(passed))
 
@@ -293,7 +286,7 @@ class Relay(AbstractContextManager["Relay"]):
         own = self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)
-        self._hold.learn(self._known.links(), active, now)
+        self._hold.update(self._known.links(), active, now)
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits

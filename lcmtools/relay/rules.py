@@ -9,12 +9,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import InvalidName, UsageError
 from lcmtools.names import Pattern, check_length, has_wildcard, is_hidden, spellings
-from lcmtools.observe.simulators import is_command_topic
+from lcmtools.observe.actuators import is_command_topic
 
 _OF_SERVICE = ("/_request", "/_reply")
-_NAMED_ONLY = ("/clock",)
+_NAMED_ONLY = (CLOCK_TOPIC,)
 _INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
 

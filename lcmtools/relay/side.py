@@ -12,12 +12,12 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import STALE_AFTER, Graph
 from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
+from lcmtools.graph.relay_report import End
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.simulators import is_simulator
 from lcmtools.relay.ends import BusEnd
 from lcmtools.relay.line_queue import LATE, LineMessage, LineQueue
 from lcmtools.relay.rules import Direction, Reason, Route
-from lcmtools.relay.topology import End
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 

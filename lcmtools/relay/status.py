@@ -3,8 +3,8 @@
 import time
 
 from lcmtools.graph.protocol import RELAY_CHANNEL
+from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.relay.topology import Link, State, decode_report
 
 _QUIET, _LONGEST = 0.1, 0.5  # [s] without a report, and in all
 

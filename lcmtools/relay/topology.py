@@ -12,63 +12,13 @@ the start, so that the oldest relay stays active when another one comes.
 """
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
-from enum import IntEnum
-from typing import NamedTuple
+from dataclasses import replace
 
-from lcmtools.errors import DecodeError
 from lcmtools.graph.model import STALE_AFTER
-from lcmtools.messages.codec import decode, encode
-from lcmtools.types.lcmtools_msgs import RelayEnd, RelayLink, RelayReport
+from lcmtools.graph.relay_report import End, Knowledge, Link, State
 from lcmtools.wire.packet import Sender
 
 _MOST_RELAYS = 1000
-_ENDS = 2
-
-
-class State(IntEnum):
-    """A relay's state (the constants of lcmtools_msgs/RelayLink)."""
-
-    ACTIVE = 0
-    STANDBY = 1
-    LEFT = 2
-
-
-@dataclass(frozen=True, slots=True)
-class End:
-    """One end of a relay; the counts are since its start."""
-
-    id: str
-    bus: str = ""  # its name for people
-    heard: tuple[str, ...] = ()  # ends whose reports arrive here
-    ports: tuple[int, ...] = ()  # ports that it sends from
-    is_up: bool = True
-    trouble: str = ""
-    messages: int = 0  # sent to this bus
-    bytes: int = 0
-    left_out: int = 0  # messages from this bus that were not passed on
-    dropped: int = 0  # messages for this bus
-    lost: int = 0  # messages from this bus that did not arrive
-    commands: tuple[str, ...] = ()  # of this bus, not passed although the other's nodes wait
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """A relay as it reports itself."""
-
-    id: str
-    name: str
-    host: str
-    ends: tuple[End, End]
-    state: State = State.STANDBY
-    number: int = 0  # number of its latest report
-
-
-class Knowledge(NamedTuple):
-    """Everything that a relay knows of relays, itself first."""
-
-    end: str  # the id of the end that sends this
-    links: tuple[Link, ...]
 
 
 def carrying(links: Iterable[Link]) -> frozenset[str]:
@@ -196,55 +146,3 @@ class KnownRelays:
             link.id: (link.state, [(end.heard, end.is_up, end.ports) for end in link.ends])
             for link in self.links()
         }
-
-
-def encode_report(report: Knowledge) -> bytes:
-    """Return the payload of a report."""
-    message = RelayReport()
-    message.end = report.end
-    message.links = [_link_message(link) for link in report.links]
-    return encode(message)
-
-
-def decode_report(payload: bytes) -> Knowledge | None:
-    """Return the report in a payload; None if there is none."""
-    try:
-        message = decode(RelayReport, payload)
-        return Knowledge(message.end, tuple(map(_link, message.links)))
-    except (DecodeError, ValueError):
-        return None
-
-
-_OF_END = ("id", "bus", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "lost")
-_LISTS_OF_END = ("heard", "ports", "commands")
-
-
-def _link_message(link: Link) -> RelayLink:
-    message = RelayLink()
-    message.id, message.name, message.host = link.id, link.name, link.host
-    message.state, message.number = link.state, link.number
-    message.ends = [_end_message(end) for end in link.ends]
-    return message
-
-
-def _end_message(end: End) -> RelayEnd:
-    message = RelayEnd()
-    for name in _OF_END:
-        setattr(message, name, getattr(end, name))
-    for name in _LISTS_OF_END:
-        setattr(message, name, list(getattr(end, name)))
-    return message
-
-
-def _link(message: RelayLink) -> Link:
-    if len(message.ends) != _ENDS:
-        raise ValueError("a relay has two ends")
-    one, other = (_end(end) for end in message.ends)
-    state = State(message.state)
-    return Link(message.id, message.name, message.host, (one, other), state, message.number)
-
-
-def _end(message: RelayEnd) -> End:
-    known = {name: getattr(message, name) for name in _OF_END}
-    known |= {name: tuple(getattr(message, name)) for name in _LISTS_OF_END}
-    return End(**known)

@@ -92,8 +92,3 @@ def encode_head(number: int, packet: Packet) -> bytes:
     name, payload, time, *_ = packet
     channel = name.encode("utf-8", "surrogateescape")
     return _HEAD.pack(SYNC, number, time // 1000, len(channel), len(payload)) + channel
-
-
-def encode_event(number: int, packet: Packet) -> bytes:
-    """Return a message as an event; ``number`` is its place in the log, from 0."""
-    return encode_head(number, packet) + packet.payload

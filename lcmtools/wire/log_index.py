@@ -2,9 +2,12 @@
 
 Sans-I/O. The log itself stays as LCM's own programs write and read it. While a log is recorded,
 lines are appended to its index, so that an index that was cut off is correct as far as it goes;
-events after its last block are found by reading the log. Lines, by their single key:
+events after its last block are found by reading the log.
 
-    index      the version of this format
+Later versions may add keys, and values at the end of a line's list; a reader ignores those that it
+does not know. Nothing else of a line changes. Lines, by their single key:
+
+    index      the version of this format, greater by one with each addition
     sender     a sender's number in this file, its address and port, its name
     type       a message type: its name, its fingerprint, and its .lcm file's path and text
     node       a node's announcement as sent, with its time and sender
@@ -202,13 +205,14 @@ def end_line(size: int) -> str:
 
 
 def parse_index(lines: Iterable[str]) -> LogIndex | None:
-    """Return the content of an index; None if it is none. A damaged line ends it."""
+    """Return the content of an index of any version; None if it is none. A damaged line ends it."""
     known, rows = LogIndex(), _rows(lines)
-    if next(rows, None) != ("index", VERSION):
+    key, version = next(rows, ("", 0))
+    if key != "index" or not isinstance(version, int):
         return None
     with suppress(ValueError, TypeError, LookupError, AttributeError):
         for key, value in rows:
-            _take(known, key, value)
+            _add_row(known, key, value)
     return known
 
 
@@ -223,22 +227,22 @@ def _rows(lines: Iterable[str]) -> Iterator[tuple[str, Any]]:
         yield next(iter(row.items()))
 
 
-def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
+def _add_row(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
     if key == "block":
         index.blocks.append(_block(value))
     elif key == "sender":
-        number, at, name = value
+        number, at, name, *_ = value
         sender = Sender(str(at[0]), int(at[1])) if at else None
         index.senders[int(number)] = RecordedSender(sender, str(name))
     elif key == "type":
-        name, digits, path, source = value
+        name, digits, path, source, *_ = value
         index.types[name] = RecordedType(name, int(digits, 16), str(path), str(source))
     elif key == "node":
-        time, number, text = value
+        time, number, text, *_ = value
         index.nodes.append(RecordedNode(int(time), int(number), b64decode(text)))
     elif key == "lost":
-        time, counts = value
-        found = {int(number): (int(a), int(b)) for number, (a, b) in counts.items()}
+        time, counts, *_ = value
+        found = {int(number): (int(a), int(b)) for number, (a, b, *_) in counts.items()}
         index.lost.append(LostMessages(int(time), found))
     elif key == "end":
         index.size = int(value)
@@ -250,7 +254,7 @@ def _block(value: Sequence[Any]) -> Block:
         name: ChannelCount(
             messages, size + 0, senders, first + begin, first + stop, gap + 0, number
         )
-        for name, (messages, size, senders, begin, stop, gap, number) in counts.items()
+        for name, (messages, size, senders, begin, stop, gap, number, *_) in counts.items()
     }
     for one in channels.values():
         runs = one.senders

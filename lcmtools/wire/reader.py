@@ -71,7 +71,7 @@ class Reader:
             if end > 0 and is_short(data, MAGIC_SHORT):  # the same as parse, in half the time
                 name = data[SHORT_HEADER_BYTES:end]
                 (seqno,) = number(data)
-                channel = channels(name) or self._learn(name)
+                channel = channels(name) or self._decode_channel(name)
                 payload = data[end + 1 :]
                 packet = _new(Packet, (channel, payload, time, sender, seqno, None, None, ""))
             else:
@@ -104,7 +104,7 @@ class Reader:
             self.malformed[sender] = message.reason
         return None
 
-    def _learn(self, name: bytes) -> str:
+    def _decode_channel(self, name: bytes) -> str:
         """Return the channel for encoded bytes; cached, because a stream repeats one name."""
         channel = name.decode("utf-8", "surrogateescape")
         if len(self._channels) < _MOST_CHANNELS:

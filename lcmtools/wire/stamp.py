@@ -1,17 +1,18 @@
 """The stamp attached to a message, if the bus allows it: sender, number, time and origin.
 
-Sans-I/O. A stamp has a few bytes, big-endian: the version (1), the sender's id (8), its number of
-the message (4), and the time of sending (8) by a clock of the sender's computer [ns], 0 if the
-message may be late. For a message from another bus also its id (8) and number (4) there, and the
-number of relays (1) that it has passed. Other programs send no stamp and ignore these.
+Sans-I/O. A stamp has a few bytes, big-endian: a mark (1), the number of relays (1) that the message
+has passed, the sender's id (8), its number of the message (4), and the time of sending (8) by a
+clock of the sender's computer [ns], 0 if the message may be late. After a relay, also the original
+sender's id (8) and number (4) follow. Later versions may append more, which a reader ignores. Other
+programs send no stamp and ignore these.
 """
 
 import struct
 from typing import NamedTuple
 
-_VERSION = 2
-_OWN = struct.Struct(">BQIQ")
-_RELAYED = struct.Struct(">BQIQQIB")
+_MARK = 3  # tells a stamp from attachments of other programs; it never changes
+_OWN = struct.Struct(">BBQIQ")
+_ORIGIN = struct.Struct(">QI")
 _NUMBERS = 0xFFFFFFFF
 
 
@@ -36,19 +37,20 @@ def encode_stamp(sender: int, seqno: int, time: int = 0, origin: Origin | None =
     """Return the bytes of a stamp; without an origin, the sender itself is the origin."""
     number = seqno & _NUMBERS
     if origin is None:
-        return _OWN.pack(_VERSION, sender, number, time)
-    first, hops = origin.seqno & _NUMBERS, min(origin.hops, 255)
-    return _RELAYED.pack(_VERSION, sender, number, time, origin.id, first, hops)
+        return _OWN.pack(_MARK, 0, sender, number, time)
+    # a message whose origin is known has passed a relay
+    own = _OWN.pack(_MARK, min(max(origin.hops, 1), 255), sender, number, time)
+    return own + _ORIGIN.pack(origin.id, origin.seqno & _NUMBERS)
 
 
 def decode_stamp(data: bytes) -> Stamp | None:
-    """Return the stamp in these bytes; None if they are not a stamp, or of another version."""
-    if data[:1] != bytes([_VERSION]):
+    """Return the stamp that begins these bytes; None if there is none."""
+    if data[:1] != bytes([_MARK]) or len(data) < _OWN.size:
         return None
-    if len(data) == _OWN.size:
-        _, sender, seqno, time = _OWN.unpack(data)
+    _, hops, sender, seqno, time = _OWN.unpack_from(data)
+    if not hops:
         return Stamp(sender, seqno, time, Origin(sender, seqno))
-    if len(data) == _RELAYED.size:
-        _, sender, seqno, time, first, number, hops = _RELAYED.unpack(data)
-        return Stamp(sender, seqno, time, Origin(first, number, hops))
-    return None
+    if len(data) < _OWN.size + _ORIGIN.size:
+        return None
+    first, number = _ORIGIN.unpack_from(data, _OWN.size)
+    return Stamp(sender, seqno, time, Origin(first, number, hops))

@@ -101,16 +101,6 @@ def payload_of(frame: Frame) -> bytes:
     return frame.data[start:]
 
 
-def subscribe_frame(pattern: str) -> bytes:
-    """Return the frame that subscribes to the channels that match a pattern."""
-    return _named(SUBSCRIBE, pattern)
-
-
-def unsubscribe_frame(pattern: str) -> bytes:
-    """Return the frame that undoes ``subscribe_frame``."""
-    return _named(UNSUBSCRIBE, pattern)
-
-
 def _named(kind: int, name: str) -> bytes:
     data = name.encode("utf-8", "surrogateescape")
     return struct.pack(">II", kind, len(data)) + data

@@ -11,7 +11,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 Value: TypeAlias = float
-"""A float, or an array of floats: both have the same operators. Type checkers see a float."""
+"""A float, or an array of floats: both have the same operators.
+
+Type checkers see a float: a union would reach Vector and RobotState, and with them everything that
+only ever has a single robot's floats.
+"""
 
 
 class Arithmetic(NamedTuple):

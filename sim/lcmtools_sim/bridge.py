@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from lcmtools import Node, spin_once
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.registry import Message
 from lcmtools.node.publisher import Publisher, publish_together
@@ -15,7 +16,7 @@ from lcmtools_sim.drive_command import out_of_range
 from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots.model import CommandTopic
-from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
+from lcmtools_sim.simulation import Simulation
 
 Command = JointState | Twist
 

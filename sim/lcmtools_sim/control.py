@@ -14,12 +14,12 @@ from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
 from lcmtools_sim.geometry import Frame, Pose, to_euler
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.snapshot import snapshot
+from lcmtools_sim.world import MovableObject
 
 _MOST_STEPS = 1_000_000
 _MOST_PIXELS = 4096
@@ -169,12 +169,12 @@ class Control:
         return _named(name, self._robots(), "robot")
 
 
-def _named(name: str, known: Mapping[str, BodyT], kind: str) -> BodyT:
+def _named(name: str, bodies: Mapping[str, BodyT], kind: str) -> BodyT:
     """Return the body with a name; a robot's namespace may lack its slash."""
     namespace = f"/{name.strip('/')}"
-    if found := known.get(namespace) or known.get(name):
+    if found := bodies.get(namespace) or bodies.get(name):
         return found
-    hint = did_you_mean(namespace, known) or f"known: {', '.join(known) or 'none'}"
+    hint = did_you_mean(namespace, bodies) or f"known: {', '.join(bodies) or 'none'}"
     raise UsageError(f"there is no {kind} '{name}'", hint)
 
 

@@ -4,9 +4,9 @@ Every robot has a row in a `Vehicles` (vehicles.py), alone or with others. It al
 robot's motors, wheels and encoders, and also its body while the robot is free: on level ground,
 with nothing that it or others could reach until the next update. Otherwise, the engine moves the
 body, and its tyres pull it before each of the engine's steps: with floats (`Robot.pull`) or, if
-many robots of one `Vehicles` are held, with arrays (`HeldRobots`). `_look` decides again ten times
-a second: `Robot.release` copies the body's motion from the engine to the row, `Robot.hold` copies
-it back before it can touch anything.
+many robots of one `Vehicles` are held, with arrays (`HeldRobots`). `_choose_held` decides again ten
+times a second: `Robot.release` copies the body's motion from the engine to the row, `Robot.hold`
+copies it back before it can touch anything.
 """
 
 from collections.abc import Sequence
@@ -67,7 +67,7 @@ class Fleet:
         if not self._steps:
             self._join()
         if self._steps % self._period == 0:
-            self._look()
+            self._choose_held()
         self._steps += 1
         for vehicles, _ in self._groups:
             vehicles.step()
@@ -90,7 +90,7 @@ class Fleet:
             parts = [robots] if len(robots) >= _MANY else [[robot] for robot in robots]
             self._groups += [(_joined(part), part) for part in parts]
 
-    def _look(self) -> None:
+    def _choose_held(self) -> None:
         """Determine which robots the engine must move until the next update."""
         self._world.find_rest()
         robots = [robot for _, group in self._groups for robot in group]
@@ -115,14 +115,14 @@ class Fleet:
             if len(held) < _MANY:
                 self._held += held
             else:
-                self._hold_together(vehicles, held)
+                self._hold_batch(vehicles, held)
 
-    def _hold_together(self, vehicles: Vehicles, robots: Sequence[Robot]) -> None:
+    def _hold_batch(self, vehicles: Vehicles, robots: Sequence[Robot]) -> None:
         rows = [(robot.index, robot.body, robot.motions) for robot in robots]
         group = HeldRobots(self._world, vehicles, rows, self._fall)
         self._many.append(group)
-        for place, robot in enumerate(robots):
-            robot.join(group, place)
+        for index, robot in enumerate(robots):
+            robot.join(group, index)
 
     def _near(self, robots: Sequence[Robot]) -> list[bool]:
         """Return True for each robot that may touch something until the next update."""

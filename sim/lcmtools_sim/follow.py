@@ -11,14 +11,14 @@ import time
 from collections.abc import Callable
 
 from lcmtools import Node, spin_once
-from lcmtools.clock import NANOSECONDS, split_stamp
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
+from lcmtools_sim.simulation import Simulation
 
-_ACKNOWLEDGEMENT_TOPIC = "/clock/_followed"
+_ACKNOWLEDGEMENT_TOPIC = f"{CLOCK_TOPIC}/_followed"
 """Header: the leader's time that a follower has simulated, and its node's name as frame_id."""
 _LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end, and between repetitions
 _SILENCE = 1.0  # [s] after which the leader checks whether a follower still runs

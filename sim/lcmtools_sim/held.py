@@ -22,7 +22,7 @@ _UPRIGHT = 0.5  # cosine of the tilt; beyond this tilt, no wheel reaches the gro
 def pulled(
     motion: Motion,
     sides: tuple[Value, Value],
-    known: Constants,
+    constants: Constants,
     tyres: Tyres,
     times: tuple[float, float],
 ) -> tuple[Vector, Vector]:
@@ -35,20 +35,20 @@ def pulled(
     Args:
         motion: Motion of a robot, or of many as arrays.
         sides: The speeds of the left and the right wheels [m/s].
-        known: Constants of the robot, or of all.
+        constants: Constants of the robot, or of all.
         tyres: Tyres of the robot, or of all.
         times: Duration of a step [s], and the speed that a falling body gains in it [m/s].
     """
     (left, right), (dt, fall), velocity = sides, times, motion.velocity
-    ops = arithmetic_of(known.mass)
-    quarter_turn = (right - left) / known.track * dt / 4
+    ops = arithmetic_of(constants.mass)
+    quarter_turn = (right - left) / constants.track * dt / 4
     mid_turn = 0.0, 0.0, ops.sin(quarter_turn), ops.cos(quarter_turn)
     frame = axes(multiply(motion.rotation, mid_turn))
     up = frame[2]
     stands = (up[2] >= _UPRIGHT) & (ops.absolute(dot(velocity, up)) <= _LIFTING_OFF)
     forward, sideways, _ = components(subtract(velocity, (0.0, 0.0, fall)), frame)
     turn_rate = dot(motion.angular_velocity, up)
-    largest = known.largest_impulse * up[2] * stands
+    largest = constants.largest_impulse * up[2] * stands
     along, across, twist = tyres(forward, sideways, turn_rate, left, right, largest)
     pull = add(scaled(frame[0], along), scaled(frame[1], across))
     return add(velocity, pull), add(motion.angular_velocity, scaled(up, twist))
@@ -71,19 +71,19 @@ class HeldRobots:
         robots: Sequence[tuple[int, int, tuple[Motion, Motion]]],
         fall: float,
     ) -> None:
-        places, self._bodies, motions = zip(*robots, strict=True)
+        indices, self._bodies, motions = zip(*robots, strict=True)
         self._world, self._vehicles, self._fall = world, vehicles, fall
-        self._places = np.array(places)
-        self._known, _ = vehicles.rows(self._places)
-        self._tyres = vehicles.tyres_of(self._known)
+        self._indices = np.array(indices)
+        self._constants, _ = vehicles.rows(self._indices)
+        self._tyres = vehicles.tyres_of(self._constants)
         self._motion, self._before = map(_stacked, zip(*motions, strict=True))
 
     def pull(self) -> None:
         """Let the wheels pull the bodies, before the engine's step."""
-        now, places = self._vehicles.now, self._places
-        sides = now.left[places], now.right[places]  # type: ignore[index] # arrays
+        now, indices = self._vehicles.now, self._indices
+        sides = now.left[indices], now.right[indices]  # type: ignore[index] # arrays
         times = self._vehicles.dt, self._fall
-        velocities = pulled(self._motion, sides, self._known, self._tyres, times)
+        velocities = pulled(self._motion, sides, self._constants, self._tyres, times)
         self._world.set_velocities(self._bodies, *velocities)
 
     def observe(self) -> None:
@@ -100,7 +100,7 @@ class HeldRobots:
 
     def state(self, time: int) -> RobotState:
         """Return the state that sensors measure, as arrays over all; ``time`` is simulated [ns]."""
-        values = self._vehicles.rows(self._places)
+        values = self._vehicles.rows(self._indices)
         return measured(self._motion, self._before, values, (time, self._vehicles.dt))
 
 

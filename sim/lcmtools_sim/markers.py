@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import MarkedPath, Scene
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.world import MovableObject
 
 WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)
@@ -28,7 +28,8 @@ def true_frame(body: Robot | MovableObject, part: str = "") -> str:
     A robot's is its base_footprint; an object's is on the ground below its centre.
     """
     name = f"{body.namespace}/base_footprint" if isinstance(body, Robot) else body.name
-    return "/".join(("ground_truth", name.strip("/"), *([part] if part else [])))
+    frame = f"ground_truth/{name.strip('/')}"
+    return f"{frame}/{part}" if part else frame
 
 
 def wheel_frames(robot: Robot) -> list[str]:

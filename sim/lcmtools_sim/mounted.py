@@ -9,7 +9,7 @@ from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.sensors import SENSORS
-from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, SensorMount, SharedSensor
+from lcmtools_sim.sensors.sensor import BatchSensor, RobotState, Sensor, SensorContext, SensorMount
 
 
 class Subscribers(Enum):
@@ -46,7 +46,7 @@ class MountedSensor:
         self.rate = mount.rate  # [Hz]
         self.mount = mount
         self.sensor = sensor
-        self._shares = isinstance(sensor, SharedSensor) and sensor.is_shared
+        self._is_batchable = isinstance(sensor, BatchSensor) and sensor.is_batchable
         self._bulky = bulky
         # The topic and the type of each output.
         self.labels = {
@@ -55,7 +55,7 @@ class MountedSensor:
         }
         self.active = tuple(self.labels)  # the outputs that are measured each time; initially all
         # Bulky outputs without a known subscriber: measured once a second.
-        self.seldom: tuple[str, ...] = ()
+        self.throttled: tuple[str, ...] = ()
         self._count = 0
 
     def topics(self) -> dict[str, type[Message]]:
@@ -65,7 +65,7 @@ class MountedSensor:
     @property
     def is_idle(self) -> bool:
         """True if no output can have a subscriber."""
-        return not (self.active or self.seldom)
+        return not (self.active or self.throttled)
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
         """From now on, measure only outputs that can have subscribers."""
@@ -73,34 +73,34 @@ class MountedSensor:
         if self.mount.always:
             found = dict.fromkeys(found, Subscribers.KNOWN)
         used = [name for name, state in found.items() if state is not Subscribers.NONE]
-        self.seldom = tuple(
+        self.throttled = tuple(
             name for name in used if found[name] is Subscribers.POSSIBLE and name in self._bulky
         )
-        self.active = tuple(name for name in used if name not in self.seldom)
+        self.active = tuple(name for name in used if name not in self.throttled)
 
     def measure(self, state: RobotState) -> list[Sample]:
         """Return the messages of one step."""
         self._count += 1
-        is_second = self.seldom and self._count % max(1, round(self.rate)) == 0
-        wanted = self.active + self.seldom if is_second else self.active
+        is_second = self.throttled and self._count % max(1, round(self.rate)) == 0
+        wanted = self.active + self.throttled if is_second else self.active
         payloads = self.sensor.sample(state, wanted) if wanted else {}
         return [Sample(*self.labels[name], payload) for name, payload in payloads.items()]
 
     @property
-    def together(self) -> tuple[Robots, int] | None:
+    def batch(self) -> tuple[Robots, int] | None:
         """The robots with whose sensors this can be measured at once, and its index there."""
-        return self.robot.together if self._shares else None
+        return self.robot.batch if self._is_batchable else None
 
 
-class MountedTogether:
+class MountedBatch:
     """Identically mounted sensors of robots whose state has arrays, measured at once.
 
     Each comes with its robot's index in the state.
     """
 
     def __init__(self, sensors: Sequence[tuple[MountedSensor, int]]) -> None:
-        shared = [(cast("SharedSensor", one.sensor), place) for one, place in sensors]
-        self._payloads = shared[0][0].together(shared)
+        batch = [(cast("BatchSensor", one.sensor), index) for one, index in sensors]
+        self._payloads = batch[0][0].batch(batch)
         self._labels = [one.labels[""] for one, _ in sensors]
 
     def measure(self, state: RobotState) -> list[Sample]:
@@ -110,7 +110,7 @@ class MountedTogether:
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
-    """Return a robot's sensors in its model's order, but transforms last: they need all frames."""
+    """Return a robot's sensors in its model's order, but those that need frames last."""
     context = SensorContext(
         robot.namespace,
         robot.body,
@@ -120,8 +120,8 @@ def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
         scene.gravity,
         scene.seed,
     )
-    in_order = sorted(robot.model.sensors, key=lambda mount: mount.kind == "transforms")
-    mounts = [(SENSORS[mount.kind], mount) for mount in in_order]
+    mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
+    mounts.sort(key=lambda one: one[0].needs_frames)
     return [
         MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
     ]

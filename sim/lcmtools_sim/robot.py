@@ -10,12 +10,12 @@ from lcmtools_sim.engines.engine import Motion
 from lcmtools_sim.geometry import Frame, Pose, yaw_of
 from lcmtools_sim.held import HeldRobots, pulled
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.motion import OdometrySettings
+from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
 from lcmtools_sim.vehicles import (
     Variables,
     Vehicles,
-    constants,
+    constants_of,
     measured,
     planar_motion,
     planar_motions,
@@ -46,16 +46,14 @@ class Robot:
         self._fall = scene.gravity * scene.dt  # [m/s] speed that a falling body gains in a step
         timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
         friction = scene.gravity * scene.ground.friction
-        settings = [mount.settings for mount in placement.model.sensors]
-        noise = max(  # all its odometry sensors share the encoders
-            (s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0
-        )
+        settings = (SENSORS[mount.kind].settings_of(mount) for mount in self.model.sensors)
+        noise = max((one.encoder_noise for one in settings), default=0.0)
         random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
-        known = constants(self.model, scene.dt, timeout, friction)
+        constants = constants_of(self.model, scene.dt, timeout, friction)
         # The vehicles with its values, alone or with others.
-        self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
+        self.vehicles = Vehicles(self.model, constants, Variables(), scene.dt, noise, random)
         self.index = 0  # its index there
-        self._known, self._tyres = known, self.vehicles.tyres
+        self._constants, self._tyres = constants, self.vehicles.tyres
         # Its body's number in the world.
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
@@ -93,16 +91,16 @@ class Robot:
         """Let the wheels pull the body, before the engine's step."""
         left, right = self.vehicles.get(self.index, "left", "right")
         times = self._dt, self._fall
-        pull = pulled(self._motions[0], (left, right), self._known, self._tyres, times)
+        pull = pulled(self._motions[0], (left, right), self._constants, self._tyres, times)
         self.world.set_velocity(self.body, *pull)
 
     def observe(self) -> None:
         """Read the body's motion, after the engine's step."""
         self._motions = self.world.motion(self.body), self._motions[0]
 
-    def join(self, group: HeldRobots, place: int) -> None:
+    def join(self, group: HeldRobots, index: int) -> None:
         """Let a group pull and observe this robot, until it leaves."""
-        self._group, self._place = group, place
+        self._group, self._group_index = group, index
 
     def leave(self) -> None:
         """Leave the group, if there is one."""
@@ -111,13 +109,13 @@ class Robot:
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """Return its body's motion in the engine, and that of one step ago."""
-        return self._group.row(self._place) if self._group else self._motions
+        return self._group.row(self._group_index) if self._group else self._motions
 
     @property
-    def together(self) -> tuple[Robots, int] | None:
+    def batch(self) -> tuple[Robots, int] | None:
         """Return the robots whose state arrays include this robot's, and its index there."""
         if not self.is_free:
-            return (self._group, self._place) if self._group else None
+            return (self._group, self._group_index) if self._group else None
         return None if self.vehicles.is_single else (self.vehicles, self.index)
 
     @property

@@ -1,5 +1,6 @@
 """One run of the simulator, from joining the bus to leaving it."""
 
+import math
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -10,6 +11,7 @@ import lcmtools
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.types.geometry_msgs import PoseStamped
 from lcmtools.types.nav_msgs import Path
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
@@ -18,8 +20,7 @@ from lcmtools_sim.follow import Followers, LeaderClock
 from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.options import Options
-from lcmtools_sim.paths import path_message
-from lcmtools_sim.scene import Scene, contents
+from lcmtools_sim.scene import MarkedPath, Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.view import View
@@ -81,6 +82,27 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
             log.info("waiting for the /clock of the process that leads")
             pacer.wait(lcmtools.ok, bridge.receive)
         loop.run()
+
+
+def path_message(path: MarkedPath) -> Path:
+    """Return the message of a path, in the frame world.
+
+    Each pose points along the path; the time is left empty.
+    """
+    message, points = Path(), path.line.points
+    message.header.frame_id = "world"
+    for index, (x, y) in enumerate(points):
+        (x0, y0), (x1, y1) = points[max(0, index - 1)], points[min(index + 1, len(points) - 1)]
+        heading = math.atan2(y1 - y0, x1 - x0)
+        pose = PoseStamped()
+        pose.header.frame_id = "world"
+        pose.pose.position.x, pose.pose.position.y = x, y
+        pose.pose.orientation.z, pose.pose.orientation.w = (
+            math.sin(heading / 2),
+            math.cos(heading / 2),
+        )
+        message.poses.append(pose)
+    return message
 
 
 @contextmanager

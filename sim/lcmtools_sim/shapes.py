@@ -104,11 +104,11 @@ def inertials_of(parts: Sequence[Part], mass: float) -> list[Inertial]:
 
 def centre_of_mass(bodies: Iterable[Inertial]) -> tuple[float, Vector]:
     """Return the total mass [kg] and the common centre; without mass, the origin."""
-    known = list(bodies)
-    mass = sum(body.mass for body in known)
+    bodies = list(bodies)
+    mass = sum(body.mass for body in bodies)
     if not mass:
         return 0.0, ZERO
-    x, y, z = (sum(body.mass * body.frame.position[i] for body in known) / mass for i in range(3))
+    x, y, z = (sum(body.mass * body.frame.position[i] for body in bodies) / mass for i in range(3))
     return mass, (x, y, z)
 
 

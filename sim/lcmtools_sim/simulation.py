@@ -6,29 +6,27 @@ It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 
-from lcmtools.clock import NANOSECONDS, split_stamp
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.mounted import MountedSensor, MountedTogether, Sample, Subscribers, mount_sensors
-from lcmtools_sim.movable import MovableObject
+from lcmtools_sim.mounted import MountedBatch, MountedSensor, Sample, Subscribers, mount_sensors
 from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
-from lcmtools_sim.world import START_OVERLAP, World
+from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
-CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
 """[Hz] Lowest rate of the clock; it also ticks with every step that publishes something."""
 
 _TICK = None  # due if only the clock is due
 _CLOCK = PayloadTemplate(Clock(), "clock")
-_Plan = list[tuple[Robot | Robots, MountedSensor | MountedTogether]]
+_Plan = list[tuple[Robot | Robots, MountedSensor | MountedBatch]]
 
 
 class Simulation(AbstractContextManager["Simulation"]):
@@ -207,10 +205,10 @@ class Simulation(AbstractContextManager["Simulation"]):
         for sensor in self._timetable.items(rates):
             if sensor is _TICK or sensor.is_idle:
                 continue
-            if together := sensor.together:
-                robots, place = together
-                alike.setdefault((robots, id(sensor.mount)), []).append((sensor, place))
+            if batch := sensor.batch:
+                robots, index = batch
+                alike.setdefault((robots, id(sensor.mount)), []).append((sensor, index))
             else:
                 plan.append((sensor.robot, sensor))
-        plan += [(robots, MountedTogether(sensors)) for (robots, _), sensors in alike.items()]
+        plan += [(robots, MountedBatch(sensors)) for (robots, _), sensors in alike.items()]
         return plan

@@ -37,8 +37,8 @@ def snapshot(solids: Solids, width: int, height: int, robot: Frame | None = None
 
 def _above(corners: Floats, camera: Camera) -> Vector:
     """The eye of a camera that looks down and sees all these points (n, 3), even high ones."""
-    known = corners[np.isfinite(corners).all(axis=1)]  # except bodies that the engine has lost
-    points = known if len(known) else np.zeros((1, 3))
+    finite = corners[np.isfinite(corners).all(axis=1)]  # except bodies that the engine has lost
+    points = finite if len(finite) else np.zeros((1, 3))
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
     slope = camera.focal_length / np.array((camera.width, camera.height)) * 2 * _MARGIN

@@ -41,7 +41,7 @@ class Constants:
     full_speed: Value
 
 
-def constants(model: RobotModel, dt: float, timeout: float, friction: float) -> Constants:
+def constants_of(model: RobotModel, dt: float, timeout: float, friction: float) -> Constants:
     """A robot's constants; ``friction`` is gravity times the ground's coefficient [m/s^2]."""
     drive, body = model.drive, model.body
     return Constants(
@@ -93,9 +93,9 @@ def _joined(rows: Sequence[RowT]) -> RowT:
     return type(rows[0])(*columns)
 
 
-def _rows(values: RowT, places: npt.NDArray[np.intp]) -> RowT:
+def _rows(values: RowT, indices: npt.NDArray[np.intp]) -> RowT:
     """Return some robots' values as arrays."""
-    return type(values)(*(cast("float", column[places]) for column in _columns(values)))
+    return type(values)(*(cast("float", column[indices]) for column in _columns(values)))
 
 
 def _row(values: RowT, index: int) -> RowT:
@@ -112,7 +112,7 @@ class Vehicles:
 
     Args:
         model: The model of the robot, or of one of them.
-        known: The constants of the robot, or of all.
+        constants: The constants of the robot, or of all.
         now: Their state at the start.
         dt: Duration of a step [s].
         noise: Standard deviation of the distance measured by one side's encoder after 1 m [m]; it
@@ -123,40 +123,40 @@ class Vehicles:
     def __init__(
         self,
         model: RobotModel,
-        known: Constants,
+        constants: Constants,
         now: Variables,
         dt: float,
         noise: float = 0.0,
         random: Random = lambda _: (),
     ) -> None:
-        self.model, self.constants, self.now = model, known, now
-        self.ops = arithmetic_of(known.mass)
+        self.model, self.constants, self.now = model, constants, now
+        self.ops = arithmetic_of(constants.mass)
         self.is_single = self.ops is FLOATS
-        self._can_expire = bool(np.any(np.isfinite(known.timeout)))
+        self._can_expire = bool(np.any(np.isfinite(constants.timeout)))
         self.dt = dt
         self.noise = noise / math.sqrt(dt)
         self._random = random
-        self.tyres = self.tyres_of(known)
+        self.tyres = self.tyres_of(constants)
 
     @classmethod
     def joined(cls, robots: "Sequence[tuple[Vehicles, int]]") -> "Vehicles":
         """Return the vehicles of robots, each given by its current vehicles and its index there."""
-        known, now = zip(*(vehicles.row(index) for vehicles, index in robots), strict=True)
+        constants, now = zip(*(vehicles.row(index) for vehicles, index in robots), strict=True)
         first = robots[0][0]
         if len(robots) == 1:
-            return cls(first.model, known[0], now[0], first.dt)
-        return cls(first.model, _joined(known), _joined(now), first.dt)
+            return cls(first.model, constants[0], now[0], first.dt)
+        return cls(first.model, _joined(constants), _joined(now), first.dt)
 
-    def tyres_of(self, known: Constants) -> Tyres:
+    def tyres_of(self, constants: Constants) -> Tyres:
         """Return the tyres of a robot, or of many, with these constants."""
-        ops, drive = arithmetic_of(known.mass), self.model.drive
+        ops, drive = arithmetic_of(constants.mass), self.model.drive
         if drive.skids:
-            return skidding(known.mass, known.inertia, drive.wheels, ops)
-        return gripping(known.mass, known.inertia, known.track, ops)
+            return skidding(constants.mass, constants.inertia, drive.wheels, ops)
+        return gripping(constants.mass, constants.inertia, constants.track, ops)
 
-    def rows(self, places: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
+    def rows(self, indices: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
         """Return some robots' values as arrays."""
-        return _rows(self.constants, places), _rows(self.now, places)
+        return _rows(self.constants, indices), _rows(self.now, indices)
 
     def row(self, index: int) -> tuple[Constants, Variables]:
         """Return one robot's values as floats."""
@@ -232,7 +232,7 @@ class Vehicles:
 
         ``time`` is in simulated nanoseconds.
         """
-        known, now = (self.constants, self.now) if index is None else self.row(index)
+        constants, now = (self.constants, self.now) if index is None else self.row(index)
         ops, half, per_step = arithmetic_of(now.yaw), now.yaw / 2, 1 / self.dt
         s, c = ops.sin(now.yaw), ops.cos(now.yaw)
         # The body moved along a chord, in the direction of its heading in the middle of the step.
@@ -242,20 +242,20 @@ class Vehicles:
         return RobotState(
             time,
             split_stamp(time),
-            (now.x, now.y, known.height + known.base),
+            (now.x, now.y, constants.height + constants.base),
             (0.0, 0.0, ops.sin(half), ops.cos(half)),
             (now.vx * middle_c + now.vy * middle_s, now.vy * middle_c - now.vx * middle_s, 0.0),
             (0.0, 0.0, now.turn_rate),
             (ax * c + ay * s, ay * c - ax * s, 0.0),
             (0.0, 0.0, (now.turn_rate - now.before_turn_rate) * per_step),
-            *_of_wheels(known, now),
+            *_of_wheels(constants, now),
         )
 
 
-def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
+def planar_motions(constants: Constants, now: Variables) -> tuple[Motion, Motion]:
     """Return the motion of bodies on level ground, and the same with velocities of one step ago."""
     motion = planar_motion(
-        (now.x, now.y, known.height), now.yaw, (now.vx, now.vy, 0.0), now.turn_rate
+        (now.x, now.y, constants.height), now.yaw, (now.vx, now.vy, 0.0), now.turn_rate
     )
     before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
     return motion, Motion(*motion[:2], *before)
@@ -279,10 +279,10 @@ def measured(
         values: The robot's values.
         times: Simulated time [ns], and duration of a step [s].
     """
-    (known, now), (time, dt) = values, times
+    (constants, now), (time, dt) = values, times
     ops = arithmetic_of(now.yaw)
     frame = axes(motion.rotation)
-    base_link = scaled(frame[2], known.base)
+    base_link = scaled(frame[2], constants.base)
     swing = cross(motion.angular_velocity, base_link)
     change = scaled(subtract(motion.velocity, before.velocity), 1 / dt)
     turning = subtract(motion.angular_velocity, before.angular_velocity)
@@ -302,23 +302,23 @@ def measured(
         angular_velocity,
         components(add(change, of_lever), frame),
         components(angular_acceleration, frame),
-        *_of_wheels(known, now),
+        *_of_wheels(constants, now),
     )
 
 
 def _of_wheels(
-    known: Constants, now: Variables
+    constants: Constants, now: Variables
 ) -> tuple[Sides, Sides, Sides, Vector, tuple[Value, Value]]:
     """Return the part of a state from motors and encoders, beginning with the wheels' angles."""
     ops = arithmetic_of(now.left)
     efforts = (
-        ops.maximum(-1.0, ops.minimum(1.0, target / known.full_speed))
+        ops.maximum(-1.0, ops.minimum(1.0, target / constants.full_speed))
         for target in (now.left_target, now.right_target)
     )
     return (
         Sides(now.left_angle, now.right_angle),
-        Sides(now.left / known.wheel_radius, now.right / known.wheel_radius),
+        Sides(now.left / constants.wheel_radius, now.right / constants.wheel_radius),
         Sides(*efforts),
         (now.odometry_x, now.odometry_y, now.odometry_yaw),
-        body_velocity(now.left, now.right, known.track),
+        body_velocity(now.left, now.right, constants.track),
     )

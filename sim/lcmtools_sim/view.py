@@ -16,10 +16,10 @@ from lcmtools.types.visualization_msgs import MarkerArray
 from lcmtools_sim.geometry import Frame, from_euler
 from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.markers import WORLD, true_frame, wheel_frames, world_markers
-from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.sensors.motion import transform_message
+from lcmtools_sim.sensors.sensor import transform_message
 from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.world import MovableObject
 
 _RATE = 30.0  # [Hz]
 _LOOK_PERIOD = 0.1  # [s]; the longest delay for a new subscriber
@@ -39,7 +39,7 @@ class View:
         self._timer: Timer | None = None
         self._last: list[Frame] | None = None
         self._still = 0
-        node.create_timer(_LOOK_PERIOD, self._look)
+        node.create_timer(_LOOK_PERIOD, self._follow_subscribers)
 
     def refresh(self) -> None:
         """Show the current bodies, because some have come or gone."""
@@ -53,7 +53,7 @@ class View:
     def _objects(self) -> Sequence[MovableObject]:
         return self._simulation.objects if self._whole else ()
 
-    def _look(self) -> None:
+    def _follow_subscribers(self) -> None:
         """Start or stop publishing, depending on subscribers."""
         is_wanted = self._publisher.subscriber_count() > 0
         if is_wanted and not self._timer:

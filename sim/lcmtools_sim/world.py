@@ -11,7 +11,7 @@ from itertools import chain, count
 from lcmtools.errors import UsageError
 from lcmtools_sim.engines import chosen_engine, start_engine
 from lcmtools_sim.engines.engine import Motion, RigidBody
-from lcmtools_sim.geometry import Pose, Quaternion, Vector
+from lcmtools_sim.geometry import Frame, Pose, Quaternion, Vector
 from lcmtools_sim.robots.model import BLACK, Body
 from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.sensors.sensor import Contact
@@ -218,10 +218,10 @@ class World(AbstractContextManager["World"]):
     def moving_bodies(self) -> Mapping[int, PlacedSolids]:
         """Return the movable bodies by their numbers."""
         if not self._bodies:
-            known, motion = self._solids, self.motion
-            for body in self._moving.keys() - known.keys():
-                known[body] = solids_of(self._moving[body])
-            self._bodies = {body: (known[body], *motion(body)[:2]) for body in self._moving}
+            solids, motion = self._solids, self.motion
+            for body in self._moving.keys() - solids.keys():
+                solids[body] = solids_of(self._moving[body])
+            self._bodies = {body: (solids[body], *motion(body)[:2]) for body in self._moving}
         return self._bodies
 
     def moving_parts(self, but: int | None = None) -> list[Part]:
@@ -248,3 +248,31 @@ class World(AbstractContextManager["World"]):
         """Let the engine simulate again what was at rest."""
         self._rests = self._rested = False
         self._bodies.clear()
+
+
+class MovableObject:
+    """An object of a world; its frame is on the ground below its centre, like a robot's."""
+
+    def __init__(self, world: World, thing: SceneObject, body: int) -> None:
+        self.name = world.name(body)  # unique among the world's movable objects
+        self._world, self._body = world, body
+        self._height = max(part.extent(2) - part.position[2] for part in thing.parts)
+        # Its shapes, in its frame.
+        self.parts: tuple[Part, ...] = tuple(
+            part.placed((0.0, 0.0, self._height)) for part in thing.parts
+        )
+
+    @property
+    def frame(self) -> Frame:
+        """Its frame in the world."""
+        position, rotation = self._world.motion(self._body)[:2]
+        return Frame(Frame(position, rotation).point((0.0, 0.0, -self._height)), rotation)
+
+    def place(self, pose: Pose) -> None:
+        """Put its frame at a pose, at rest. The engine must know where all bodies are.
+
+        Raises:
+            UsageError: It would be inside another body; it is not moved.
+        """
+        centre = pose.frame.point((0.0, 0.0, self._height))
+        self._world.place(self._body, centre, pose.rotation)

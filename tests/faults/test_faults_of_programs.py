@@ -272,7 +272,7 @@ def test_a_stopped_java_program_is_called_by_its_class(world: Any) -> None:
     listener = world.java("Listens", "/cmd_vel")
     world.c("sends", "/cmd_vel", "2e7c07d7cdf7e027", "56", "100")
     listener.send_signal(signal.SIGSTOP)
-    found = world.finds("stuck-listeners", f"java Listens /cmd_vel (pid {listener.pid})")
+    found = world.finds("stuck-listeners", f"Listens /cmd_vel (pid {listener.pid})")
     world.obey(found)
     world.is_silent()
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 from fixtures.programs import Program
+from fixtures.wire import encode_event
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 from tests.gui.conftest import panel_address
 

@@ -27,7 +27,7 @@ def test_data_senders_times_and_times_to_live_are_those_of_the_datagrams() -> No
         assert request_arrival(receiver)
         other.setsockopt(socket.IPPROTO_IP, socket.IP_TTL, 7)
         batch = DatagramBatch(receiver)
-        assert list(batch.take(256)) == []
+        assert list(batch.receive(256)) == []
         for _ in range(2):
             begin = time.time_ns()
             sent = []
@@ -35,7 +35,7 @@ def test_data_senders_times_and_times_to_live_are_those_of_the_datagrams() -> No
                 sender = other if number % 3 else one
                 sent.append((bytes([number]) * size, Sender(*sender.getsockname()), number % 3))
                 sender.sendto(sent[-1][0], receiver.getsockname())
-            found = list(batch.take(256))
+            found = list(batch.receive(256))
             assert [one[:2] for one in found] == [one[:2] for one in sent]
             assert [one[3] for one in found] == [7 if which else 64 for _, _, which in sent]
             times = [one[2] for one in found]
@@ -47,4 +47,4 @@ def test_a_closed_socket_is_an_error() -> None:
     with _receiver() as receiver:
         batch = DatagramBatch(receiver)
     with pytest.raises(OSError, match="descriptor"):
-        list(batch.take(256))
+        list(batch.receive(256))

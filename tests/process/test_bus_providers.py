@@ -15,7 +15,7 @@ import pytest
 
 from lcmtools.bus import preflight
 from lcmtools.bus.lcm_bus import LcmBus
-from lcmtools.bus.lcm_listener import LcmListener
+from lcmtools.bus.lcm_observer import LcmObserver
 from lcmtools.bus.liblcm import open_lcm
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -84,7 +84,7 @@ def test_no_tcpq_server_is_one_line_with_the_address(
     with socket.create_server(("127.0.0.1", 0)) as reserved:
         port = reserved.getsockname()[1]
     watch = stopwatch()
-    for open_bus in (LcmBus, LcmListener):
+    for open_bus in (LcmBus, LcmObserver):
         with pytest.raises(BusError) as caught:
             open_bus(parse_url(f"tcpq://127.0.0.1:{port}"))
         assert_says(caught.value.what, "no LCM server", f"127.0.0.1:{port} (Connection refused)")
@@ -183,7 +183,7 @@ def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server: Any, wait_until:
     tcpq_server.close()
     wait_until(lambda: told)
     bus.close()
-    assert not any(thread.name == "lcm receiver" for thread in threading.enumerate())
+    assert not any(thread.name == "bus receiver" for thread in threading.enumerate())
 
 
 def test_nodes_hear_again_and_say_once_what_happened(
@@ -207,7 +207,7 @@ def test_nodes_hear_again_and_say_once_what_happened(
 def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitUntil) -> None:
     url = parse_url(tcpq_server.url)
     bus = LcmBus(url)
-    with LcmListener(url) as listener:
+    with LcmObserver(url) as listener:
         heard: list[object] = []
 
         def hear() -> bool:
@@ -235,7 +235,7 @@ def test_a_listener_hears_again_when_its_server_is_back(
 ) -> None:
     told: list[tuple[str, str]] = []
     url = parse_url(tcpq_server.url)
-    with LcmListener(url, lambda *what: told.append(what)) as listener:
+    with LcmObserver(url, lambda *what: told.append(what)) as listener:
         tcpq_server.close()
         wait_until(lambda: not listener.receive(0.01) and told)
         with pytest.raises(BusError, match=r"the connection to tcpq://.* is lost"):
@@ -279,7 +279,7 @@ def log(tmp_path: Path) -> Path:
 
 def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None:
     payloads: list[bytes] = []
-    with LcmListener(parse_url(f"file://{log}?speed=0")) as listener:
+    with LcmObserver(parse_url(f"file://{log}?speed=0")) as listener:
         while len(payloads) < 5:
             payloads += [packet.payload for packet in listener.receive(5.0)]
         assert payloads == [b"0", b"1", b"2", b"3", b"4"]
@@ -301,12 +301,12 @@ def test_a_file_that_is_no_log_is_named(
 ) -> None:
     (tmp_path / "a.log").write_text(content)
     with raises_saying(BusError, "/a.log'", "not an LCM log"):
-        LcmListener(parse_url(f"file://{tmp_path}/a.log"))
+        LcmObserver(parse_url(f"file://{tmp_path}/a.log"))
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_log_that_is_not_there_is_named(tmp_path: Path) -> None:
-    for open_bus in (LcmBus, LcmListener):
+    for open_bus in (LcmBus, LcmObserver):
         with raises_saying(BusError, "cannot read", "/none.log'"):
             open_bus(parse_url(f"file://{tmp_path}/none.log"))
 
@@ -327,6 +327,6 @@ def test_a_bus_may_be_a_log_that_is_written(tmp_path: Path) -> None:
 def test_each_bus_gets_the_best_observer(bus_url: str) -> None:
     tap, listener = open_observer(parse_url(bus_url)), open_observer(parse_url("memq://"))
     assert isinstance(tap, Tap)
-    assert isinstance(listener, LcmListener)
+    assert isinstance(listener, LcmObserver)
     tap.close()
     listener.close()

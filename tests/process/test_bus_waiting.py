@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 import lcmtools
-from lcmtools.bus import lcm_bus, receiving
+from lcmtools.bus import lcm_bus, receive_right
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
@@ -23,7 +23,7 @@ _LONG = 20.0  # [s]
 @pytest.fixture
 def endless_patience(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bus's own thread does not receive by itself for a thread that is away."""
-    monkeypatch.setattr(receiving, "_PATIENCE", 3600.0)
+    monkeypatch.setattr(receive_right, "_PATIENCE", 3600.0)
 
 
 @pytest.fixture

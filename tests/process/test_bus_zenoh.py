@@ -13,8 +13,8 @@ import pytest
 
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh.bus import ZenohBus
-from lcmtools.bus.zenoh.listener import ZenohListener
-from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outgoing
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, Outgoing
+from lcmtools.bus.zenoh.observer import ZenohObserver
 from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
@@ -34,16 +34,16 @@ def bus_url(free_port: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> st
 
 
 @contextmanager
-def _listening(url: BusUrl) -> Iterator[ZenohListener]:
+def _listening(url: BusUrl) -> Iterator[ZenohObserver]:
     """A listener that all others know of: they have answered it."""
-    with ZenohListener(url) as listener:
+    with ZenohObserver(url) as listener:
         listener.send(PROBE_CHANNEL, encode_probe(Probe()))
         while listener.is_awaiting or listener.receive(0.0):
             listener.receive(0.1)
         yield listener
 
 
-def _receive(listener: ZenohListener, count: int) -> list[Packet]:
+def _receive(listener: ZenohObserver, count: int) -> list[Packet]:
     packets: list[Packet] = []
     while len(packets) < count:
         packets += listener.receive(20.0)
@@ -69,7 +69,7 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
     put = ZenohSession._put
 
     def put_when_there_is_room(session: ZenohSession, message: Outgoing) -> None:
-        if threading.current_thread().name == "outbox" and not message.is_large:
+        if threading.current_thread().name == "keep-last sender" and not message.is_large:
             has_room.wait(20.0)
         put(session, message)
         session._is_slow = True  # from now on small ones wait, too
@@ -89,7 +89,7 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
 
 def test_zenoh_says_who_sent_what(bus_url: str) -> None:
     url = parse_url(bus_url)
-    with ZenohListener(url) as bus, _listening(url) as listener:
+    with ZenohObserver(url) as bus, _listening(url) as listener:
         bus.send("a", b"own")
         bus.send("a", b"relayed", Origin(7, 8, 2))
         own, relayed = _receive(listener, 2)
@@ -169,8 +169,8 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
     cli: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "zenoh", None)
-    for name in ("opening", "session", "listener"):
-        monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh_{name}", raising=False)
+    for name in ("opening", "session", "observer"):
+        monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh.{name}", raising=False)
     done = cli("list", "--lcm-url", "zenoh://")
     assert (done.code, done.out) == (3, "")
     install = "; type: pip install 'lcmtools-robotics[zenoh]'\n"

@@ -11,12 +11,13 @@ from typing import Any
 import lcm
 import pytest
 from fixtures.typist import Typist
+from fixtures.wire import encode_event
 
 from lcmtools import Node
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools.wire.log_events import encode_event, packets
+from lcmtools.wire.log_events import packets
 from lcmtools.wire.packet import Packet
 from tests.fixtures.says import assert_says
 

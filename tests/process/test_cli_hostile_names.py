@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.records import NodeRecords
@@ -24,7 +25,6 @@ from lcmtools.graph.protocol import (
 )
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 
 Run = Callable[..., subprocess.CompletedProcess[bytes]]

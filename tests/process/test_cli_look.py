@@ -423,7 +423,7 @@ def test_commands_leave_no_trace_on_the_bus(lcmtools: Run) -> None:
     lcmtools("echo", "-1", "chatter")
     left = json.loads(lcmtools("node", "list", "--all", "--json").stdout)
     assert [node["node"] for node in left] == ["/listener", "/talker"]
-    records = os.path.expandvars("$XDG_RUNTIME_DIR/lcmtools/nodes")
+    records = os.path.expandvars("$XDG_RUNTIME_DIR/lcmtools/records")
     assert sum(len(files) for _, _, files in os.walk(records)) == len(left)
 
 

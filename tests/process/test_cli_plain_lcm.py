@@ -48,7 +48,7 @@ def programs(
     started = {
         "EXAMPLE": module_start(SOURCE, "-m", "EXAMPLE"),
         "SLOW": module_start(SOURCE, "-m", "SLOW", "-s", "100", "-p", "900000"),
-        "POSE": module_start(sys.executable, str(script)),
+        "POSE": module_start(sys.executable, "-u", str(script), "--speed", "0.5"),
     }
     started["POSE"].wait_for("sent")
     return started
@@ -80,7 +80,7 @@ def test_info_names_the_process_behind_the_channel(lcmtools: Run, programs: dict
     rows = lcmtools("info", "EXAMPLE").stdout.splitlines()
     program = rows[rows.index("Publishers: ") + 1]
     assert re.fullmatch(
-        rf" \* \S+/lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
+        rf" \* lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
     )
     assert rows[0] == "Type: unknown type"
     assert rows[1].startswith("Fingerprint: ")
@@ -97,6 +97,15 @@ def test_info_of_a_known_type_names_all_that_it_may_be(
         "Fingerprint: 0xae7e5fba5eeca11e (geometry_msgs/Vector3 or geometry_msgs/Point)",
     ]
     assert f"(pid {programs['POSE'].pid}, port " in rows[4]
+
+
+@on_the_modules_bus
+def test_a_program_has_the_same_name_everywhere(lcmtools: Run, programs: dict[str, Any]) -> None:
+    pid = programs["POSE"].pid
+    assert f" * plain.py --speed 0.5 (pid {pid}, port " in lcmtools("info", "POSE").stdout
+    assert re.search(rf" plain\.py \(pid {pid}\)", lcmtools("spy", "--once", "POSE").stdout)
+    assert f"plain.py --speed 0.5 (no node, pid {pid})" in lcmtools("graph").stdout
+    assert f":{pid} \tplain.py --speed 0.5" in lcmtools("node", "list", "-a").stdout
 
 
 @on_the_modules_bus

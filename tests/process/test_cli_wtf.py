@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor.evidence import Evidence, Listener, Oddity
 from lcmtools.doctor.saved import save
 from lcmtools.graph.model import Graph, Node
 from lcmtools.labs.nodes.simple_controller import SimpleController
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 
 Run = Callable[..., subprocess.CompletedProcess[str]]

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures.window import LivePage, LiveWindow
+from fixtures.wire import encode_event
 
 from lcmtools.gui import log_source, playback
 from lcmtools.gui.log_source import LogSource
@@ -16,7 +17,6 @@ from lcmtools.gui.streams import plot
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.packet import Packet
 from tests.fixtures.says import assert_line, assert_says
 

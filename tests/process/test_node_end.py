@@ -52,7 +52,7 @@ def _goodbyes(watch: BusMonitor, timeout: float = 20.0) -> list[str]:
 
 def _records(bus_url: str) -> list[Path]:
     url = parse_url(bus_url)
-    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "nodes"
+    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "records"
     return list((folder / f"udpm-{url.host}-{url.port}").glob("*"))
 
 

@@ -152,30 +152,30 @@ def test_a_channel_socket_takes_one_channel_whatever_else_comes(
     channel_socket, bus = ChannelSocket(url, "/a"), LcmBus(url)
     for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
         bus.publish(channel, payload)
-    taken: list[bytes] = []
+    received: list[bytes] = []
 
     def has_all() -> bool:
-        taken.extend(payload for payload, _ in channel_socket.take())
-        return taken[-1:] == [b"2"]
+        received.extend(payload for payload, _ in channel_socket.receive())
+        return received[-1:] == [b"2"]
 
     wait_until(has_all)
     bus.close()
     channel_socket.close()
-    assert taken == [b"1", b"2"]
-    assert channel_socket.take() == []
+    assert received == [b"1", b"2"]
+    assert channel_socket.receive() == []
 
 
 def test_what_waited_in_a_channel_socket_came_before_it_was_taken(
     bus_url: str, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
-    taker, bus = ChannelSocket(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
+    receiver, bus = ChannelSocket(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
     bus.publish("/a", b"1")
     wait_until(lambda: _waiting_bytes(channel_socket()) > 0)
     before = time.time_ns()
-    ((_, arrival),) = taker.take()
+    ((_, arrival),) = receiver.receive()
     assert before - 10_000_000_000 < arrival <= before
     bus.close()
-    taker.close()
+    receiver.close()
 
 
 _FOLLOWER = """

@@ -36,7 +36,7 @@ _ENDINGS = {
 
 
 def _records() -> list[Path]:
-    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "nodes"
+    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "records"
     return [path for path in folder.rglob("*") if path.is_file()]
 
 

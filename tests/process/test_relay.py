@@ -16,10 +16,10 @@ from fixtures.typist import Typist
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
-from lcmtools.relay.topology import Link, State
 from tests.fixtures.says import assert_says
 
 WaitUntil = Callable[..., None]

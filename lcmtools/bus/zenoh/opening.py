@@ -16,7 +16,7 @@ from lcmtools.bus.zenoh.url import Address, locator_address
 from lcmtools.errors import BusError, needing_extra
 
 with needing_extra("zenoh", "a Zenoh bus needs"):
-    import zenoh as zenoh  # noqa: PLC0414 - for zenoh_session, which needs it as well
+    import zenoh as zenoh  # noqa: PLC0414 - for ``session``, which needs it as well
 
 _IMPORTED_BY = os.getpid()
 _STILL, _SETTLED = 0.02, 0.5  # [s] to wait after the last program that appears; at most in all

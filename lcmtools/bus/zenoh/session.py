@@ -1,10 +1,10 @@
-"""A Zenoh session and its pitfalls. Only this and ``zenoh_opening`` import Zenoh's package.
+"""A Zenoh session and its pitfalls. Only this and ``bus.zenoh.opening`` import Zenoh's package.
 
 - A message to a program that does not read waits; after a second, Zenoh disconnects that program,
   which reconnects when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit. A forked process
   can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
-- A message is sent at once, or waits for room: see ``bus.outbox`` for messages that come meanwhile.
+- A message is sent at once, or waits for room: later ones wait in a ``KeepLastSender``.
 - After an interruption, a connection resumes: messages that waited for it are dropped on arrival.
 - Messages still under way when a session closes are lost: closing waits until the others have them.
 - Callbacks run on Zenoh's own threads, which must not wait: messages are queued at once.
@@ -23,12 +23,13 @@ from collections import deque
 from collections.abc import Callable
 from typing import TypeVar
 
+from lcmtools.bus.base import outage_texts
 from lcmtools.bus.kernel import computer_id
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh.config import is_own
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, KeepLastSender, Outgoing
 from lcmtools.bus.zenoh.opening import open_session, reason_of, zenoh
-from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
 from lcmtools.errors import BusError
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
@@ -56,10 +57,10 @@ _SLOW = 0.01  # [s]: a message that took longer to send had to wait for the netw
 
 
 class ZenohSession:
-    """A connection to a Zenoh bus, from which one thread takes messages.
+    """A connection to a Zenoh bus, from which one thread receives.
 
-    ``on_outage`` is called by ``take`` when the connection to a router is lost or restored, with a
-    text and the current problem, "" for none.
+    ``on_outage`` is called by ``receive`` when the connection to a router is lost or restored, with
+    a text and the current problem, "" for none.
 
     Raises:
         BusError: The bus cannot be reached; the error says what to do.
@@ -73,7 +74,7 @@ class ZenohSession:
         self._keys = self._place.keys
         # The session's id, 64 bits: the computer's number, then a random one.
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
-        self.dropped = 0  # messages that came late, or the oldest if they were not taken in time
+        self.dropped = 0  # messages that came late, or the oldest if they were not received in time
         self._numbers = itertools.count(1)
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._lateness: dict[int, Lateness] = {}
@@ -85,7 +86,8 @@ class ZenohSession:
         self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
         self._large_keys: set[str] = set()
         self._is_slow = False  # True if small messages have to wait for the network
-        self._small, self._large = Outbox(self._put_quietly), Outbox(self._put_large)
+        self._small = KeepLastSender(self._put_quietly)
+        self._large = KeepLastSender(self._put_large)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session, is_client = open_session(url, self.id)
         self._wakeup = WakeupEvent()
@@ -101,7 +103,7 @@ class ZenohSession:
         self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
 
     def fileno(self) -> int:
-        """Return the descriptor, which is readable while there are messages to take."""
+        """Return the descriptor, which is readable while messages wait."""
         return self._wakeup.fileno()
 
     @property
@@ -153,7 +155,7 @@ class ZenohSession:
                 raise BusError(f"cannot publish on {channel}: {reason_of(error)}") from error
 
     def subscribe(self, channel: str | None) -> None:
-        """Take a channel's messages from now on; for None, those of all channels."""
+        """Receive a channel's messages from now on; for None, those of all channels."""
         patterns = (self._keys.all,) if channel is None else self._keys.patterns(channel)
         self._subscribers[channel or ""] = [
             self._session.declare_subscriber(pattern, _direct(self._arrive)) for pattern in patterns
@@ -165,17 +167,17 @@ class ZenohSession:
             with contextlib.suppress(zenoh.ZError):
                 subscriber.undeclare()  # type: ignore[no-untyped-call] # untyped in the package
 
-    def take(self, most: int = _MOST_WAITING) -> list[Packet]:
+    def receive(self, most: int = _MOST_WAITING) -> list[Packet]:
         """Return the messages that have arrived, ``most`` at most, without waiting."""
         self._wakeup.clear()
         while self._outages:
-            self._tell_outage(is_lost=self._outages.popleft())
+            self._on_outage(*outage_texts(self._url, is_lost=self._outages.popleft()))
         with self._counting:
-            taken = [self._arrived.popleft() for _ in range(min(most, len(self._arrived)))]
-            self._bytes -= sum(len(sample.payload) for sample, *_ in taken)
+            received = [self._arrived.popleft() for _ in range(min(most, len(self._arrived)))]
+            self._bytes -= sum(len(sample.payload) for sample, *_ in received)
         if self._arrived:
             self._wakeup.set()
-        return [packet for one in taken if (packet := self._packet(*one))]
+        return [packet for one in received if (packet := self._packet(*one))]
 
     def close(self) -> None:
         """Send waiting messages, and leave the bus."""
@@ -208,15 +210,8 @@ class ZenohSession:
         self._outages.append(event.kind == zenoh.SampleKind.DELETE)
         self._wakeup.set()
 
-    def _tell_outage(self, *, is_lost: bool) -> None:
-        if is_lost:
-            text = f"the connection to {self._url} is lost; it is tried again until it is back"
-            self._on_outage(text, text)
-        else:
-            self._on_outage(f"the connection to {self._url} is back", "")
-
     def _put(self, message: Outgoing) -> None:
-        """Send a message: a small one waits for room; later ones then go to the outbox."""
+        """Send a message: a small one waits for room; later ones then wait in a queue."""
         publisher = self._publishers.get((message.key, message.is_large))
         if publisher is None:
             publisher = self._publishers[message.key, message.is_large] = self._declare(message)
@@ -247,13 +242,13 @@ class ZenohSession:
         self._answers += 1
         self._session.get(
             self._keys.key(NODE_CHANNEL),
-            zenoh.handlers.Callback(self._take_reply, self._end_answer, indirect=False),
+            zenoh.handlers.Callback(self._on_reply, self._end_answer, indirect=False),
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=_ANSWER_TIMEOUT,
         )
 
-    def _take_reply(self, reply: zenoh.Reply) -> None:
+    def _on_reply(self, reply: zenoh.Reply) -> None:
         self._answered.add(str(reply.replier_id))
         if reply.ok is not None:
             self._arrive(reply.ok, is_reply=True)

@@ -7,13 +7,13 @@ from lcmtools.cli.completion.situation import FILES, Candidate, Situation
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of, spellings
+from lcmtools.observe.simulators import is_simulator
 
 if TYPE_CHECKING:  # most completions do without
     from lcmtools.types.lcmtools_msgs import Parameter
 
 TOPIC = ("topic", "topics", "words")  # the parameters that are topics
 _DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
-_STATE = "sim_msgs/GetState"  # the service that only simulators offer
 
 
 def urls(situation: Situation) -> Iterator[Candidate]:
@@ -154,7 +154,7 @@ def _relative(name: str, situation: Situation) -> str:
 
 def _robots_of(node: Node) -> set[str]:
     """The namespaces that a simulator takes commands for: the last word of their group."""
-    if not any(_STATE in service.types for service in node.having(Role.SERVICE)):
+    if not is_simulator(node):
         return set()
     groups = {one.group for one in node.having(Role.SUBSCRIBER)}
     return {group.rpartition(" ")[2] for group in groups if group}

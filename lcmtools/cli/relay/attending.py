@@ -1,7 +1,8 @@
-"""Joining two buses, and serving tcpq, as a person attends it."""
+"""Joining two buses, serving tcpq, and listing relays, as a person attends it."""
 
 import signal
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from ipaddress import ip_address
 from typing import NoReturn
@@ -10,19 +11,22 @@ import click
 
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import BusUrl, domain_url, parse_url
-from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.bus import chosen_url, open_monitor
 from lcmtools.cli.declare import rate
+from lcmtools.cli.output import columns, show
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.graph.relay_report import Link, State
 from lcmtools.names import resolve
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
 from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
-from lcmtools.relay.topology import Link, State
+from lcmtools.relay.status import known_relays
 
 _TWO = 2
+_HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
 
 def chosen_buses(words: Sequence[str]) -> tuple[BusUrl, BusUrl]:
@@ -62,7 +66,7 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
     name = resolve(name) if name else ""
     latest: list[Link] = []
 
-    def show(link: Link) -> None:
+    def show_rates(link: Link) -> None:
         latest[:] = [link]
         here, there = link.ends
         if rates := line.rates(here.messages, here.bytes, there.messages, there.bytes):
@@ -81,7 +85,7 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
                 name=name,
                 on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
             ) as relay:
-                attend(relay, show)
+                attend(relay, show_rates)
         finally:
             for link in latest:
                 line.talk(last_word(link))
@@ -148,3 +152,24 @@ def check_server(url: BusUrl, buses: Sequence[str]) -> None:
         raise UsageError("--serve runs a server and does not join a bus", hint)
     if url.provider != "tcpq":
         raise UsageError(f"cannot serve {url}", "write --serve tcpq://:7700")
+
+
+def show_status(*, as_json: bool) -> None:
+    """Print the relays that are known on the bus."""
+    with open_monitor("relay") as monitor:
+        links = known_relays(monitor)
+        none = f"there is no relay on {monitor.url}"
+    records = [{**asdict(link), "state": link.state.name.lower()} for link in links]
+    show(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
+
+
+def _rows(links: Sequence[Link]) -> list[Sequence[str]]:
+    rows: list[Sequence[str]] = [_HEADING]
+    for link in links:
+        state = "carries" if link.state is State.ACTIVE else "stands by"
+        names = (link.name, link.host, f"{state}, {lost_text(link)}")
+        for end in link.ends:
+            sent = f"{end.messages} ({size_text(end.bytes)})"
+            rows.append((*names, end.bus, sent, str(end.left_out), end.trouble))
+            names = ("", "", "")
+    return rows

@@ -9,8 +9,8 @@ from lcmtools.cli.relay.attending import (
     check_server,
     chosen_buses,
     read_rates,
+    show_status,
 )
-from lcmtools.cli.relay.status import show_status
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.relay.rules import Rules, check_rules

@@ -1,4 +1,4 @@
-"""The rules, one file a family. A new rule is a function with ``@rule``."""
+"""The rules, one file for each family. A new rule is a function with ``@rule``."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -35,7 +35,7 @@ _EXPLAINED_BY = {
 
 
 def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
-    """Everything that the rules find, gravest first, without what another finding explains."""
+    """Return the findings of rules, the most severe first, without those that another explains."""
     chosen = tuple(rules)
     evidence = _without_other_rules(evidence, chosen)
     findings = [finding for rule in chosen for finding in rule.examine(evidence)]
@@ -45,7 +45,7 @@ def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
 
 
 def _without_other_rules(evidence: Evidence, chosen: tuple[Rule, ...]) -> Evidence:
-    """The evidence without what rules leave to others that are not chosen."""
+    """Return the evidence without what a rule would leave to another one that is not chosen."""
     if bus.programs_are_on_this_bus not in chosen:
         alone = [replace(process, topics=(), awaited=()) for process in evidence.processes]
         evidence = replace(evidence, processes=alone)

@@ -9,20 +9,35 @@ from lcmtools.doctor.findings import (
     Severity,
     Statement,
     Subject,
-    found,
+    finding,
     rule,
     state,
     subject,
 )
-from lcmtools.doctor.rules.connections import missed_topics, quiet_programs
+from lcmtools.doctor.rules.connections import MAY_PUBLISH, missed_topics, quiet_programs
+from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
-_MOST, _MOST_REMEDIES = 8, 3  # that are shown of other buses
+_MOST, _MOST_REMEDIES = 8, 3  # programs and remedies that are shown
 _MPUDPM = "=mpudpm:"  # in the variable of a process
 
 
-@rule("bus", "lcmtools wtf prints the command that fixes the route or the firewall", Severity.ERROR)
+@rule(
+    "bus",
+    remedy="lcmtools wtf prints the command that fixes the route or the firewall",
+    severity=Severity.ERROR,
+    title="The bus does not work: {problem}",
+    facts={
+        "firewall-enabled": "the firewall {firewall} is enabled",
+        "in-container": "this is a {container}, which may not forward multicast",
+        "interface-down": "the interface {interface} is down",
+        "no-link": "the interface {interface} has no link",
+        "no-multicast-flag": "the interface {interface} has no multicast flag",
+    },
+    remedies=HOST_NETWORK | MEND_BUS,
+    evidence="a datagram that wtf sends to itself; the route, the interface's flags",
+)
 def bus_works(evidence: Evidence) -> Iterator[Finding]:
     """The bus can be reached: there is a route to the group, and what is sent comes back.
 
@@ -36,7 +51,7 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     if host.container == "container" and host.interface:
         remedies.append(state("host-network"))
     title = state("bus", problem=evidence.bus_problem)
-    yield from found(title, list(_obstacles(host)) or None, *remedies)
+    yield from finding(title, list(_obstacles(host)) or None, *remedies)
 
 
 def _obstacles(host: Host) -> Iterator[Statement]:
@@ -52,7 +67,21 @@ def _obstacles(host: Host) -> Iterator[Statement]:
         yield state("in-container", container=host.container)
 
 
-@rule("no-traffic", "start a node, or choose the bus it is on: --lcm-url, --domain")
+@rule(
+    "no-traffic",
+    remedy="start a node, or choose the bus it is on: --lcm-url, --domain",
+    title="There are no nodes on {bus}, and nothing came in {listened:g} s",
+    facts={
+        **MAY_PUBLISH,
+        "listens": "{listener} listens",
+    },
+    remedies={
+        "compare-buses": "if it runs already, it may be on another bus: compare LCM_DEFAULT_URL"
+        " and LCMTOOLS_DOMAIN in both shells",
+        "start-something": "start something, for example: `lcmtools run talker`",
+    },
+    evidence="the nodes' announcements and all messages of the look",
+)
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """There is a node or a message on the bus. If there is none, it may be the wrong bus.
 
@@ -64,7 +93,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     quiet = quiet_programs(evidence)
     facts = [state("listens", listener=one) for one in there]
     facts += [state("may-publish", process=one) for one in quiet]
-    yield from found(
+    yield from finding(
         state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened),
         facts or None,
         *("start-something", "compare-buses"),
@@ -72,17 +101,46 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     )
 
 
-@rule("malformed", "let the program send to another port, or choose another bus")
+@rule(
+    "malformed",
+    remedy="let the program send to another port, or choose another bus",
+    title="The following senders put datagrams on the bus that are not LCM's:",
+    facts={"sender-reason": "{sender}: {reason}"},
+    remedies={
+        "send-elsewhere": "let them send elsewhere, or end them; their ports and programs:"
+        " `ss -uanp`",
+    },
+    evidence="all datagrams on the bus's port",
+    root_only="the sender's name, if it is another user's program",
+)
 def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     """All datagrams on the bus are LCM's.
 
     Other programs' datagrams on its port can crash programs of the lcm package.
     """
     facts = (state("sender-reason", sender=who, reason=why) for who, why in evidence.malformed)
-    return found("malformed", facts, "send-elsewhere")
+    return finding("malformed", facts, "send-elsewhere")
 
 
-@rule("other-buses", "export LCM_DEFAULT_URL with the same value in every shell")
+@rule(
+    "other-buses",
+    remedy="export LCM_DEFAULT_URL with the same value in every shell",
+    title="The following programs of yours are on other buses{topics:with}{awaited:wait}:",
+    facts={
+        "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
+        "on-bus-by-code": "pid {process.pid} probably on {bus} (its code names it): {process}",
+        **MORE,
+    },
+    remedies={
+        "export": "`export {variable}='{value}'`",
+        "join-here": "if they should be on this one, start them with {variable}='{value}'",
+        "name-here": "those without a variable get their bus from their code or arguments: name"
+        " this bus there, or none: lcm.LCM()",
+    },
+    evidence="UDP sockets, environment variables, arguments, libraries and code of your programs;"
+    " nodes and messages on up to three other buses",
+    root_only="other users' programs",
+)
 def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that wtf examines.
 
@@ -117,24 +175,32 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
         if not all(p.variable for p in others):
             remedies.append(state("name-here"))
     title = state("other-buses", topics=topics, awaited=awaited)
-    yield from found(title, facts, *remedies, severity=severity)
+    yield from finding(title, facts, *remedies, severity=severity)
 
 
 def _url(process: LcmProcess) -> str:
-    """The URL of a process's bus."""
+    """Return the URL of a process's bus."""
     if _MPUDPM in process.variable:
         return process.variable.partition("=")[2]
     return process.bus if "://" in process.bus else f"udpm://{process.bus}?ttl=0"
 
 
 def _is_empty(evidence: Evidence) -> bool:
-    """Return whether there is neither a node nor a message on the bus."""
+    """Return whether the bus has neither nodes nor messages."""
     seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
     nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)
     return not seen and not nodes
 
 
-@rule("mpudpm", "give all programs the same kind of URL, udpm:// or mpudpm://")
+@rule(
+    "mpudpm",
+    remedy="give all programs the same kind of URL, udpm:// or mpudpm://",
+    title="The following programs use mpudpm, which is not the udpm of this bus:",
+    facts=PROGRAM,
+    remedies={"start-with-variable": "start them with {variable}='{value}'"},
+    evidence="mpudpm's own channels; environment variables of your programs",
+    root_only="silent programs of other users",
+)
 def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     """All programs use the same kind of bus.
 
@@ -145,7 +211,7 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     names = sender_names(evidence)
     internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
     programs = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
-    # one that only sends is not seen on this bus: its variables show it
+    # a program that only sends is not visible on this bus, but its variables are
     programs |= {
         Subject("process", f"{p.command} (pid {p.pid})", p.pid)
         for p in evidence.processes
@@ -153,11 +219,11 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     }
     facts = (state("program", program=one) for one in sorted(programs, key=str))
     remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
-    yield from found("mpudpm", facts, remedy)
+    yield from finding("mpudpm", facts, remedy)
 
 
 def _has_mpudpm(process: LcmProcess, evidence: Evidence) -> bool:
-    """Return whether a process uses mpudpm where this bus uses udpm: on the same group and port."""
+    """Return whether a process uses mpudpm on the group and port of this bus."""
     places = {_place(url) for url in (process.variable.partition("=")[2], evidence.url)}
     return _MPUDPM in process.variable and len(places) == 1
 
@@ -166,7 +232,23 @@ def _place(url: str) -> str:
     return url.partition("://")[2].partition("?")[0] or f"{DEFAULT_GROUP}:{DEFAULT_PORT}"
 
 
-@rule("ttl", "write ?ttl=1 into the URL of programs that other computers should see")
+@rule(
+    "ttl",
+    remedy="write ?ttl=1 into the URL of programs that other computers should see",
+    title={
+        "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
+        "ttl-far": "The following let routers forward their messages to other networks:",
+    },
+    facts={
+        **PROGRAM,
+        "sends-with-ttl": "{sender} sends with ttl={ttl}",
+    },
+    remedies={
+        "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
+        "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
+    },
+    evidence="the ttl of each datagram, and the addresses of senders",
+)
 def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
     """Messages reach the other computers of this network, and no other networks.
 
@@ -182,16 +264,16 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
         missed = [name for name in at_home if name in wanted]
         title = state("ttl-0", hosts=others)
         remedy = state("use-ttl-1", url=evidence.url.partition("?")[0] + "?ttl=1")
-        yield from found(title, (state("program", program=name) for name in missed), remedy)
+        yield from finding(title, (state("program", program=name) for name in missed), remedy)
         if not missed and len(at_home) == len(own):
             facts = (state("program", program=name) for name in at_home)
-            yield from found(title, facts, remedy, severity=Severity.NOTE)
+            yield from finding(title, facts, remedy, severity=Severity.NOTE)
     far = (state("sends-with-ttl", sender=name, ttl=ttl) for name, ttl in own if ttl and ttl > 1)
-    yield from found("ttl-far", far, "ttl-1-is-enough")
+    yield from finding("ttl-far", far, "ttl-1-is-enough")
 
 
 def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
-    """The names of senders of which a node on another computer subscribes to a topic."""
+    """Return the names of senders with a subscriber on another computer."""
     nodes = evidence.graph.nodes
     far = [node for node in nodes if node.id in evidence.remote and not node.stale]
     topics = {end.topic for node in far for end in node.having(Role.SUBSCRIBER)}
@@ -200,7 +282,17 @@ def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
     return {name for name, topic in sent if topic in topics and not is_hidden(topic)}
 
 
-@rule("other-users", "choose a domain of your own: export LCMTOOLS_DOMAIN=N")
+@rule(
+    "other-users",
+    remedy="choose a domain of your own: export LCMTOOLS_DOMAIN=N",
+    title="Other users of this computer share this bus:",
+    facts={"user-programs": "{user}: {programs:list}"},
+    remedies={
+        "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
+    },
+    evidence="the owners of the sockets of the bus",
+    root_only="their programs' names",
+)
 def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
     """No other user of this computer uses the bus.
 
@@ -219,4 +311,4 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
         state("user-programs", user=evidence.users.get(uid, str(uid)), programs=found)
         for uid, found in sorted(programs.items())
     )
-    return found("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))
+    return finding("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))

@@ -5,19 +5,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence, derived
-from lcmtools.doctor.findings import Finding, Part, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Part, Statement, finding, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share, callback_time
 
-_NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
-_ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
-_START = 3.0  # [s] that a node may take until it spins
-_UNBROKEN = 0.999  # without a pause: no busy computer makes it so
-_ENOUGH_CALLS = 5  # the first ones may load what the later ones need
-_MANY = 0.05  # of all messages: so many are not lost in the first seconds only
+_NEARLY_ALL = 0.9  # share of the time between two messages: a slower callback cannot keep up
+_ALWAYS = 0.95  # share of time in callbacks: all other work is late
+_START = 3.0  # [s] until a node must spin
+_UNBROKEN = 0.999  # without a pause, which a busy computer does not cause
+_ENOUGH_CALLS = 5  # the first calls may load what later ones need
+_MANY = 0.05  # share of all messages: more than the first seconds lose
 _SECOND_LOOK = 3.5  # [s]
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
+
+_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
+_BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
+_SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +34,8 @@ class _Work:
     node: Node  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
 
-    def other(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
-        """Return the work that held a callback up for so long [ns], and its time; "" for none."""
+    def blocking_work(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
+        """Return the work that blocked a callback for over ``least`` [ns], and its time, or ""."""
         name = self.busiest(but=endpoint)
         longest = (min(e.longest, e.busy - was.busy) for was, e in self.pairs if e.topic == name)
         took = float(max(longest, default=self.in_timers()))
@@ -41,7 +47,7 @@ class _Work:
         return self.node.busy - self.earlier.busy - spent
 
     def busiest(self, but: Endpoint | None = None) -> str:
-        """The topic or service whose callback took most of the time, or "timers"; "" for none."""
+        """Return the topic or service whose callback took most time, or "timers"; "" for none."""
         spent = {e.topic: e.busy - was.busy for was, e in self.pairs if e.busy > was.busy}
         if but is not None:
             spent.pop(but.topic, None)
@@ -52,13 +58,13 @@ class _Work:
 
 @dataclass(frozen=True, slots=True)
 class _Subscription:
-    """A subscription that wants every message, between the start and the end of the look."""
+    """A subscription with a queue, between the start and the end of the look."""
 
     work: _Work
     endpoint: Endpoint  # as it is now
-    lost: int  # messages that its full queue pushed out meanwhile
-    took: float  # [ns] a call of its callback; 0 where none ran
-    interval: float  # [ns] between two messages; 0 where none came
+    lost: int  # messages that its full queue dropped meanwhile
+    took: float  # [ns] a call of its callback; 0 if none ran
+    interval: float  # [ns] between two messages; 0 if none came
     hangs: int  # [ns] that a call of its callback runs and does not end; 0 for none
 
     @property
@@ -69,23 +75,50 @@ class _Subscription:
     def topic(self) -> str:
         return self.endpoint.topic
 
-    def is_too_slow(self, crowd: float = 0.0) -> bool:
+    def is_too_slow(self, wait_share: float = 0.0) -> bool:
         """Return whether its callback takes longer than the time between two messages.
 
-        ``crowd`` is the share of its time that it may have waited for a processor.
+        ``wait_share`` is the share of its time that it may have waited for a processor.
         """
-        return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - crowd)
+        return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - wait_share)
 
     def pace(self) -> dict[str, Part]:
-        """The time that its callback takes, and the time between two messages [s]."""
+        """Return the time of a call, and the time between two messages [s]."""
         return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
 
     def hanging(self) -> dict[str, Part]:
-        """The time that a call has taken which does not end [s]."""
+        """Return the time since the start of the call that does not end [s]."""
         return {"seconds": self.hangs / 1e9}
 
 
-@rule("queue-drops", "make the callback faster, or increase the queue depth")
+@rule(
+    "queue-drops",
+    remedy="make the callback faster, or increase the queue depth",
+    title="The following nodes are too slow for the messages they receive:",
+    facts={
+        "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
+        "dropped-by-queue": _LOST,
+        "dropped-hanging": f"{_LOST}: {_NEVER_ENDS}",
+        "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}}"
+        " meanwhile",
+        "dropped-in-bursts": f"{_LOST}: they come in bursts",
+        "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
+        "dropped-slow-callback": f"{_LOST}: {_PACE}",
+        "dropped-without-spin": f"{_LOST}: no callback has run",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less-or-depth": "let the callback of {topic} do less, or increase the queue"
+        " depth",
+        "callback-less-or-rate": "let the callback of {topic} do less, or publish it only every"
+        " {seconds:time}",
+        "depth": "increase the queue depth of the subscription of {topic}",
+        "never-wait-or-depth": "let the callback of {topic} never wait, or increase the queue"
+        " depth",
+    },
+    evidence="the counters in two announcements of each node",
+)
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
@@ -93,13 +126,32 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     leaves in the queue too long are lost. Depth 1 requests that. The callback itself may be slow,
     another one of the node may hold it up, or the messages come in bursts.
     """
-    causes = list(map(_cause, _judged(evidence)[0]))
-    return found("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
+    causes = list(map(_cause, _slow_work(evidence)[0]))
+    return finding("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
 
 
 @rule(
     "slow-callbacks",
-    "make the callback faster, or call it less often: lcmtools info TOPIC shows how long it takes",
+    remedy="make the callback faster, or call it less often: lcmtools info TOPIC shows how long it"
+    " takes",
+    title={
+        "never-called": "The following nodes do not run their callbacks:",
+        "slow-callbacks": "The following callbacks take too long:",
+    },
+    facts={
+        "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, mostly in"
+        " {busiest:work}",
+        "hanging-callback": f"{{node}}, {{topic}}: {_NEVER_ENDS}",
+        "received": "{node} has received {messages} messages of {topic}",
+        "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
+    },
+    remedies={
+        **_BUSIEST_LESS,
+        **_SPIN,
+        "callback-less": "let the callback of {topic} do less",
+    },
+    evidence="the counters in two announcements; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.
@@ -110,7 +162,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     fault if a subscription of depth 1 skips messages: it requests only the newest. Delays that a
     busy computer may have caused are not reported either.
     """
-    lossy, slow, busy = _judged(evidence)
+    lossy, slow, busy = _slow_work(evidence)
     facts = [
         state("hanging-callback", node=x.node, topic=x.topic, **x.hanging())
         if x.hangs
@@ -121,15 +173,15 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
-    yield from found("slow-callbacks", facts, *remedies)
-    told = {one.node.id for one in lossy}
-    waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in told]
+    yield from finding("slow-callbacks", facts, *remedies)
+    reported = {one.node.id for one in lossy}
+    waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in reported]
     facts = [state("received", node=x, topic=e.topic, messages=e.messages) for x, e in waiting]
-    yield from found("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
+    yield from finding("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
 
 
 def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
-    """The subscriptions of which no callback has run, although the node has had the time."""
+    """Yield subscriptions whose callbacks never ran, although the node had time for them."""
     for node in evidence.graph.nodes:
         age = (node.time_there(evidence.graph.time) - node.start_time) / 1e9
         for end in node.having(Role.SUBSCRIBER):
@@ -139,24 +191,26 @@ def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:
-    """The names of the nodes that are slow, which explains what they do not send in time."""
-    lossy, slow, busy = _judged(evidence)
+    """Return the names of slow nodes, which may send late for that reason."""
+    lossy, slow, busy = _slow_work(evidence)
     return {one.node.name for one in lossy + slow} | {node.name for node, _, _ in busy}
 
 
 @derived
-def _judged(
+def _slow_work(
     evidence: Evidence,
 ) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
-    """The subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
-    every, crowd = list(_works(evidence)), evidence.crowd()
+    """Return subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
+    every, wait_share = list(_work_of_nodes(evidence)), evidence.wait_share()
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
     reported = {one.node.id for one in lossy}
     slow = [
         one
         for one in subscriptions
-        if one.is_too_slow(crowd) and _is_at_work(one.endpoint) and one.node.id not in reported
+        if one.is_too_slow(wait_share)
+        and _has_run_enough(one.endpoint)
+        and one.node.id not in reported
     ]
     reported |= {one.node.id for one in slow}
     busy = [
@@ -164,14 +218,14 @@ def _judged(
         for work in every
         if work.node.id not in reported and _has_other_work(work.node)
         if (share := busy_share(work.earlier, work.node)) is not None
-        if share - crowd >= _ALWAYS or share >= _UNBROKEN
+        if share - wait_share >= _ALWAYS or share >= _UNBROKEN
         if (busiest := work.busiest())
     ]
     return lossy, slow, busy
 
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:
-    """The fact that messages were lost, with the cause where it is known; and the remedy."""
+    """Return the fact that messages were lost, with the cause if known, and the remedy."""
     node, topic, endpoint = one.node, one.topic, one.endpoint
 
     def lost(cause: str, **parts: Part) -> Statement:
@@ -191,7 +245,7 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         remedy = state("busiest-less", node=node, busiest=busiest)
         return lost("by-busy-node", busiest=busiest), remedy
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
-    held_up_by, took = one.work.other(endpoint, least)
+    held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
         cause = lost("long-call", seconds=endpoint.longest / 1e9)
         remedy = state("never-wait-or-depth", topic=topic)
@@ -207,18 +261,18 @@ def _never_wait(one: _Subscription) -> Statement:
     return state("busiest-less", node=one.node, busiest=one.topic)
 
 
-def doubt(evidence: Evidence) -> float:
-    """The duration of a look [s] that would show who loses messages now and then; 0 for no doubt.
+def needed_duration(evidence: Evidence) -> float:
+    """Return the duration of a look [s] that shows occasional losses; 0 if none are suspected.
 
-    A node may be held up in every few seconds only, but has lost many of all its messages.
+    A node that lost a large share of its messages may be blocked only every few seconds.
     """
-    subscriptions = [one for work in _works(evidence) for one in _subscriptions(work)]
+    subscriptions = [one for work in _work_of_nodes(evidence) for one in _subscriptions(work)]
     lossy = (one.endpoint.drops > _MANY * one.endpoint.messages for one in subscriptions)
     return _SECOND_LOOK if any(lossy) and not any(one.lost for one in subscriptions) else 0.0
 
 
-def _works(evidence: Evidence) -> Iterator[_Work]:
-    """The work of each node that is part of the system."""
+def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:
+    """Yield the work of each node, except commands and nodes that do not answer."""
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
         if node.id in before and not (node.tool or node.stale):
@@ -226,7 +280,7 @@ def _works(evidence: Evidence) -> Iterator[_Work]:
 
 
 def _pairs(earlier: Node, later: Node) -> Iterator[tuple[Endpoint, Endpoint]]:
-    """Each endpoint as it was and as it is; a node may have several that are alike."""
+    """Yield each endpoint at the start and at the end; several may have the same key."""
     known: dict[object, list[Endpoint]] = defaultdict(list)
     for endpoint in earlier.endpoints:
         known[_key(endpoint)].append(endpoint)
@@ -249,12 +303,12 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
 
 
-def _is_at_work(endpoint: Endpoint) -> bool:
-    """Return whether its callback has run for long enough to be judged."""
+def _has_run_enough(endpoint: Endpoint) -> bool:
+    """Return whether a callback has run often or long enough to be judged."""
     return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
 
 
 def _has_other_work(node: Node) -> bool:
-    """Return whether a node has subscriptions or services that would wait."""
+    """Return whether a node has subscriptions or services that a slow callback delays."""
     waiting = Role.SUBSCRIBER, Role.SERVICE
     return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

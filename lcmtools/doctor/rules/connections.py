@@ -1,20 +1,43 @@
-"""Rules about what connects publishers and subscribers: topics with both, and good names."""
+"""Rules about connections: topics with publishers and subscribers, and valid names."""
 
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import Connecting, End, Way, is_simulator, loose_ends
+from lcmtools.doctor.connecting import (
+    CONNECTIONS,
+    ConnectionFinder,
+    End,
+    Suggestion,
+    unconnected_ends,
+)
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
+from lcmtools.doctor.renaming import REMAPS
 from lcmtools.graph.model import Role
+from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
+MAY_PUBLISH = {
+    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely",
+}
+_NODE_TOPICS = {"node-topics": "{node}:"}
 _LONG_NAME = 60  # bytes; LCM takes 63
 
 
-@rule("unconnected-subscriptions", "start the node with __ns:=/NAMESPACE or with OLD:=NEW")
+@rule(
+    "unconnected-subscriptions",
+    remedy="start the node with __ns:=/NAMESPACE or with OLD:=NEW",
+    title="The following node subscriptions are unconnected:",
+    facts=MAY_PUBLISH | _NODE_TOPICS,
+    remedies={
+        **CONNECTIONS,
+        "start-publisher": "start a publisher of {topics:and}; to see what is published:"
+        " `lcmtools list -v`",
+    },
+    evidence="announcements, with command lines; channels of all messages",
+)
 def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
@@ -24,24 +47,32 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
     elsewhere |= evidence.stale_published
-    loose = [
-        (node, end) for node, end in loose_subscriptions(evidence) if end.topic not in elsewhere
+    unconnected = [
+        (node, end)
+        for node, end in unconnected_subscriptions(evidence)
+        if end.topic not in elsewhere
     ]
-    remedies = [way.remedy for way in _connecting(evidence).ways(loose)]
-    facts, severity = list(_facts(loose)), Severity.WARNING
+    remedies = [
+        suggestion.remedy for suggestion in _connection_finder(evidence).suggestions(unconnected)
+    ]
+    facts, severity = list(_facts(unconnected)), Severity.WARNING
     if not remedies:
-        topics = dict.fromkeys(end.topic for _, end in loose)
+        topics = dict.fromkeys(end.topic for _, end in unconnected)
         remedies.append(state("start-publisher", topics=topics))
         if facts and (quiet := quiet_programs(evidence)):
             facts += [state("may-publish", process=one) for one in quiet]
             severity = Severity.NOTE
-    return found("unconnected-subscriptions", facts, *remedies, severity=severity)
+    return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
 
 
 @rule(
     "unconnected-publications",
-    "start the node with OLD:=NEW, where a subscriber is missing",
-    Severity.NOTE,
+    remedy="start the node with OLD:=NEW, where a subscriber is missing",
+    severity=Severity.NOTE,
+    title="The following node publications have no announced subscriber:",
+    facts=_NODE_TOPICS,
+    remedies=REMAPS,
+    evidence="announcements; sockets that listen without a node",
 )
 def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """Every publication has a subscriber.
@@ -53,80 +84,100 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
-    proposed = proposed_ways(evidence)
-    known = {(way.publisher, way.channel) for way in proposed}
-    moving = {way.listener for way in proposed}
+    suggestions = all_suggestions(evidence)
+    known = {(suggestion.publisher, suggestion.channel) for suggestion in suggestions}
+    moving = {suggestion.listener for suggestion in suggestions}
     awaited = {topic for process in evidence.processes for topic in process.awaited}
-    loose = [
+    unconnected = [
         (node, end)
-        for node, end in loose_ends(evidence.graph, Role.PUBLISHER)
+        for node, end in unconnected_ends(evidence.graph, Role.PUBLISHER)
         if (node.id, end.topic) not in known
         if end.topic not in awaited | evidence.stale_subscribed
         if node.id not in moving and not is_simulator(node)
     ]
-    ways_out = _connecting(evidence).ways_out
-    remedies = (remedy for end in loose for remedy in ways_out(*end))
-    yield from found("unconnected-publications", _facts(loose), *remedies)
+    remedies_for_publication = _connection_finder(evidence).remedies_for_publication
+    remedies = (remedy for end in unconnected for remedy in remedies_for_publication(*end))
+    yield from finding("unconnected-publications", _facts(unconnected), *remedies)
 
 
 def quiet_programs(evidence: Evidence) -> list[LcmProcess]:
-    """The programs on this bus that are no nodes, do not listen, and sent nothing in the look."""
+    """Return plain LCM programs on this bus that neither listen nor sent during the look."""
     known = {one.pid for one in evidence.listeners} | {one.pid for one in evidence.streams}
     known |= {node.pid for node in evidence.own_nodes()}
     return [p for p in evidence.processes if not p.bus and p.pid not in known]
 
 
 def missed_topics(evidence: Evidence) -> set[str]:
-    """The topics of subscriptions without a publisher."""
-    return {end.topic for _, end in loose_subscriptions(evidence)}
+    """Return the topics of subscriptions without a publisher."""
+    return {end.topic for _, end in unconnected_subscriptions(evidence)}
 
 
 @derived
-def loose_subscriptions(evidence: Evidence) -> list[End]:
-    """The subscriptions of live nodes without a publisher."""
+def unconnected_subscriptions(evidence: Evidence) -> list[End]:
+    """Return the subscriptions of live nodes without a publisher."""
     nodes = {node.pid for node in evidence.own_nodes()}
     plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
     beside_plain = evidence.has_others() or any(plain)
-    return loose_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
+    return unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
 
 
 @derived
-def proposed_ways(evidence: Evidence) -> list[Way]:
-    """The remedies for unconnected subscriptions: other rules need not repeat them."""
-    return _connecting(evidence).ways(loose_subscriptions(evidence))
+def all_suggestions(evidence: Evidence) -> list[Suggestion]:
+    """Return the suggestions for all unconnected subscriptions, so that no rule repeats them."""
+    return _connection_finder(evidence).suggestions(unconnected_subscriptions(evidence))
 
 
 @derived
-def _connecting(evidence: Evidence) -> Connecting:
-    return Connecting(evidence.graph, channel_names(evidence))
+def _connection_finder(evidence: Evidence) -> ConnectionFinder:
+    return ConnectionFinder(evidence.graph, channel_names(evidence))
 
 
-def _facts(loose: Iterable[End]) -> Iterator[Statement]:
-    for _, group in groupby(loose, key=lambda end: end[0].id):
+def _facts(unconnected: Iterable[End]) -> Iterator[Statement]:
+    for _, group in groupby(unconnected, key=lambda end: end[0].id):
         ends = list(group)
         yield state("node-topics", node=ends[0][0], topics=dict.fromkeys(e.topic for _, e in ends))
 
 
-@rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")
+@rule(
+    "names",
+    remedy="use letters, digits, _ and /, at most 63 bytes, and the same everywhere",
+    title={
+        "long-names": "The following names are nearly as long as LCM can carry (63 bytes):",
+        "similar-names": "The following channels look the same, but differ:",
+        "unusable-names": "The following channels have names that few programs can subscribe to:",
+    },
+    facts={
+        "channel": "{topic} from {sender}",
+        "odd-channel": "{topic:repr} from {sender}: {reason}",
+        "two-channels": "{topic:repr} from {sender}, and {other_topic:repr} from {other_sender}",
+    },
+    remedies={
+        "plain-name": "use a name of letters, digits, _ and / only",
+        "same-name": "publish both under the same name",
+        "shorter-name": "use a shorter name",
+        "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
+    },
+    evidence="channels of all messages",
+)
 def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     """Channels have names that every program can subscribe to, and no two names look the same.
 
     liblcm matches names as UTF-8 text: other names never arrive. A name has at most 63 bytes.
     """
-    proposed = {way.channel for way in proposed_ways(evidence)}  # reported with its subscription
-    senders = {s.channel: s.name for s in evidence.streams if s.channel not in proposed}
-    bad = {channel: reason for channel in senders if (reason := _fault(channel))}
+    suggested = {one.channel for one in all_suggestions(evidence)}  # reported with a subscription
+    senders = {s.channel: s.name for s in evidence.streams if s.channel not in suggested}
+    bad = {channel: reason for channel in senders if (reason := _name_fault(channel))}
     odd = (
         state("odd-channel", topic=channel, sender=senders[channel], reason=reason)
         for channel, reason in bad.items()
     )
     patterns = [channel for channel, reason in bad.items() if reason == _IS_PATTERN]
     remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
-    yield from found("unusable-names", odd, "plain-name", *remedies)
+    yield from finding("unusable-names", odd, "plain-name", *remedies)
     long = [c for c in senders if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
     note = Severity.NOTE
     facts = (state("channel", topic=channel, sender=senders[channel]) for channel in long)
-    yield from found("long-names", facts, "shorter-name", severity=note)
+    yield from finding("long-names", facts, "shorter-name", severity=note)
     alike: dict[str, list[str]] = defaultdict(list)
     for channel in sorted(senders):
         alike[channel.casefold().strip(" /")].append(channel)
@@ -135,11 +186,11 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
         state("two-channels", topic=a, sender=senders[a], other_topic=b, other_sender=senders[b])
         for a, b in pairs
     )
-    yield from found("similar-names", two, "same-name", severity=note)
+    yield from finding("similar-names", two, "same-name", severity=note)
 
 
-def _fault(channel: str) -> str:
-    """The reason why few programs can subscribe to a channel; "" where all can."""
+def _name_fault(channel: str) -> str:
+    """Return the reason why few programs can subscribe to a channel; "" if all can."""
     if not channel:
         return "it is empty"
     if any("\udc80" <= character <= "\udcff" for character in channel):
@@ -152,7 +203,7 @@ def _fault(channel: str) -> str:
 
 
 def _matches_itself(channel: str) -> bool:
-    """Return whether the name, which liblcm takes as a pattern, matches the name."""
+    """Return whether a name, as a pattern of liblcm, matches itself."""
     if channel.startswith("#!"):  # LCM's own
         return True
     try:

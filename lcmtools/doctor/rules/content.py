@@ -4,14 +4,25 @@ from collections.abc import Iterator
 from dataclasses import replace
 from shlex import quote
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Oddity
-from lcmtools.doctor.findings import Finding, Severity, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
+from lcmtools.doctor.rules.shared import DECODED, SET_CLOCKS
+from lcmtools.observe.simulators import publishes_time
 
 _LOG = "file://"
+_ODDITY = {"oddity": "{topic} from {sender}: {text}{messages:count}"}
 
 
-@rule("not-finite", "find where it divides by zero, and do not publish it")
+@rule(
+    "not-finite",
+    remedy="find where it divides by zero, and do not publish it",
+    title="Numbers that are published are not finite:",
+    facts=_ODDITY,
+    remedies={"print-values": "print the values where the node computes them"},
+    evidence=DECODED,
+)
 def numbers_are_finite(evidence: Evidence) -> Iterator[Finding]:
     """Published numbers are finite.
 
@@ -21,7 +32,14 @@ def numbers_are_finite(evidence: Evidence) -> Iterator[Finding]:
     return _odd(evidence, "not-finite", "print-values")
 
 
-@rule("quaternions", "set w to 1 for no rotation, and normalise what is computed")
+@rule(
+    "quaternions",
+    remedy="set w to 1 for no rotation, and normalise what is computed",
+    title={"quaternion": "Rotations that are published are invalid:"},
+    facts=_ODDITY,
+    remedies={"normalise": "for no rotation use x=0, y=0, z=0, w=1; divide others by their length"},
+    evidence=DECODED,
+)
 def quaternions_are_rotations(evidence: Evidence) -> Iterator[Finding]:
     """Quaternions are rotations: their length is 1.
 
@@ -30,7 +48,18 @@ def quaternions_are_rotations(evidence: Evidence) -> Iterator[Finding]:
     return _odd(evidence, "quaternion", "normalise")
 
 
-@rule("covariances", "fill both halves, and no negative number on the diagonal")
+@rule(
+    "covariances",
+    remedy="fill both halves, and no negative number on the diagonal",
+    title={"covariance": "Covariances that are published are invalid:"},
+    facts=_ODDITY,
+    remedies={
+        "symmetric": "set [row, column] and [column, row] to the same value, and no [row, row]"
+        " below 0",
+        "unknown-covariance": "if nothing is known, set the first number to -1",
+    },
+    evidence=DECODED,
+)
 def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
     """Covariance matrices are symmetric, and variances not negative.
 
@@ -39,7 +68,30 @@ def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
     return _odd(evidence, "covariance", "symmetric", "unknown-covariance")
 
 
-@rule("stamps", "set the clocks (chrony, ntp), or _use_sim_time:=true as the others")
+@rule(
+    "stamps",
+    remedy="set the clocks (chrony, ntp), or _use_sim_time:=true as the others",
+    title={
+        "boot": "Messages are stamped with the time since a start, and nothing publishes /clock:",
+        "future": "Messages are stamped with a time in the future:",
+        "nsec": "Times that are published are invalid:",
+        "old": "Messages are stamped with a time long ago:",
+        "replayed": "Stamps are old but advance at the clock's rate, as if a log were played:",
+        "unit": "Times that are published are in the wrong unit:",
+    },
+    facts=_ODDITY,
+    remedies={
+        **SET_CLOCKS,
+        "if-no-log": "if it is not a log, its computer's clock is wrong:"
+        " `sudo timedatectl set-ntp true`",
+        "microseconds": "message.utime = time.time_ns() // 1000",
+        "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
+        "stamp-if-no-log": "if it is not a log, stamp with the time at which it is sent",
+        "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
+        "use-sim-time": "if a simulator runs, start the node with _use_sim_time:=true",
+    },
+    evidence=DECODED,
+)
 def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     """Messages are stamped with the time at which they are sent.
 
@@ -54,7 +106,8 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     evidence = replace(evidence, oddities=mine)
     yield from _odd(evidence, "future", *_clocks(evidence, "future"), "use-sim-time")
     # a simulator that was killed or hangs is reported by another rule
-    if not evidence.graph.topic("/clock").publishers and "/clock" not in evidence.stale_published:
+    is_simulated = any(map(publishes_time, evidence.graph.nodes))
+    if not is_simulated and CLOCK_TOPIC not in evidence.stale_published:
         yield from _odd(evidence, "boot", "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "unit", "microseconds")
@@ -62,13 +115,26 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     yield from _odd(evidence, "replayed", *_clocks(evidence, "replayed"), severity=Severity.NOTE)
 
 
-@rule("undecodable", "generate the sender's types again from the same .lcm files")
+@rule(
+    "undecodable",
+    remedy="generate the sender's types again from the same .lcm files",
+    title="Messages cannot be decoded:",
+    facts=_ODDITY,
+    remedies={"use-lcm-gen": "let the sender use lcm-gen's code, unchanged"},
+    evidence=DECODED,
+)
 def messages_can_be_decoded(evidence: Evidence) -> Iterator[Finding]:
     """Messages can be decoded as the type that their fingerprint names."""
     return _odd(evidence, "undecodable", "use-lcm-gen")
 
 
-@rule("damaged-log", "lcmtools bag fix writes the log without them")
+@rule(
+    "damaged-log",
+    remedy="lcmtools bag fix writes the log without them",
+    title="{bytes} bytes of {log} do not belong to any message",
+    remedies={"fix-log": "`lcmtools bag fix {log} fixed.lcmlog` leaves them out"},
+    evidence="the log (`--bag`)",
+)
 def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     """All bytes of a log belong to messages.
 
@@ -78,12 +144,12 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     if evidence.damaged_bytes:
         log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
-        return found(title, None, state("fix-log", log=quote(log)))
+        return finding(title, None, state("fix-log", log=quote(log)))
     return iter(())
 
 
 def _clocks(evidence: Evidence, kind: str) -> list[str]:
-    """The remedies for stamps: only other computers have another clock than this one."""
+    """Return the remedies for stamps: senders on this computer have the same clock."""
     is_log = evidence.url.startswith(_LOG)
     own = {sender.name for sender in evidence.senders if sender.is_local and not is_log}
     is_replayed = kind == "replayed"
@@ -106,4 +172,4 @@ def _odd(
         for odd in evidence.oddities
         if odd.kind == kind
     )
-    return found(kind, facts, *remedies, severity=severity)
+    return finding(kind, facts, *remedies, severity=severity)

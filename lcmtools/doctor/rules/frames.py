@@ -4,10 +4,29 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from lcmtools.doctor.evidence import Evidence, FrameParent
-from lcmtools.doctor.findings import Finding, found, rule, state
+from lcmtools.doctor.findings import Finding, finding, rule, state
+from lcmtools.doctor.rules.shared import DECODED
 
 
-@rule("frames", "send each child_frame_id from one program, below one header.frame_id")
+@rule(
+    "frames",
+    remedy="send each child_frame_id from one program, below one header.frame_id",
+    title={
+        "frame-loop": "The following frames form a loop:",
+        "frame-parents": "The following frames have several parents:",
+    },
+    facts={
+        "frame-loop": "{frames}, from {senders:and}",
+        "frame-parents": "{frame} is in {parents:and}",
+    },
+    remedies={
+        "exchange-frames": "header.frame_id is the parent, child_frame_id the child: swap them in"
+        " one of the transforms",
+        "one-parent": "let one program publish the pose of a frame, in one header.frame_id, or"
+        " give the frames of different things different names",
+    },
+    evidence=DECODED,
+)
 def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
     """Frames form trees: each has one parent at most, and none is below itself.
 
@@ -27,12 +46,12 @@ def frames_are_trees(evidence: Evidence) -> Iterator[Finding]:
             senders = dict.fromkeys(tree[child][0].name for child in loop)
             way = " -> ".join((*loop, loop[0]))
             loops.append(state("frame-loop", frames=way, senders=senders))
-    yield from found("frame-parents", several, "one-parent")
-    yield from found("frame-loop", loops, "exchange-frames")
+    yield from finding("frame-parents", several, "one-parent")
+    yield from finding("frame-loop", loops, "exchange-frames")
 
 
 def _loops(parents: Mapping[str, str]) -> list[tuple[str, ...]]:
-    """Each circle once, each frame before its parent."""
+    """Return each loop once, each frame before its parent."""
     circles: dict[frozenset[str], tuple[str, ...]] = {}
     for start in parents:
         path, frame = [], start

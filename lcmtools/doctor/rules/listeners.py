@@ -1,20 +1,31 @@
-"""Rules about the programs that receive on this computer, and about the computer."""
+"""Rules about the programs that receive on this computer, and its settings."""
 
 from collections.abc import Iterator
-from pathlib import PurePath
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
+from lcmtools.doctor.rules.shared import WAKE_OR_END
 
-_PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
+_PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
-_NEARLY_ALL, _AT_EDGES = 0.95, 2  # of the messages of a look; those at its ends
+_NEARLY_ALL, _AT_EDGES = 0.95, 2  # share of the messages of a look; messages at its ends
 _FILLING = 1.2  # times the bytes that waited at its start
 _BUFFER = 4 << 20  # bytes that are enough for most
 
+_SYSCTL = {"sysctl": "`sudo sysctl -w {name}={value}`"}
+_LARGER_BUFFER = {**_SYSCTL, "start-it-with-variable": "start it with {variable}='{value}'"}
 
-@rule("kernel-drops", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
+
+@rule(
+    "kernel-drops",
+    remedy="recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608",
+    title="The following read too slowly, so that the kernel dropped datagrams:",
+    facts={"dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}"},
+    remedies=_LARGER_BUFFER,
+    evidence="the kernel's count of drops for each socket",
+    root_only="the names of other users' programs",
+)
 def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     """The kernel drops nothing that a program of this computer should receive.
 
@@ -32,10 +43,26 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     facts = (
         state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0) for x in slow
     )
-    return found("kernel-drops", facts, *_larger_buffer(evidence))
+    return finding("kernel-drops", facts, *_larger_buffer(evidence))
 
 
-@rule("stuck-listeners", "wake it: kill -CONT PID; or end it: kill -KILL PID")
+@rule(
+    "stuck-listeners",
+    remedy="wake it: kill -CONT PID; or end it: kill -KILL PID",
+    title="The following are subscribed, but do not read:",
+    facts={
+        "bytes-wait": "{listener}: {queued_bytes} bytes are waiting",
+        "stopped": "{listener}: it is stopped",
+    },
+    remedies={
+        **WAKE_OR_END,
+        "inspect": "see what it does: `sudo gdb -p {pid}`",
+        "inspect-java": "see what it does: `jstack {pid}`",
+        "inspect-python": "see what it does: `sudo py-spy dump --pid {pid}`",
+    },
+    evidence="the bytes that wait at each socket, the state of processes",
+    root_only="the state of other users' programs",
+)
 def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """Programs that have subscribed read what arrives.
 
@@ -49,13 +76,18 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         kind = "stopped" if is_stopped else "bytes-wait"
         facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
         if x.pid:
-            remedies.append(
-                state("wake-or-end" if is_stopped else _inspect(x, evidence), pid=x.pid)
-            )
-    return found("stuck-listeners", facts, *remedies)
+            remedies.append(state("wake-or-end" if is_stopped else _inspect(x), pid=x.pid))
+    return finding("stuck-listeners", facts, *remedies)
 
 
-@rule("small-buffer", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
+@rule(
+    "small-buffer",
+    remedy="recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608",
+    title="{topic} from {sender} has {bytes} bytes, too many for the receive buffers of:",
+    facts={"buffer": "{listener}: {buffer_bytes:holds}"},
+    remedies=_LARGER_BUFFER,
+    evidence="the size of each socket's buffer, the largest message",
+)
 def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
     """Every listener's buffer can hold the largest message on the bus.
 
@@ -67,10 +99,24 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
         title = state("small-buffer", topic=stream.channel, sender=stream, bytes=size)
         small = _too_small(evidence)
         facts = (state("buffer", listener=x, buffer_bytes=x.buffer_bytes or 0) for x in small)
-        yield from found(title, facts, *_larger_buffer(evidence, 2 * size))
+        yield from finding(title, facts, *_larger_buffer(evidence, 2 * size))
 
 
-@rule("interfaces", "restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X")
+@rule(
+    "interfaces",
+    remedy="restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X",
+    title="The route to the bus leads to {interface}, but programs listen elsewhere:",
+    facts={
+        "joined-on": "on {interface}",
+        "listens-on": "{listener}: on {interfaces:and}",
+    },
+    remedies={
+        "restart-listeners": "restart the listeners, or set the route to their interface:"
+        " `ip route show 224.0.0.0/4`",
+    },
+    evidence="the multicast groups joined on each interface, the routing table",
+    root_only="which programs of other users joined where",
+)
 def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Finding]:
     """Programs listen on the interface on which messages are sent.
 
@@ -82,15 +128,21 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
         title = state("interfaces", interface=host.interface)
         astray = [x for x in evidence.listeners if x.joined and host.interface not in x.joined]
         facts = [state("listens-on", listener=x, interfaces=x.joined) for x in astray]
-        # of some programs the system does not tell on which interfaces they are
+        # the interfaces of some programs are unknown
         if not all(listener.joined for listener in evidence.listeners):
-            told = {host.interface, *(name for x in astray for name in x.joined)}
-            others = (name for name in host.joined if name not in told)
+            named = {host.interface, *(name for x in astray for name in x.joined)}
+            others = (name for name in host.joined if name not in named)
             facts += [state("joined-on", interface=name) for name in others]
-        yield from found(title, facts, "restart-listeners")
+        yield from finding(title, facts, "restart-listeners")
 
 
-@rule("reassembly", "smaller messages (below 1400 bytes none is fragmented), or a wired network")
+@rule(
+    "reassembly",
+    remedy="smaller messages (below 1400 bytes none is fragmented), or a wired network",
+    title="{datagrams} datagrams came without some of their fragments",
+    remedies={"smaller-messages": "send smaller messages"},
+    evidence="the kernel's count of incomplete datagrams",
+)
 def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams that the network has cut into fragments arrive with all of them.
 
@@ -98,10 +150,20 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """
     failed = evidence.host.reassembly_failures
     if failed:
-        yield from found(state("reassembly", datagrams=failed), None, "smaller-messages")
+        yield from finding(state("reassembly", datagrams=failed), None, "smaller-messages")
 
 
-@rule("rp-filter", "sudo sysctl -w net.ipv4.conf.all.rp_filter=2")
+@rule(
+    "rp-filter",
+    remedy="sudo sysctl -w net.ipv4.conf.all.rp_filter=2",
+    title={
+        "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
+        "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another"
+        " interface than the one that leads to their senders",
+    },
+    remedies=_SYSCTL,
+    evidence="the kernel's settings and its count of filtered datagrams",
+)
 def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     """The kernel does not drop messages of computers behind another interface.
 
@@ -111,36 +173,57 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     host = evidence.host
     remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
     if evidence.ttl and host.rp_filter_drops:
-        yield from found(state("rp-filter-drops", datagrams=host.rp_filter_drops), None, remedy)
+        yield from finding(state("rp-filter-drops", datagrams=host.rp_filter_drops), None, remedy)
     elif evidence.ttl and host.rp_filter == 1 and host.others:
         title = state("rp-filter", interface=host.interface or "all interfaces")
-        yield from found(title, None, remedy, severity=Severity.NOTE)
+        yield from finding(title, None, remedy, severity=Severity.NOTE)
 
 
-@rule("firewall", "sudo ufw allow in proto udp to 224.0.0.0/4", Severity.NOTE)
+@rule(
+    "firewall",
+    remedy="sudo ufw allow in proto udp to 224.0.0.0/4",
+    severity=Severity.NOTE,
+    title="The firewall {firewall} is enabled, and no other computer is seen",
+    remedies={
+        "allow-by-firewalld": "`sudo firewall-cmd --add-rich-rule='rule family=ipv4 destination"
+        " address=224.0.0.0/4 accept'`",
+        "allow-by-iptables": "`sudo iptables -I {chain} -d 224.0.0.0/4 -j ACCEPT`",
+        "allow-by-nftables": "`sudo nft insert rule {chain} ip daddr 224.0.0.0/4 accept`",
+        "allow-by-ufw": "`sudo ufw allow in proto udp to 224.0.0.0/4`",
+    },
+    evidence="ufw's and firewalld's files; the rules of nft or iptables",
+    root_only="the rules",
+)
 def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
     """A firewall lets the bus's datagrams pass, if other computers take part."""
     if evidence.ttl and evidence.host.firewall and not evidence.has_others():
         title = state("firewall", firewall=evidence.host.firewall)
         chain = evidence.host.firewall_chain
-        yield from found(title, None, state(f"allow-by-{evidence.host.firewall}", chain=chain))
+        yield from finding(title, None, state(f"allow-by-{evidence.host.firewall}", chain=chain))
 
 
-@rule("environment", "correct the variable, or pip install lcm")
+@rule(
+    "environment",
+    remedy="correct the variable, or pip install lcm",
+    title="The environment of this shell has errors:",
+    facts={"text": "{text}"},
+    remedies={
+        "correct-environment": "correct the variable in this shell and in ~/.bashrc; keep only one"
+        " package: pip uninstall, pip install lcm",
+    },
+    evidence="environment variables of this shell, Python's search path",
+)
 def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     """Environment variables are valid, and Python finds LCM's package and no other."""
     facts = (state("text", text=fault) for fault in evidence.host.environment)
-    return found("environment", facts, "correct-environment")
+    return finding("environment", facts, "correct-environment")
 
 
-def _inspect(listener: Listener, evidence: Evidence) -> str:
-    """The remedy that shows where a program waits, by its language."""
-    commands = {process.pid: process.command for process in evidence.processes}
-    program = commands.get(listener.pid or 0, listener.name).split()[:1]
-    name = PurePath(program[0]).name if program else ""
-    if listener.is_node or name.startswith("python"):
+def _inspect(listener: Listener) -> str:
+    """Return the kind of the remedy that shows where a program waits, by its language."""
+    if listener.is_node or listener.interpreter.startswith("python"):
         return "inspect-python"
-    return "inspect-java" if name == "java" else "inspect"
+    return "inspect-java" if listener.interpreter == "java" else "inspect"
 
 
 def _programs(evidence: Evidence) -> list[Listener]:
@@ -148,7 +231,7 @@ def _programs(evidence: Evidence) -> list[Listener]:
 
 
 def _largest(evidence: Evidence) -> Stream | None:
-    """The stream with the largest messages of several datagrams that come in one burst."""
+    """Return the stream with the largest messages whose fragments come in one burst."""
     paced = {s.sender for s in evidence.senders if s.paces}
     large = [s for s in evidence.streams if s.sender and s.sender not in paced]
     found = max(large, key=lambda stream: stream.largest, default=None)
@@ -156,14 +239,14 @@ def _largest(evidence: Evidence) -> Stream | None:
 
 
 def _too_small(evidence: Evidence) -> list[Listener]:
-    """The listeners whose buffers cannot take the largest message."""
+    """Return the listeners whose buffers are too small for the largest message."""
     largest = _largest(evidence)
     needed = _PER_MESSAGE * largest.largest if largest else 0
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]
 
 
 def _is_stuck(listener: Listener, evidence: Evidence) -> bool:
-    """Return whether a program reads nothing: one that only reads slowly does not drop all."""
+    """Return whether a program reads nothing: a slow one does not drop everything."""
     if listener.state in _STOPPED:
         return True
     before, now = listener.was_queued_bytes, listener.queued_bytes

@@ -1,19 +1,29 @@
-"""Rules about other computers: the way to them, and their clocks."""
+"""Rules about other computers: the network and their clocks."""
 
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, HostClock
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
+from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM, SET_CLOCKS
 
 _LOOPBACK = "lo"
 _SHARE = 0.5  # of the capacity of an interface
 _WIRELESS = 1e6  # [byte/s] of multicast
-_AHEAD = 0.1  # [s] that a clock may be: a message cannot arrive before it was sent
+_AHEAD = 0.1  # [s] tolerance: a message cannot arrive before it was sent
 _BEHIND = 0.3  # [s]: a slow network looks the same
 _MOST = 6  # nodes that are named
 
 
-@rule("large-messages", "let the firewall pass large datagrams of UDP")
+@rule(
+    "large-messages",
+    remedy="let the firewall pass large datagrams of UDP",
+    title="A message of {bytes} bytes does not come back: {problem}",
+    remedies={
+        "look-at-firewall": "see whether a firewall drops large datagrams: `sudo nft list ruleset`",
+        "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
+    },
+    evidence="a message of five datagrams that wtf sends to itself",
+)
 def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     """A message of several full datagrams comes back to this computer, as a small one does.
 
@@ -23,10 +33,17 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     host = evidence.host
     if host.large_problem and not evidence.bus_problem:
         title = state("large-messages", bytes=host.large_bytes, problem=host.large_problem)
-        yield from found(title, None, "look-at-firewall", "macos-large-datagrams")
+        yield from finding(title, None, "look-at-firewall", "macos-large-datagrams")
 
 
-@rule("sending", "lcmtools wtf prints the command that fixes it", Severity.ERROR)
+@rule(
+    "sending",
+    remedy="lcmtools wtf prints the command that fixes it",
+    severity=Severity.ERROR,
+    title="Messages cannot leave this computer: {problem}",
+    remedies=MEND_BUS,
+    evidence="a datagram that wtf sends with the bus's ttl",
+)
 def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams with the bus's own ttl can be sent.
 
@@ -37,10 +54,21 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     if host.send_problem and not evidence.bus_problem:
         remedies = [state("mend-bus", hint=host.send_remedy)] if host.send_remedy else []
         title = state("sending", problem=host.send_problem)
-        yield from found(title, None, *remedies)
+        yield from finding(title, None, *remedies)
 
 
-@rule("link", "connect the interface, or: sudo ip route replace 224.0.0.0/4 dev X")
+@rule(
+    "link",
+    remedy="connect the interface, or: sudo ip route replace 224.0.0.0/4 dev X",
+    title="The interface {interface}, to which the route to the bus leads, has no link: nothing"
+    " leaves this computer",
+    remedies={
+        "connect": "plug its cable in, or connect its Wi-Fi",
+        "route-to": "or set the route to another interface:"
+        " `sudo ip route replace 224.0.0.0/4 dev {interface}`",
+    },
+    evidence="the interface's carrier, the routing table",
+)
 def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
     """The interface to which the route to the bus leads has a link: a cable, or Wi-Fi.
 
@@ -53,18 +81,40 @@ def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
             state("route-to", interface=name) for name in host.others if name != host.interface
         ]
         title = state("link", interface=host.interface)
-        yield from found(title, None, "connect", *remedies[:1])
+        yield from finding(title, None, "connect", *remedies[:1])
 
 
-@rule("loopback-route", "sudo ip route replace 224.0.0.0/4 dev eth0", Severity.NOTE)
+@rule(
+    "loopback-route",
+    remedy="sudo ip route replace 224.0.0.0/4 dev eth0",
+    severity=Severity.NOTE,
+    title="ttl={ttl}, but the route to the bus leads to lo: no other computer receives anything",
+    remedies={
+        "route": "if they should: `sudo ip route replace 224.0.0.0/4 dev eth0` (with your"
+        " interface)",
+    },
+    evidence="the routing table, the ttl of the URL",
+)
 def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
     """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
         title = state("loopback-route", ttl=evidence.ttl)
-        yield from found(title, None, "route")
+        yield from finding(title, None, "route")
 
 
-@rule("container", "docker run --network host; WSL: networkingMode=mirrored", Severity.NOTE)
+@rule(
+    "container",
+    remedy="docker run --network host; WSL: networkingMode=mirrored",
+    severity=Severity.NOTE,
+    title="This is a {container} with its own network, and no other computer is seen",
+    remedies={
+        **HOST_NETWORK,
+        "mirrored-network": "write networkingMode=mirrored under [wsl2] into"
+        " %UserProfile%\\.wslconfig",
+        "use-server": "or connect both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
+    },
+    evidence="marks of containers and of WSL in the file system, the interface",
+)
 def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     """The private network of a container or WSL forwards multicast.
 
@@ -75,13 +125,22 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     if _is_alone(evidence) and is_walled:
         remedy = "mirrored-network" if kind == "WSL" else "host-network"
         title = state("container", container=kind)
-        yield from found(title, None, remedy, "use-server")
+        yield from finding(title, None, remedy, "use-server")
 
 
 @rule(
     "igmp-querier",
-    "echo 1 | sudo tee /sys/class/net/BRIDGE/bridge/multicast_querier",
-    Severity.NOTE,
+    remedy="echo 1 | sudo tee /sys/class/net/BRIDGE/bridge/multicast_querier",
+    severity=Severity.NOTE,
+    title="The bridge {bridge} sends no IGMP queries, and no other computer is seen",
+    facts={
+        "switch-forgets": "if messages stop some minutes after a start, a switch has forgotten the"
+        " members of the group",
+    },
+    remedies={
+        "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
+    },
+    evidence="the settings of a bridge on the route",
 )
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """The network has an IGMP querier, which queries for group members.
@@ -93,10 +152,17 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     bridge = evidence.host.bridge
     if _is_alone(evidence) and bridge:
         title, remedy = (state(kind, bridge=bridge) for kind in ("igmp-querier", "enable-querier"))
-        yield from found(title, [state("switch-forgets")], remedy)
+        yield from finding(title, [state("switch-forgets")], remedy)
 
 
-@rule("bandwidth", "send smaller messages, or less often: lcmtools bw TOPIC")
+@rule(
+    "bandwidth",
+    remedy="send smaller messages, or less often: lcmtools bw TOPIC",
+    title="{interface} is too slow for the bus, which carries {megabytes_per_second:.1f} MB/s:",
+    facts={"stream-bandwidth": "{topic} from {sender}: {megabytes_per_second:.2f} MB/s"},
+    remedies={"use-ttl-0": "keep what only this computer needs on a bus with ttl=0"},
+    evidence="bytes during the look, the interface's speed",
+)
 def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
     """The bus does not fill the network.
 
@@ -115,15 +181,30 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
             state("stream-bandwidth", topic=s.channel, sender=s, megabytes_per_second=megabytes)
             for s, megabytes in rates
         )
-        yield from found(title, facts, "use-ttl-0")
+        yield from finding(title, facts, "use-ttl-0")
 
 
 def _is_alone(evidence: Evidence) -> bool:
-    """Return whether other computers could take part, and none is seen."""
+    """Return whether other computers could send on the bus, but none does."""
     return evidence.ttl > 0 and not (evidence.has_others() or evidence.bus_problem)
 
 
-@rule("clocks", "sudo timedatectl set-ntp true, on both; or sudo chronyc makestep")
+@rule(
+    "clocks",
+    remedy="sudo timedatectl set-ntp true, on both; or sudo chronyc makestep",
+    title={
+        "clock-ahead": "The clock of {host} ({host.address}) is {seconds:time} ahead of this"
+        " computer's:",
+        "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
+        " computer's:",
+    },
+    facts=PROGRAM | MORE,
+    remedies={
+        **SET_CLOCKS,
+        "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
+    },
+    evidence="the times in announcements, and their times of arrival",
+)
 def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
     """The clocks of all computers agree.
 
@@ -137,16 +218,16 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
             facts.append(state("more", count=len(clock.nodes) - _MOST))
         kind = "clock-ahead" if clock.lag < 0 else "clock-behind"
         title = state(kind, host=clock, seconds=abs(clock.lag))
-        yield from found(title, facts, "set-clocks", "compare-clocks")
+        yield from finding(title, facts, "set-clocks", "compare-clocks")
 
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:
-    """The computers whose clocks differ from this one's."""
+    """Return the computers whose clocks differ from this one's."""
     return [c for c in evidence.clocks if c.lag < -_AHEAD or c.lag > _BEHIND]
 
 
 def has_wrong_clock(evidence: Evidence, name: str) -> bool:
-    """Return whether a sender, by its name for people, is on a computer whose clock differs."""
+    """Return whether a sender, by its displayed name, is on a computer whose clock differs."""
     return any(
         name in clock.nodes or name.startswith(f"{clock.address}:")
         for clock in wrong_clocks(evidence)

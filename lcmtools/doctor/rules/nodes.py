@@ -3,16 +3,44 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, found, rule, state
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.doctor.findings import (
+    Finding,
+    Part,
+    Severity,
+    Statement,
+    Subject,
+    finding,
+    rule,
+    state,
+)
+from lcmtools.doctor.renaming import DROP_REMAP
+from lcmtools.doctor.rules.shared import WAKE_OR_END
+from lcmtools.graph.model import VERSION, Node, Staleness
+from lcmtools.graph.protocol import SOFTWARE
 
-_CLOCK = "/clock"
 _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
 
-@rule("stale-nodes", "wake it: kill -CONT PID; or forget it: lcmtools node cleanup", Severity.ERROR)
+@rule(
+    "stale-nodes",
+    remedy="wake it: kill -CONT PID; or forget it: lcmtools node cleanup",
+    severity=Severity.ERROR,
+    title="The following nodes do not answer any more:",
+    facts={
+        "may-be-late": "this computer is too busy to tell: they may only be late",
+        "stale": "{node} (pid {pid}): {why}",
+        "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
+    },
+    remedies={
+        **WAKE_OR_END,
+        "look-there": "check there whether the network and the node work: `lcmtools wtf`",
+        "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
+    },
+    evidence="announcements, the records of nodes of this computer",
+)
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was seen before and did not say goodbye still answers.
 
@@ -26,7 +54,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         for node in nodes
         if node.stale
         and not node.is_hidden  # a command that was killed is no part of the system
-        and (_runs(node) or node.name not in alive)  # it has been started again
+        and (_runs(node) or node.name not in alive)  # it has been restarted
     ]
     for severity in (Severity.ERROR, Severity.NOTE):
         is_sure = severity is Severity.ERROR
@@ -35,20 +63,20 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         if facts and not is_sure:
             facts.append(state("may-be-late"))
         remedies = (remedy for _, remedy in pairs)
-        yield from found("stale-nodes", facts, *remedies, severity=severity)
+        yield from finding("stale-nodes", facts, *remedies, severity=severity)
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
-    """Return whether a node that does not answer would have been heard."""
+    """Return whether the answer of a node would have been received."""
     stopped = {one.pid for one in evidence.listeners if one.state == "T"}
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
     is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
     is_known = node.stale is Staleness.ENDED or node.pid in stopped
-    return is_known or not (is_deaf or evidence.crowd())
+    return is_known or not (is_deaf or evidence.wait_share())
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
-    """The fact and the remedy; a process number means something on its own computer only."""
+    """Return the fact and the remedy; a process number is valid only on its own computer."""
     known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
@@ -64,7 +92,15 @@ def _runs(node: Node) -> bool:
     return node.stale is not Staleness.ENDED
 
 
-@rule("duplicate-names", "start one of them with __name:=ANOTHER", Severity.ERROR)
+@rule(
+    "duplicate-names",
+    remedy="start one of them with __name:=ANOTHER",
+    severity=Severity.ERROR,
+    title="{count} nodes have the name {name}:",
+    facts={"node-process": "pid {pid} on {host}: {command}"},
+    remedies={"end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}"},
+    evidence="announcements",
+)
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """No two nodes have the same name.
 
@@ -84,29 +120,53 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
             kills = pids if len(pids) > 1 else ()
             remedy = state("end-or-rename", pids=kills, name=f"{name.rpartition('/')[2]}2")
-            yield from found(title, facts, remedy)
+            yield from finding(title, facts, remedy)
 
 
-@rule("no-clock", "start the simulator, or the node without _use_sim_time:=true", Severity.ERROR)
+@rule(
+    "no-clock",
+    remedy="start the simulator, or the node without _use_sim_time:=true",
+    severity=Severity.ERROR,
+    title="The following nodes use simulated time, and nothing publishes {topic}:",
+    facts={"node-pid": "{node} (pid {pid})"},
+    remedies={
+        **DROP_REMAP,
+        "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
+    },
+    evidence="announcements",
+)
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     """Simulated time has a publisher, if any node uses it.
 
     For a node with _use_sim_time:=true, time does not pass until a message comes on /clock: its
     timers never run.
     """
-    topic = evidence.graph.topic(_CLOCK)
+    topic = evidence.graph.topic(CLOCK_TOPIC)
     waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
-    # one that was killed or hangs is reported by another rule
-    if not (sources or topic.foreign or _CLOCK in evidence.stale_published):
+    # a publisher that was killed or hangs is reported by another rule
+    if not (sources or topic.foreign or CLOCK_TOPIC in evidence.stale_published):
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
-        title = state("no-clock", topic=_CLOCK)
-        yield from found(title, facts, *remedies, "start-simulator")
+        title = state("no-clock", topic=CLOCK_TOPIC)
+        yield from finding(title, facts, *remedies, "start-simulator")
 
 
-@rule("open-files", "close files and sockets that are not needed")
+@rule(
+    "open-files",
+    remedy="close files and sockets that are not needed",
+    title="The following programs have nearly as many files open as LCM can handle:",
+    facts={
+        "open-files": "pid {process.pid} has {open_files} files open, of {most_files}: {process}",
+    },
+    remedies={
+        "close-files": "close unneeded files, or restart the programs; a limit above 1024 does not"
+        " help, because liblcm waits with select",
+    },
+    evidence="the open files of your programs",
+    root_only="other users' programs",
+)
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
 
@@ -119,4 +179,51 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         for p, most in limits
         if p.open_files > _MOST_FILES * most
     )
-    return found("open-files", facts, "close-files")
+    return finding("open-files", facts, "close-files")
+
+
+@rule(
+    "other-version",
+    remedy="update lcmtools where the older program runs",
+    severity=Severity.NOTE,
+    title="The following nodes speak another version of the protocol than this program ({own}):",
+    facts={
+        "speaks": "{node} (pid {pid} on {host}): version {version}{software:brackets}",
+        "speaks-unread": (
+            "{node} (pid {pid} on {host}): version {version}{software:brackets}, of which only"
+            " name and process can be read, and the topics that it is seen to publish on"
+        ),
+    },
+    remedies={
+        "update-there": "update lcmtools where {nodes:list} {nodes:run}",
+        "update-here": "update the lcmtools that wtf was started from: here it is {software}",
+    },
+    evidence="announcements",
+)
+def nodes_speak_the_same_version(evidence: Evidence) -> Iterator[Finding]:
+    """All nodes announce themselves by the same version of the protocol as this program.
+
+    Nodes of other versions work together, but may not tell everything of each other.
+    """
+    others = [
+        node
+        for node in evidence.graph.nodes
+        if (node.version != VERSION or not node.has_details) and not (node.stale or node.is_hidden)
+    ]
+    facts = (
+        state(
+            "speaks" if node.has_details else "speaks-unread",
+            node=node,
+            pid=node.pid,
+            host=node.host,
+            version=node.version,
+            software=node.software,
+        )
+        for node in others
+    )
+    older = tuple(dict.fromkeys(node.name for node in others if node.version < VERSION))
+    remedies = [state("update-there", nodes=older)] if older else []
+    if any(node.version > VERSION for node in others):
+        remedies.append(state("update-here", software=SOFTWARE))
+    title = state("other-version", own=VERSION)
+    yield from finding(title, facts, *remedies)

@@ -1,50 +1,51 @@
-"""Rules about the pace of publishers: silent, slower than they were, irregular."""
+"""Rules about the rates of publishers: silent, slower than before, irregular."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from lcmtools.doctor.connecting import is_simulator
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.doctor.rules.shared import WAKE_OR_END
+from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
+from lcmtools.observe.simulators import is_simulator, publishes_time
 
-SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
-"""Topics that are meant for many publishers."""
 _STOPPED = frozenset({"T", "t"})
 _SILENCE = 3.0  # [s]
-_PERIODS = 10  # without a message are silence
-_ENOUGH = 10  # messages to speak of a usual rate
-_SURE = 8  # messages that should have come, to say that a rate has fallen
+_PERIODS = 10  # periods without a message are silence
+_ENOUGH = 10  # messages that are enough for a usual rate
+_SURE = 8  # expected messages that are enough to judge a rate
 _FALLEN = 0.5
-_FEW = 2  # messages that should have come in a brief look: 3 in a whole one
+_FEW = 2  # expected messages in a brief look: 3 in a whole one
 _LATE = 3  # periods without a message are a reason to look longer
-_BURSTS = 3.0  # [s] between two bursts that are no silence
-_LONGEST = 5.0  # [s] of a look that goes on to be sure
-_AGE = 5.0  # [s] of a process whose average rate means something
+_BURSTS = 3.0  # [s] between two bursts that do not count as silence
+_LONGEST = 5.0  # [s] of an extended look
+_AGE = 5.0  # [s] the least age of a process for an average rate
 _BURST = 4  # times the median interval on average
 _AT_ONCE = 500_000  # [ns] between messages that are sent one after another
 UNEVEN = 8  # times the usual interval
-_BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
+_BLAME = 0.6  # share of a gap that a wait for a processor excuses
 SHORTEST = 0.1  # [s] an interval that is worth reporting
 
 
 @dataclass(frozen=True, slots=True)
 class _Pace:
-    """A publisher's messages during the look, beside its usual rate."""
+    """A publisher's messages during the look, and its usual rate."""
 
-    fact: str  # the kind of the fact that tells of it
+    fact: str  # the kind of its fact
     publisher: Observed
-    name: str  # of the publisher, for people
-    topic: str  # "" for all of them together
+    name: str  # of the publisher, as it is displayed
+    topic: str  # "" for all topics together
     usual: float  # [Hz]
     sent: int  # messages
     span: float  # [s] in which they were sent
-    age: float | None = None  # [s] of the newest message; None where not known
+    age: float | None = None  # [s] of the newest message; None if unknown
     gap: float = 0.0  # [s] the longest between the messages before it
 
     @property
@@ -58,13 +59,13 @@ class _Pace:
 
     @property
     def rate(self) -> float:
-        """The rate now [Hz]; where no message came, the fastest that it may be."""
+        """The rate now [Hz]; if no message came, its upper bound."""
         return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
 
-    def doubt(self) -> float:
-        """The duration of a look [s] that would show whether the rate has fallen; 0 for no doubt.
+    def needed_duration(self) -> float:
+        """Return the duration of a look [s] that shows whether the rate fell; 0 if it is clear.
 
-        One or two messages less than expected are no reason to look longer.
+        One or two missing messages are no reason for a longer look.
         """
         is_late = self.age is not None and self.age > max(_LATE / self.usual, 0.5)
         is_suspicious = is_late or (self.has_fallen and self.expected >= _LATE)
@@ -72,23 +73,41 @@ class _Pace:
         return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
 
 
-@rule("silent", "check the node's log, and that its inputs still arrive")
+@rule(
+    "silent",
+    remedy="check the node's log, and that its inputs still arrive",
+    title={
+        "silent": "The following have stopped publishing:",
+        "stopped-programs": "The following programs are stopped: they send and receive nothing:",
+    },
+    facts={
+        "process": "{process} (pid {process.pid})",
+        "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
+        "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
+    },
+    remedies=WAKE_OR_END,
+    evidence="the nodes' counters, times of arrival, the state of processes; earlier looks with"
+    " --watch",
+    root_only="the state of other users' programs",
+)
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
     wtf compares their own counters, the traffic during the look, and with --watch earlier looks.
     Many stop for a good reason: no commands, or no subscribers.
     """
-    facts: dict[tuple[str, str], Statement] = {}  # each publisher once, by the surest evidence
+    facts: dict[
+        tuple[str, str], Statement
+    ] = {}  # each publisher once, by the most reliable evidence
     for kind, by, name, topic, age, rate in _silent(evidence):
         fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
         facts.setdefault((name, topic), fact)
-    yield from found("silent", facts.values(), severity=Severity.NOTE)
+    yield from finding("silent", facts.values(), severity=Severity.NOTE)
     yield from _stopped(evidence)
 
 
 def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float, float]]:
-    """Of each silence: kind of fact, publisher, its name, topic, duration [s], rate before [Hz]."""
+    """Yield silent ones: kind of fact, publisher, name, topic, time [s], rate before [Hz]."""
     for node, endpoint, is_subscribed in _publications(evidence):
         # a simulator measures for subscribers only
         rate = average_rate(node, endpoint) if is_subscribed or not is_simulator(node) else None
@@ -97,7 +116,7 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
             yield "silent-node", node, node.name, endpoint.topic, age, rate
     for stream in _wanted_streams(evidence):
         interval = usual_interval(stream)
-        # of what wtf itself was too slow for, or had to leave out, the last time is not known
+        # the last time is unknown if wtf was too slow or the list of times is full
         if interval and not (stream.is_cut or stream.has_ended or evidence.own_drops):
             age = (evidence.graph.time - stream.times[-1]) / 1e9
             is_late = age * _BLAME > evidence.processor_wait
@@ -110,7 +129,7 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
 
 
 def _stopped(evidence: Evidence) -> Iterator[Finding]:
-    # of nodes and listeners other rules report it
+    # other rules report stopped nodes and listeners
     nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
     stopped = [
         process
@@ -119,13 +138,23 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
     ]
     remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
-    return found("stopped-programs", facts, *remedies)
+    return finding("stopped-programs", facts, *remedies)
 
 
 @rule(
     "slow-rate",
-    "see what the node or its computer is busy with: lcmtools node info, top",
-    Severity.NOTE,
+    remedy="see what the node or its computer is busy with: lcmtools node info, top",
+    severity=Severity.NOTE,
+    title="The following have become slower:",
+    facts={
+        "slower": "{node}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+        "slower-program": "{sender}: {rate:.3g} Hz in all, and {usual:.3g} Hz on average since its"
+        " start",
+        "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
+    },
+    evidence="the nodes' counters, LCM's sequence numbers with the age of processes; earlier looks"
+    " with --watch",
+    root_only="the age of other users' programs",
 )
 def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     """Publishers are as fast as they were.
@@ -142,27 +171,33 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
             parts = {"node": by} if isinstance(by, Node) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
             facts.setdefault(key, fact)
-    return found("slow-rate", facts.values())
+    return finding("slow-rate", facts.values())
 
 
-def doubt(evidence: Evidence) -> float:
-    """The duration of a look [s] that would show which rates have fallen; 0 for no doubt.
+def needed_duration(evidence: Evidence) -> float:
+    """Return the duration of a look [s] that shows which rates have fallen; 0 if none may have.
 
-    What has just stopped may come in bursts.
+    A stream that has just stopped may come in bursts.
     """
     stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    return max(_BURSTS if stops else 0.0, *(pace.doubt() for pace in _paces(evidence)), 0.0)
+    return max(
+        _BURSTS if stops else 0.0, *(pace.needed_duration() for pace in _paces(evidence)), 0.0
+    )
 
 
 def may_have_fallen(evidence: Evidence) -> bool:
-    """Return whether a rate may have fallen, so that a whole look could leave a doubt."""
+    """Return whether a rate may have fallen, so that a whole look may not be enough."""
     return any(one.has_fallen and one.expected >= _FEW for one in _paces(evidence))
 
 
 @rule(
     "irregular",
-    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
-    Severity.NOTE,
+    remedy="lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
+    severity=Severity.NOTE,
+    title="The following come at irregular intervals:",
+    facts={"gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}"},
+    evidence="times of arrival; the time that programs waited for a processor",
+    root_only="the waiting of other users' programs",
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     """Frequent messages come at regular intervals.
@@ -179,30 +214,32 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             if is_late and longest > max(SHORTEST, UNEVEN * interval):
                 times = {"longest": longest, "usual": interval}
                 facts.append(state("gap", sender=stream, topic=stream.channel, **times))
-    return found("irregular", facts)
+    return finding("irregular", facts)
 
 
 def _comes_in_bursts(stream: Stream) -> bool:
-    """Return whether most messages follow others at once, or there are several long pauses."""
+    """Return whether most messages follow others immediately, or there are several long pauses."""
     gaps = sorted(later - earlier for earlier, later in pairwise(stream.times))
     usual, average = median(gaps), sum(gaps) / len(gaps)
     return usual < _AT_ONCE or (average > _BURST * usual and gaps[-2] > gaps[-1] / 2)
 
 
 def usual_interval(stream: Stream) -> float | None:
-    """The median interval between the messages of a stream [s]; None where there are few."""
+    """Return the median interval between the messages of a stream [s]; None for too few."""
     if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few
         return None
     return median(later - earlier for earlier, later in pairwise(stream.times)) / 1e9 or None
 
 
 def _paces(evidence: Evidence) -> Iterator[_Pace]:
-    """The publishers whose usual rate is known, whatever it is known by.
+    """Yield the publishers with a known usual rate, except simulators.
 
-    But for simulators: another rule judges their pace, and what does not move is sent less often.
+    Publishers of simulated time are left out too, because another rule judges their pace. A
+    simulator sends the poses of resting bodies less often.
     """
-    simulators = {node.name for node in evidence.graph.nodes if is_simulator(node)}
-    yield from (pace for pace in _remembered(evidence) if pace.name not in simulators)
+    judged_apart = (n for n in evidence.graph.nodes if is_simulator(n) or publishes_time(n))
+    excepted = {node.name for node in judged_apart}
+    yield from (pace for pace in _remembered(evidence) if pace.name not in excepted)
     before = {
         (node.id, endpoint.topic): (node, endpoint)
         for node in evidence.before.nodes
@@ -213,7 +250,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         is_known = is_subscribed and earlier.messages >= _ENOUGH
         usual = average_rate(was, earlier) if is_known else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
-        if usual and span and earlier is not endpoint and node.name not in simulators:
+        if usual and span and earlier is not endpoint and node.name not in excepted:
             sent, age = endpoint.messages - earlier.messages, silence(evidence, node, endpoint)
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
@@ -227,12 +264,12 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
 
 
 def silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
-    """The time from an endpoint's last message to the node's last announcement [s]."""
+    """Return the time from an endpoint's last message to the node's last announcement [s]."""
     return ((node.sent or node.time_there(evidence.graph.time)) - endpoint.last_time) / 1e9
 
 
 def _remembered(evidence: Evidence) -> Iterator[_Pace]:
-    """The publishers that earlier looks of --watch have seen."""
+    """Yield the publishers of earlier looks of --watch."""
     streams = {(stream.channel, stream.sender): stream for stream in evidence.streams}
     wanted, excused = _wanted_topics(evidence), {node.name for node in resting_simulators(evidence)}
     excused |= busy_nodes(evidence) | {node.name for node in evidence.graph.nodes if node.stale}
@@ -249,14 +286,14 @@ def _remembered(evidence: Evidence) -> Iterator[_Pace]:
 
 
 def resting_simulators(evidence: Evidence) -> list[Node]:
-    """The simulators that publish no time now, and so no measurements."""
-    ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
-    clocks = (node for node, _ in evidence.graph.topic("/clock").publishers)
+    """Return the simulators that publish no time now, and so no measurements."""
+    ticking = {s.name for s in evidence.streams if s.channel == CLOCK_TOPIC}
+    clocks = filter(publishes_time, evidence.graph.nodes)
     return [node for node in clocks if node.name not in ticking]
 
 
 def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
-    """The publications of nodes, with whether they have subscribers; not of those that rest."""
+    """Yield the publications of active nodes, and whether they have subscribers."""
     taken = {
         endpoint.topic
         for node in evidence.graph.nodes
@@ -264,21 +301,21 @@ def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
         for endpoint in node.having(Role.SUBSCRIBER)
     }
     resting = resting_simulators(evidence)
-    missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - SHARED
+    missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - MEANT_FOR_MANY
     for node in evidence.graph.nodes:
         waits = not missed.isdisjoint(e.topic for e in node.having(Role.SUBSCRIBER))
         for endpoint in node.having(Role.PUBLISHER):
-            usual = not is_hidden(endpoint.topic) and endpoint.topic not in SHARED
+            usual = not is_hidden(endpoint.topic) and endpoint.topic not in MEANT_FOR_MANY
             is_silent_on_purpose = node in resting or waits or node.stale or node.tool
             if usual and not is_silent_on_purpose:
                 yield node, endpoint, endpoint.topic in taken
 
 
 def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:
-    """Return a function that tells topics whose publishers have a reason to publish.
+    """Return a predicate for the topics whose publishers have a reason to publish.
 
-    Nodes without subscribers may rest as they like: a simulator measures for them while anything
-    listens to all topics, as wtf does.
+    A publisher without subscribers may pause: a simulator, for example, sends its sensors while a
+    command such as wtf listens to all topics.
     """
     ends = [(e, node) for node in evidence.graph.nodes if not node.stale for e in node.endpoints]
     published = {e.topic for e, _ in ends if e.role is Role.PUBLISHER}
@@ -287,6 +324,6 @@ def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:
 
 
 def _wanted_streams(evidence: Evidence) -> list[Stream]:
-    """The streams of publishers that have a reason to publish."""
+    """Return the streams of publishers that have a reason to publish."""
     wanted, busy = _wanted_topics(evidence), busy_nodes(evidence)  # reported by another rule
     return [s for s in evidence.streams if wanted(s.channel) and s.name not in busy]

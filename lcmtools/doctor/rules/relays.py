@@ -3,23 +3,44 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, RelayEnd
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
 from lcmtools.graph.model import Role
 
 
-@rule("relay-bus", "start the bus that the relay joins, or check the connection to it")
+@rule(
+    "relay-bus",
+    remedy="start the bus that the relay joins, or check the connection to it",
+    title="The following relays do not reach one of their buses:",
+    facts={"relay-bus": "{relay} on {host}: {trouble}"},
+    remedies={
+        "mend-line": "start the bus that the relay joins, or repair the connection; the relay"
+        " retries",
+    },
+    evidence="the reports of relays",
+)
 def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     """Every relay reaches both of its buses.
 
     A relay that does not retries until it does; messages for the bus are dropped meanwhile.
     """
     facts = (
-        state("relay-bus", **_who(end), trouble=end.trouble) for end in _with(evidence, "trouble")
+        state("relay-bus", **_relay_and_host(end), trouble=end.trouble)
+        for end in _ends_with(evidence, "trouble")
     )
-    return found("relay-bus", facts, "mend-line")
+    return finding("relay-bus", facts, "mend-line")
 
 
-@rule("relay-losses", "let the relay carry less: --rate '/camera/**=5', --newest, --deny")
+@rule(
+    "relay-losses",
+    remedy="let the relay carry less: --rate '/camera/**=5', --newest, --deny",
+    title="The following relays drop messages:",
+    facts={"relay-dropped": "{relay} on {host}: {count} messages for {bus}"},
+    remedies={
+        "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
+        " '/camera/**', or --deny",
+    },
+    evidence="two reports of each relay",
+)
 def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     """No relay drops messages.
 
@@ -27,13 +48,23 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     for a second is not sent.
     """
     facts = (
-        state("relay-dropped", **_who(end), bus=end.bus, count=end.dropped)
-        for end in _with(evidence, "dropped")
+        state("relay-dropped", **_relay_and_host(end), bus=end.bus, count=end.dropped)
+        for end in _ends_with(evidence, "dropped")
     )
-    return found("relay-losses", facts, "carry-less")
+    return finding("relay-losses", facts, "carry-less")
 
 
-@rule("relay-commands", "start the relay with --allow TOPIC")
+@rule(
+    "relay-commands",
+    remedy="start the relay with --allow TOPIC",
+    title="Commands do not pass a relay, and a node behind it waits for them:",
+    facts={"relay-command": "{topic}, at {relay} on {host}"},
+    remedies={
+        "allow-command": "if they should pass: start {relay} with --allow {topic} (and --allow"
+        " '**', if it has no other); else with --deny {topic}",
+    },
+    evidence="the reports of relays, announcements and all messages of the look",
+)
 def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """Commands to actuators pass a relay if a node on the other bus waits for them.
 
@@ -42,28 +73,41 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """
     sent = {one.channel for one in evidence.streams}
     sent |= {end.topic for node in evidence.graph.nodes for end in node.having(Role.PUBLISHER)}
-    pairs = [(end, topic) for end in _with(evidence, "commands") for topic in end.commands]
+    pairs = [(end, topic) for end in _ends_with(evidence, "commands") for topic in end.commands]
     pairs = [(end, topic) for end, topic in pairs if topic in sent]
-    facts = (state("relay-command", **_who(end), topic=topic) for end, topic in pairs)
-    remedies = (state("allow-command", relay=_who(end)["relay"], topic=t) for end, t in pairs)
-    return found("relay-commands", facts, *remedies, severity=Severity.NOTE)
+    facts = (state("relay-command", **_relay_and_host(end), topic=topic) for end, topic in pairs)
+    remedies = (
+        state("allow-command", relay=_relay_and_host(end)["relay"], topic=t) for end, t in pairs
+    )
+    return finding("relay-commands", facts, *remedies, severity=Severity.NOTE)
 
 
-@rule("relay-standby", "end it, if it should not take over", Severity.NOTE)
+@rule(
+    "relay-standby",
+    remedy="end it, if it should not take over",
+    severity=Severity.NOTE,
+    title="The following relays stand by, because others join the same buses:",
+    facts={"relay-standby": "{relay} on {host}"},
+    remedies={
+        "end-standby": "if it should not take over from the other one:"
+        " `lcmtools node kill {relay}`",
+    },
+    evidence="the reports of relays",
+)
 def relays_carry_messages(evidence: Evidence) -> Iterator[Finding]:
     """Every relay carries messages, unless it should take over from another one.
 
     If several relays join the same buses, one carries messages, and only its rules apply.
     """
     names = {end.relay: end for end in evidence.relays if end.stands_by and not end.trouble}
-    facts = (state("relay-standby", **_who(end)) for end in names.values())
-    remedies = (state("end-standby", relay=_who(end)["relay"]) for end in names.values())
-    return found("relay-standby", facts, *remedies)
+    facts = (state("relay-standby", **_relay_and_host(end)) for end in names.values())
+    remedies = (state("end-standby", relay=_relay_and_host(end)["relay"]) for end in names.values())
+    return finding("relay-standby", facts, *remedies)
 
 
-def _with(evidence: Evidence, field: str) -> list[RelayEnd]:
+def _ends_with(evidence: Evidence, field: str) -> list[RelayEnd]:
     return [end for end in evidence.relays if getattr(end, field)]
 
 
-def _who(end: RelayEnd) -> dict[str, Subject]:
+def _relay_and_host(end: RelayEnd) -> dict[str, Subject]:
     return {"relay": Subject("node", end.relay), "host": Subject("host", end.host)}

@@ -1,15 +1,26 @@
-"""Rules about what nodes report themselves: exceptions of their callbacks, and their logs."""
+"""Rules about reports of nodes: exceptions of their callbacks, and their logs."""
 
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
 from lcmtools.graph.model import CallbackError, Node
 
 _RECENT = 10.0  # [s]
 
 
-@rule("callback-errors", "correct the line that is named, and start the node again", Severity.ERROR)
+@rule(
+    "callback-errors",
+    remedy="correct the line that is named, and start the node again",
+    severity=Severity.ERROR,
+    title="Callbacks of the following raise exceptions:",
+    facts={
+        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in"
+        " {callback:call})",
+    },
+    remedies={"correct": "correct {place}, and start {node} again"},
+    evidence="the exceptions that nodes announce",
+)
 def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks raise no exceptions.
 
@@ -41,10 +52,17 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
             for node, error in chosen
         )
         remedies = (state("correct", node=node, place=error.place) for node, error in chosen)
-        yield from found("callback-errors", facts, *remedies, severity=severity)
+        yield from finding("callback-errors", facts, *remedies, severity=severity)
 
 
-@rule("logged", "read the whole log: lcmtools echo /rosout")
+@rule(
+    "logged",
+    remedy="read the whole log: lcmtools echo /rosout",
+    title="The following nodes log warnings or errors:",
+    facts={"logged": "{node}: {level}: {text}{messages:count}"},
+    remedies={"read-log": "read the whole log: `lcmtools echo /rosout`"},
+    evidence="messages on /rosout during the look",
+)
 def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     """Nodes log neither warnings nor errors on /rosout during the look.
 
@@ -63,9 +81,9 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
         for line in evidence.logs
         if not any(error.exception in line.text for error in raising.get(line.node, ()))
     ]
-    return found("logged", facts, "read-log")
+    return finding("logged", facts, "read-log")
 
 
 def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:
-    """The time since an exception, by its own computer's clock [s]."""
+    """Return the time since an exception [s], by its own computer's clock."""
     return (node.time_there(evidence.graph.time) - error.last_time) / 1e9

@@ -4,13 +4,33 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Statement, found, rule, state, subject
-from lcmtools.doctor.renaming import NearNames, give_reason, remap_argument, start_with
+from lcmtools.doctor.findings import Finding, Statement, finding, rule, state, subject
+from lcmtools.doctor.renaming import REMAPS, NearNames, give_reason, remap_argument, start_with
+from lcmtools.doctor.rules.shared import END_OR_REMAP
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 
 
-@rule("services", "start one of them with OLD:=NEW, or the node that offers what is called")
+@rule(
+    "services",
+    remedy="start one of them with OLD:=NEW, or the node that offers what is called",
+    title={
+        "services": "The following services are offered by more than one node, and each executes a"
+        " request:",
+        "unconnected-clients": "The following call services that no node offers:",
+    },
+    facts={
+        "calls": "{node} calls {service}",
+        "offered": "{service}: {nodes:and}",
+    },
+    remedies={
+        **REMAPS,
+        **END_OR_REMAP,
+        "start-server": "start a node that offers {service}; to see what is offered:"
+        " `lcmtools service list`",
+    },
+    evidence="announcements",
+)
 def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     """Services that nodes call are offered, and by one node each.
 
@@ -30,26 +50,28 @@ def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     facts = [
         state("offered", service=name, nodes=map(subject, nodes)) for name, nodes in several.items()
     ]
-    yield from found("services", facts, *(_parting(evidence, *each) for each in several.items()))
+    yield from finding(
+        "services", facts, *(_separation(evidence, *each) for each in several.items())
+    )
     nodes = evidence.graph.nodes
     calls = [(n, end.topic) for n in nodes if not n.tool for end in n.having(Role.CLIENT)]
-    if any(node.stale and not node.is_hidden for node in nodes):  # it may be what is called
+    if any(node.stale and not node.is_hidden for node in nodes):  # it may offer the service
         calls = []
     calling = [(n, name) for n, name in calls if not (is_hidden(name) or name in offered)]
     facts = [state("calls", node=node, service=name) for node, name in calling]
-    remedies = (_connecting(node, name, list(offered)) for node, name in calling)
-    yield from found("unconnected-clients", facts, *remedies)
+    remedies = (_connection_remedy(node, name, list(offered)) for node, name in calling)
+    yield from finding("unconnected-clients", facts, *remedies)
 
 
-def _parting(evidence: Evidence, service: str, nodes: list[Node]) -> Statement:
+def _separation(evidence: Evidence, service: str, nodes: list[Node]) -> Statement:
     pids = tuple(str(node.pid) for node in nodes if node.id not in evidence.remote)
     old = remap_argument(nodes[-1], service).partition(":=")[0] or service
     known = {"pids": pids if len(pids) > 1 else (), "old": old, "new": f"{service}_2"}
     return state("end-one-or-remap", other=nodes[-1], **known)
 
 
-def _connecting(node: Node, service: str, offered: list[str]) -> Statement:
-    """The remap to a service of nearly the same name, or of the same one elsewhere."""
+def _connection_remedy(node: Node, service: str, offered: list[str]) -> Statement:
+    """Return a remap to a service of a similar name, or of the same name in another namespace."""
     meant = [one for one in offered if base_name_of(one) == base_name_of(service)]
     for other in (*meant, *NearNames(offered).of(service)):
         return give_reason(start_with(node, service, other), "offered", channel=other)

@@ -1,25 +1,41 @@
-"""Rules about the messages that come: lost, from too many, too late in simulated time."""
+"""Rules about messages: lost, duplicated, from too many publishers, and of a slow simulator."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import remap_argument
-from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
+from lcmtools.doctor.rules.pace import resting_simulators, silence
+from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.doctor.rules.types import disagree
+from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
 
+_SENT = "{lost} of {sent} ({percent:.1f} %)"
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
-_SOME = 3  # messages that are the same are no chance
+_SOME = 3  # equal messages are not a coincidence
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 _PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
 
 
-@rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
+@rule(
+    "loss",
+    remedy="less data, a wired network, or recv_buf_size=N in the URL",
+    title="Messages of the following senders were lost:",
+    facts={
+        "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
+        "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
+    },
+    remedies={
+        "send-less": "send less or smaller messages; a large one is lost with any of its parts",
+    },
+    evidence="LCM's sequence numbers, the drops of wtf's own socket",
+)
 def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     """Every message that is sent arrives at this computer.
 
@@ -32,10 +48,20 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
         kind, sent = "lost-in-sender" if s.is_local else "lost-on-network", s.lost + s.messages
         percent = 100 * Loss(s.lost, sent).share
         facts.append(state(kind, sender=s, lost=s.lost, sent=sent, percent=percent))
-    return found("loss", facts, "send-less")
+    return finding("loss", facts, "send-less")
 
 
-@rule("doubled", "remove the second path, or let the sender send once")
+@rule(
+    "doubled",
+    remedy="remove the second path, or let the sender send once",
+    title="Messages of the following come more than once, with the same sequence number:",
+    facts={"doubled": "{sender}: {count} messages"},
+    remedies={
+        "find-second-way": "look for a second path to this computer: a loop of cables or bridges,"
+        " two interfaces on one network, a mirroring port; or a sender that sends everything twice",
+    },
+    evidence="LCM's sequence numbers, the content of messages",
+)
 def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     """No message arrives twice with the same sequence number.
 
@@ -51,10 +77,27 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
         for name, count in counts.items()
         if count >= _SOME
     ]
-    return found("doubled", facts, "find-second-way")
+    return finding("doubled", facts, "find-second-way")
 
 
-@rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
+@rule(
+    "competing-publishers",
+    remedy="end one of them, or remap it: OLD:=NEW",
+    title="{count} programs publish on {topics:and} at the same time:",
+    facts={
+        "publisher": "{sender}: {topic}",
+        "repeats": "{sender}: {topic}, {count} messages that another sender had sent before",
+    },
+    remedies={
+        **END_OR_REMAP,
+        "end-one-or-part": "end one of them{pids:kills}, or start {other} on another bus",
+        "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
+        "open-circle": "a program that forwards what it receives creates a loop if that comes back"
+        " to it: let it publish on another channel",
+    },
+    evidence="channels, senders and times of messages; announcements of commands",
+    root_only="the names of other users' programs",
+)
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
@@ -76,7 +119,7 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         count = len({one.name for one in several})
         title = state("competing-publishers", count=count, topics=names)
         # two simulators send the same without passing it on
-        repeat = [one for one in several if one.repeated >= _SOME and "/clock" not in names]
+        repeat = [one for one in several if one.repeated >= _SOME and CLOCK_TOPIC not in names]
         facts = (
             state("repeats", sender=one, topic=one.channel, count=one.repeated)
             if one in repeat
@@ -84,20 +127,20 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             for one in several
         )
         circle = ["open-circle"] if repeat else []
-        yield from found(title, facts, *circle, _parting(evidence, several, names))
+        yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
-def doubt(evidence: Evidence) -> float:
-    """The duration of a look [s] that would show who publishes at the same time; 0 for no doubt."""
+def needed_duration(evidence: Evidence) -> float:
+    """Return the duration of a look [s] that shows competing publishers; 0 if it is clear."""
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
     return _SECOND_LOOK if is_unsure else 0.0
 
 
 def _by_input(evidence: Evidence) -> list[list[Stream]]:
-    """The streams on each topic that is meant for one publisher; alternatives count as one topic.
+    """Return the streams on each topic for one publisher; alternatives count as one topic.
 
-    Each sender once: one node may send large messages from a port of its own.
+    Each sender is included once, because a node may send large messages from a separate port.
     """
     groups = {
         endpoint.topic: f"{node.id}{endpoint.group}"
@@ -107,7 +150,7 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
     }
     senders: dict[str, dict[str, Stream]] = defaultdict(dict)
     for stream in (*evidence.streams, *_lasting_commands(evidence)):
-        is_private = stream.channel not in SHARED and not is_hidden(stream.channel)
+        is_private = stream.channel not in MEANT_FOR_MANY and not is_hidden(stream.channel)
         if is_private and stream.times and stream.sender:
             key = groups.get(stream.channel, stream.channel)
             known = senders[key].setdefault(stream.name, stream)
@@ -117,7 +160,7 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
 
 
 def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
-    """Return whether another program sends in the time in which this one does."""
+    """Return whether another stream overlaps this one in time."""
     return any(
         other.times[0] <= one.times[-1] and one.times[0] <= other.times[-1]
         for other in streams
@@ -126,7 +169,7 @@ def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
 
 
 def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
-    """The topics of commands that have sent and still run, as streams that last."""
+    """Yield streams for commands that have sent and still run, over their whole lifetime."""
     for node in evidence.graph.nodes:
         if node.tool and not node.stale:
             for end in node.having(Role.PUBLISHER):
@@ -136,22 +179,45 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
                     yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
-def _parting(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
-    """The remedy for several that compete for topics."""
+def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
+    """Return the remedy for publishers that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     known = {"pids": pids if len(pids) > 1 else ()}
     node = next((nodes[one.sender] for one in streams if one.sender in nodes), None)
     if node is None:
         return state("end-one-or-rename", **known)
-    if len(topics) > 1 or "/clock" in topics:  # two simulators, for example
+    if len(topics) > 1 or CLOCK_TOPIC in topics:  # two simulators, for example
         return state("end-one-or-part", other=node, **known)
     (topic,) = topics
     old = remap_argument(node, topic).partition(":=")[0] or topic
     return state("end-one-or-remap", other=node, old=old, new=f"{topic}_2", **known)
 
 
-@rule("slow-simulator", "subscribe to fewer sensors, or simulate fewer robots")
+@rule(
+    "slow-simulator",
+    remedy="subscribe to fewer sensors, or simulate fewer robots",
+    title={
+        "jumping-simulator": "Simulated time jumps back:",
+        "paused-simulator": "Simulated time stands still:",
+        "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
+        " the simulator is overloaded",
+        "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
+    },
+    facts={
+        **PROGRAM,
+        "jumps-back": "{program}: {count:times}",
+    },
+    remedies={
+        "resume": "if that was not intended: `lcmtools sim resume`",
+        "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
+        "simulate-less": "end programs that subscribe to cameras, or give it fewer robots",
+        "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
+        " time that only rises",
+    },
+    evidence="/clock, the processor time of its publisher",
+    root_only="its processor time, if it is another user's program",
+)
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
@@ -163,7 +229,7 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         node
         for node in resting_simulators(evidence)
         for end in node.having(Role.PUBLISHER)
-        if end.topic == "/clock" and end.messages and not node.stale
+        if end.topic == CLOCK_TOPIC and end.messages and not node.stale
         # by its own counter, for wtf may have missed what came
         if silence(evidence, node, end) > _PAUSED
     ]
@@ -172,24 +238,26 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     if clock and clock.ratio == 0 and not paused:
         facts.append(state("program", program=clock.name))
     remedies = [state("resume")] if any(map(_is_ours, paused)) else []
-    yield from found("paused-simulator", facts, *remedies, severity=Severity.NOTE)
+    yield from finding("paused-simulator", facts, *remedies, severity=Severity.NOTE)
     if clock and clock.jumps:
         jumps = state("jumps-back", program=clock.name, count=clock.jumps)
         severity = Severity.WARNING if clock.jumps > 1 else Severity.NOTE
-        yield from found("jumping-simulator", [jumps], "time-rises", severity=severity)
+        yield from finding("jumping-simulator", [jumps], "time-rises", severity=severity)
     if not (clock and clock.target and clock.ratio and clock.ratio <= _SLOWER * clock.target):
         return
     known = {"ratio": clock.ratio, "target": clock.target}
     facts = [state("program", program=clock.name)]
     if clock.busy is not None and clock.busy > _BUSY:
-        yield from found(state("overloaded-simulator", **known), facts, "simulate-less")
+        yield from finding(state("overloaded-simulator", **known), facts, "simulate-less")
     else:
         is_ours = any(_is_ours(node) for node in evidence.graph.nodes if node.name == clock.name)
         remedies = [state("set-rate", rate=clock.target)] if is_ours else []
-        yield from found(state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE)
+        yield from finding(
+            state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE
+        )
 
 
 def _is_ours(node: Node) -> bool:
-    """Return whether a node is the simulator of lcmtools, which commands can steer."""
+    """Return whether a node is the simulator of lcmtools, which commands can control."""
     services = (base_name_of(end.topic) for end in node.having(Role.SERVICE))
     return "set_rate" in services

@@ -4,7 +4,6 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, sender_names
 from lcmtools.doctor.findings import (
     Finding,
@@ -12,7 +11,7 @@ from lcmtools.doctor.findings import (
     Severity,
     Statement,
     Subject,
-    found,
+    finding,
     rule,
     state,
     subject,
@@ -22,12 +21,16 @@ from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates, problems, type_names
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.senders import UNKNOWN
+from lcmtools.observe.simulators import is_simulator
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1
 _MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
-_NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
-_OLDER, _NEWER = "without the field", "with "  # in a difference from the version that is known
+_NO_TYPE = -1  # instead of a fingerprint, if there is none or it changes with each message
+_SAME_LCM_FILES = {
+    "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
+}
+_OLDER, _NEWER = "without the field", "with "  # beginnings of a difference from the known version
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,19 +41,45 @@ class _User:
     subject: Subject
     fingerprints: frozenset[int]
     type: Mapping[str, Part]  # the parts of a statement that describe it
-    weight: float = 1.0  # where it is asked which type is meant
+    weight: float = 1.0  # in the vote for the intended type
 
     def fact(self) -> Statement:
-        """The use of the type."""
+        """Return the fact that it uses the type."""
         part = "sender" if self.kind == "sends" else "node"
         return state(self.kind, **{part: self.subject}, **self.type)
 
     def remedy(self, topic: str, types: Sequence[str]) -> Statement:
-        """The use of another type."""
+        """Return the remedy that it uses another type."""
         return state(f"{self.kind}-as", program=self.subject, topic=topic, types=types)
 
 
-@rule("type-mismatch", "use the same type, from the same .lcm file, on both sides", Severity.ERROR)
+@rule(
+    "type-mismatch",
+    remedy="use the same type, from the same .lcm file, on both sides",
+    severity=Severity.ERROR,
+    title={
+        "type-mismatch": "The types on {topic} do not match:",
+        "type-names-differ": "The types on {topic} have the same fields, but different names:",
+    },
+    facts={
+        "expects": "{node} expects {type}",
+        "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
+        "older-type": "the older version is probably that of {senders:and}",
+        "publishes": "{node} publishes {type}",
+        "sends": "{sender} sends {type}",
+    },
+    remedies={
+        **_SAME_LCM_FILES,
+        "expects-as": "let {program} subscribe to {topic} as {types:or}",
+        "publishes-as": "let {program} publish {topic} as {types:or}",
+        "remap-one": "remap one of them to another topic, for example {topic}:={topic}_2",
+        "rename-one": "let one of them use another channel",
+        "same-type": "it works; declare the same type on both sides, so that all commands show the"
+        " same",
+        "sends-as": "let {program} send {types:or} on {topic}",
+    },
+    evidence="announced types, fingerprints in messages, the known types",
+)
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """All publishers and subscribers of a topic use the same type.
 
@@ -61,15 +90,33 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         if disagree(topic):
             users = list(_users(topic, evidence))
             title, facts = state("type-mismatch", topic=topic.name), [one.fact() for one in users]
-            more, remedies = _judged(topic, users)
-            yield from found(title, [*facts, *more], *remedies)
+            more, remedies = _diagnosis(topic, users)
+            yield from finding(title, [*facts, *more], *remedies)
         elif not is_hidden(topic.name) and _differ_in_name(topic):
             title = state("type-names-differ", topic=topic.name)
             facts = [user.fact() for user in _users(topic, evidence)]
-            yield from found(title, facts, "same-type", severity=Severity.NOTE)
+            yield from finding(title, facts, "same-type", severity=Severity.NOTE)
 
 
-@rule("unknown-type", "generate the sender's types again from the same .lcm files", Severity.NOTE)
+@rule(
+    "unknown-type",
+    remedy="generate the sender's types again from the same .lcm files",
+    severity=Severity.NOTE,
+    title={
+        "no-lcm-messages": "The following are not LCM messages:",
+        "types-without-file": "The types of the following are not known here:",
+        "unknown-type": "The types of the following are similar to known ones:",
+    },
+    facts={"unknown-type": "{topic} from {senders:and}: {type}"},
+    remedies={
+        **_SAME_LCM_FILES,
+        "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them"
+        " with the code that lcm-gen generates",
+        "correct-file": "correct the file that cannot be read: {problem}",
+        "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
+    },
+    evidence="fingerprints and beginnings of messages, the known types",
+)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """The types of all messages are known, and everything sent is an LCM message.
 
@@ -99,15 +146,15 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
             kept.append(fact)
     note = Severity.NOTE
-    yield from found("unknown-type", near, "same-lcm-files", severity=note)
-    files = problems()[:1] if unknown else ()  # the one that is missed may be in there
+    yield from finding("unknown-type", near, "same-lcm-files", severity=note)
+    files = problems()[:1] if unknown else ()  # it may define the unknown type
     broken = (state("correct-file", problem=str(problem.error())) for problem in files)
-    yield from found("types-without-file", unknown, *broken, "type-path", severity=note)
-    yield from found("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
+    yield from finding("types-without-file", unknown, *broken, "type-path", severity=note)
+    yield from finding("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
 
 
 def disagree(topic: Topic) -> bool:
-    """Return whether a message is sent that a subscriber, or other publisher, cannot decode."""
+    """Return whether publishers and subscribers of a topic use different types."""
     sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
     sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
     taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
@@ -118,7 +165,7 @@ def disagree(topic: Topic) -> bool:
 
 
 def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
-    """The users of a topic; of a node, each type once."""
+    """Yield the users of a topic; a node once for each type."""
     for kind, ends in (("publishes", topic.publishers), ("expects", topic.subscribers)):
         distinct = {(node.id, end.types, end.fingerprints): (node, end) for node, end in ends}
         for node, end in distinct.values():
@@ -132,12 +179,14 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
 
 
 def _weight(node: Node) -> float:
-    """A simulator's types are fixed, and those of a command were just typed."""
+    """Return a node's weight: a simulator's types are fixed, those of a command just typed."""
     return 0.5 if node.tool else 1.5 if is_simulator(node) else 1.0
 
 
-def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list[Statement | str]]:
-    """Return the sides at fault, as far as that shows, and the remedies."""
+def _diagnosis(
+    topic: Topic, users: Sequence[_User]
+) -> tuple[list[Statement], list[Statement | str]]:
+    """Return facts about the wrong side, if that is known, and the remedies."""
     if any("difference" in user.type for user in users):
         return list(_older(users)), ["same-lcm-files"]
     unknown = [u for u in users if "fingerprint" in u.type]
@@ -162,7 +211,7 @@ def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list
 
 
 def _older(users: Sequence[_User]) -> Iterator[Statement]:
-    """The users of the older version, as far as the fields that differ show it."""
+    """Yield a fact with the users of the older version, if the difference shows it."""
 
     def has(user: _User, words: str) -> bool:
         return words in str(user.type.get("difference", ""))
@@ -180,46 +229,46 @@ def _sender(seen: Traffic, names: Mapping[Sender | None, str]) -> Subject:
 
 
 def _differ_in_name(topic: Topic) -> bool:
-    """Return whether every subscriber calls the published types by other names."""
+    """Return whether a subscriber uses other names for the published types."""
     taken = [set(endpoint.types) for _, endpoint in topic.subscribers if endpoint.fingerprints]
     sent = {endpoint.type for _, endpoint in topic.publishers if endpoint.fingerprints}
     return any(not sent & types for types in taken) if sent else False
 
 
 def _sent_by(traffic: Traffic) -> list[int]:
-    """The types that a sender means: all known ones, or its one unknown one, or none at all."""
+    """Return a sender's types: all known ones, else its only unknown one, else ``_NO_TYPE``."""
     known = [fingerprint for fingerprint in traffic.fingerprints if candidates(fingerprint)]
     return known or (list(traffic.fingerprints) if len(traffic.fingerprints) == 1 else [_NO_TYPE])
 
 
 def _announced(end: Endpoint) -> dict[str, Part]:
-    """The parts of a statement that describe an announced type."""
+    """Return the parts of a statement that describe an announced type."""
     first = end.fingerprints[0] if end.fingerprints else _NO_TYPE
     if len(end.types) != 1 or end.type in candidates(first):
         return {"types": end.types}
-    if end.type in type_names():  # in another version than here
+    if end.type in type_names():  # another version of a known type
         return {"name": end.type, **_type(first, (end.type,))}
     return {"name": end.type, "fingerprint": f"{first:#018x}"}
 
 
 def _name(fingerprint: int, topic: Topic) -> dict[str, Part]:
-    """The parts that describe an announced type."""
+    """Return the parts that describe the announced type of a fingerprint."""
     ends = (end for _, end in topic.publishers + topic.subscribers)
     return next((_announced(end) for end in ends if fingerprint in end.fingerprints), {})
 
 
 def _expected(topic: Topic) -> tuple[str, ...]:
-    """The types that are announced for a topic, and those that its messages may have."""
+    """Return the types that are announced for a topic, and candidates for its messages."""
     return (*topic.types, *(name for number in topic.fingerprints for name in candidates(number)))
 
 
 def _may_be_fingerprint(number: int) -> bool:
-    """Return whether it may be a hash: of plain numbers and zeros nothing is said."""
+    """Return whether a number may be a hash: plain numbers have many zero bytes."""
     return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
 def _type(fingerprint: int, expected: tuple[str, ...]) -> dict[str, Part]:
-    """The parts of a statement that describe a type."""
+    """Return the parts of a statement that describe a type."""
     if fingerprint == _NO_TYPE:
         return {}
     if known := candidates(fingerprint):

@@ -1,17 +1,29 @@
-"""The parts that could not be looked at, with the reason: from the evidence, as the rules are."""
+"""Rules that lack evidence, with the reasons."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Unchecked, state
+from lcmtools.doctor.findings import Part, Subject, Unchecked, state
 
 _ROOT = 0
 _OF_SOCKETS = ("kernel-drops", "stuck-listeners", "small-buffer", "interfaces", "other-users")
+_REASONS = {
+    "bandwidth-unknown": "{interface} reports no speed",
+    "buffers-unknown": "this system does not report the size of the listeners' buffers",
+    "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
+    " wtf shows them",
+    "zenoh-losses": "wtf does not count losses on Zenoh; lcmtools hz TOPIC does",
+    "no-senders": "on {provider}, wtf cannot see senders and losses",
+    "no-network": "this system does not report its routes and interfaces (it has no /proc/net)",
+    "no-processes": "this system does not report the sockets of programs (it has no /proc)",
+    "no-sockets": "this system does not list its sockets (it has no /proc/net/udp)",
+    "text": "{text}",
+}
 _OF_NETWORK = ("link", "bandwidth", "rp-filter", "igmp-querier")
 
 
 def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
-    """The parts that the rules could not look at; nothing where the bus does not work at all."""
+    """Yield the rules that lack evidence; none if the bus does not work at all."""
     if evidence.bus_problem:
         return
     provider = evidence.url.partition("://")[0]
@@ -19,33 +31,37 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
         yield from _of_sockets(evidence)
         yield from _of_network(evidence)
     elif provider in ("tcpq", "mpudpm"):
-        yield Unchecked("loss", state("no-senders", provider=provider))
+        yield _unchecked("loss", "no-senders", provider=provider)
     elif provider == "zenoh":
-        yield Unchecked("loss", state("zenoh-losses"))
+        yield _unchecked("loss", "zenoh-losses")
 
 
 def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
     host, own = evidence.host, evidence.host.uid
     if not host.has_sockets:
-        yield from (Unchecked(rule, state("no-sockets")) for rule in _OF_SOCKETS)
-        yield Unchecked("other-buses", state("no-processes"))
+        yield from (_unchecked(rule, "no-sockets") for rule in _OF_SOCKETS)
+        yield _unchecked("other-buses", "no-processes")
         return
     hidden = {listener.uid for listener in evidence.listeners if listener.pid is None} - {own}
     if hidden and own != _ROOT:
         users = [evidence.users.get(uid, str(uid)) for uid in sorted(hidden)]
-        yield Unchecked("stuck-listeners", state("hidden-programs", users=users))
+        yield _unchecked("stuck-listeners", "hidden-programs", users=users)
     if any(listener.buffer_bytes is None for listener in evidence.listeners):
-        yield Unchecked("small-buffer", state("buffers-unknown"))
+        yield _unchecked("small-buffer", "buffers-unknown")
 
 
 def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
-    """On a bus that stays on this computer none of it matters."""
+    """Yield rules about the network, which do not matter on a local bus."""
     host = evidence.host
     if not evidence.ttl:
         return
     if host.firewall_unknown:
-        yield Unchecked("firewall", state("text", text=host.firewall_unknown))
+        yield _unchecked("firewall", "text", text=host.firewall_unknown)
     if not host.has_sockets:
-        yield from (Unchecked(rule, state("no-network")) for rule in _OF_NETWORK)
+        yield from (_unchecked(rule, "no-network") for rule in _OF_NETWORK)
     elif host.interface not in ("", "lo") and not host.is_wireless and not host.speed_mbit:
-        yield Unchecked("bandwidth", state("bandwidth-unknown", interface=host.interface))
+        yield _unchecked("bandwidth", "bandwidth-unknown", interface=host.interface)
+
+
+def _unchecked(rule: str, reason: str, **parts: Part | Iterable[Subject | str]) -> Unchecked:
+    return Unchecked(rule, state(reason, **parts).worded(_REASONS))

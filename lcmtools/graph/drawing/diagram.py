@@ -6,10 +6,8 @@ Must not know the formats of diagrams.
 from dataclasses import dataclass
 from enum import Enum
 
+from lcmtools.graph.common_topics import LEFT_OUT_OF_DIAGRAMS
 from lcmtools.names import is_hidden
-
-QUIET = frozenset({"/clock", "/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
-"""Topics that nearly every node has, and which would connect everything with everything."""
 
 
 class Relation(Enum):
@@ -74,7 +72,7 @@ class Channel:
     @property
     def is_quiet(self) -> bool:
         """True for a topic that nearly every node has."""
-        return not self.is_service and self.name in QUIET
+        return not self.is_service and self.name in LEFT_OUT_OF_DIAGRAMS
 
     @property
     def group(self) -> str:

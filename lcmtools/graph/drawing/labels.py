@@ -2,6 +2,7 @@
 
 import re
 
+from lcmtools.graph.command_line import shortened
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 
 _UNSHOWN = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]")
@@ -11,15 +12,10 @@ _MOST_TOPICS = 4  # topics beside an arrow
 
 
 def title(member: Member) -> str:
-    """Return a member's name: a node's own, or a program's command without its folder."""
+    """Return a member's name: a node's own, or a program's with its arguments."""
     if member.is_node:
         return member.name
-    if not member.name.strip():
-        return "a program"
-    program, *arguments = member.name.split()
-    command = " ".join([program.rpartition("/")[2] or program, *arguments])
-    is_long = len(command) > _LONGEST_COMMAND
-    return f"{command[: _LONGEST_COMMAND - 1]}…" if is_long else command
+    return shortened(member.name, _LONGEST_COMMAND) or "a program"
 
 
 def notes(member: Member) -> list[str]:

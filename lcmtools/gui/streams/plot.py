@@ -40,7 +40,7 @@ class _Fields:
         """Update the topics that match."""
         try:
             self.selection = self.selection or select_topics(self.text)
-            self.selection.learn(graph)
+            self.selection.update(graph)
         except LcmtoolsError as error:
             self.mistake = str(error)
             return

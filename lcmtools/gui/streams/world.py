@@ -10,44 +10,45 @@ from collections import deque
 from typing import ClassVar
 
 from lcmtools.errors import DecodeError
-from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawable_types
+from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawing_kinds
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.observe.reading.find import offered_services
+from lcmtools.observe.simulators import simulators
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools.wire.packet import Packet
 
-_SIMULATOR = "sim_msgs/SetPose"
-"""The type of service that only simulators offer."""
 _MOST_WAITING = 2000  # waiting messages between two updates
 _FASTEST = 20e6  # [bytes/s] of one stream's numbers; larger messages are sent less often
 
 
 class Drawable(PageStream):
-    """The topics that can be drawn, and the simulators."""
+    """The topics that can be drawn, the types of the others, and the simulators."""
 
     period = 0.5
     is_shared = True
 
     def update(self) -> Update:
         """Return the current ones."""
-        latest = self.source.latest
+        latest, kinds = self.source.latest, drawing_kinds()
+        typed = [(row, row.types[0]) for row in latest.rows if row.types]
         return Update(
             {
                 "topics": [
-                    {"topic": row.channel, "type": kind, "rate": row.rate, "silent": row.is_silent}
-                    for row in latest.rows
-                    for kind in row.types[:1]
-                    if kind in drawable_types()
+                    {
+                        "topic": row.channel,
+                        "type": name,
+                        "kind": kinds[name],
+                        "rate": row.rate,
+                        "silent": row.is_silent,
+                    }
+                    for row, name in typed
+                    if name in kinds
                 ],
-                "simulators": [
-                    service.name.rpartition("/")[0]
-                    for service in offered_services(latest.graph)
-                    if service.is_alive and _SIMULATOR in service.types
-                ],
+                "undrawn": sorted({name for _, name in typed if name not in kinds}),
+                "simulators": sorted({node.name for node in simulators(latest.graph)}),
             }
         )
 
@@ -149,7 +150,9 @@ class Newest(_Messages):
         if time.monotonic() < self._not_before:
             return None
         for packet, message in self.pop(*DRAWINGS):
-            found = DRAWINGS[type(message)](message)
+            drawing = DRAWINGS[type(message)]
+            found = drawing.convert(message)
             self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST
-            return Update({**found.data, "time": packet.time / 1e9}, found.payload)
+            data = {**found.data, "kind": drawing.kind, "time": packet.time / 1e9}
+            return Update(data, found.payload)
         return None

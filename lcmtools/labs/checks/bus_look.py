@@ -14,7 +14,8 @@ from lcmtools.doctor.collect import collect
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Statement
 from lcmtools.doctor.rules import examine
-from lcmtools.doctor.words import describe
+from lcmtools.doctor.sentences import describe
+from lcmtools.graph.common_topics import OF_EVERY_NODE
 from lcmtools.graph.model import Endpoint, Node, Role, Topic
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
 
@@ -72,7 +73,7 @@ def _is_of(pid: int, group: int) -> bool:
 
 def _is_own_affair(topic: str) -> bool:
     """Return True for what every node has."""
-    return topic in ("/rosout", "/clock") or "/_" in topic
+    return topic in OF_EVERY_NODE or "/_" in topic
 
 
 def _wire(end: Endpoint, offered: str = "") -> Wire:

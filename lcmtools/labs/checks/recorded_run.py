@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from lcmtools.bag.log import Log
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.observations import (
@@ -23,7 +24,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.rosgraph_msgs import Log as LogMessage
 
-CLOCK, LOG_TOPIC, PATH = "/clock", "/rosout", "/path"
+LOG_TOPIC, PATH = "/rosout", "/path"
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -97,7 +98,7 @@ class RecordedRun:
 
     def pace(self) -> float:
         """Return simulated seconds per second of the recording; 1 where that is not known."""
-        found = self.topics.get(self.name("odometry")) or self.topics.get(CLOCK) or []
+        found = self.topics.get(self.name("odometry")) or self.topics.get(CLOCK_TOPIC) or []
         if len(found) < 2 or found[-1].arrival <= found[0].arrival:  # noqa: PLR2004 - no span
             return 1.0
         span = found[-1].time - found[0].time
@@ -108,7 +109,7 @@ def read_run(lab: Lab, log: Log) -> RecordedRun:
     """Return a lab's run in a log; LcmtoolsError if none of the lab's topics is in it."""
     run = RecordedRun(lab, end=log.end / 1e9)
     known = [topic for topic in _topics(run) if topic in log.topics]
-    if not {*known} - {CLOCK, LOG_TOPIC}:
+    if not {*known} - {CLOCK_TOPIC, LOG_TOPIC}:
         what = f"{log.path} has no topic of the lab {lab.name}"
         raise LcmtoolsError(what, f"lcmtools bag info {log.path} shows what it has")
     now = 0.0
@@ -122,7 +123,7 @@ def read_run(lab: Lab, log: Log) -> RecordedRun:
 def _topics(run: RecordedRun) -> Sequence[str]:
     names = [topic for program in run.lab.programs for topic in program.publishes]
     names += map(run.name, ("desired_velocity", "odometry", "ground_truth"))
-    return *dict.fromkeys(names), CLOCK, LOG_TOPIC, PATH
+    return *dict.fromkeys(names), CLOCK_TOPIC, LOG_TOPIC, PATH
 
 
 def _simulated(message: Message, now: float) -> float:

@@ -6,6 +6,7 @@ It only listens, and judges nothing.
 from typing import TypeVar
 
 from lcmtools import Node
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.observations import CommandMessage, Desire, Touch, TrueState, seconds
 from lcmtools.messages.registry import Message
@@ -33,7 +34,7 @@ class Recorder:
         self.warnings: list[str] = []  # of the simulator
         self._node, self._program, self._simulator = node, program, lab.simulator
         robot = lab.robot.rstrip("/")
-        node.create_subscription(Clock, "/clock", self._take_clock, DEPTH)
+        node.create_subscription(Clock, CLOCK_TOPIC, self._take_clock, DEPTH)
         node.create_subscription(Odometry, f"{robot}/ground_truth", self._take_motion, DEPTH)
         node.create_subscription(ContactsState, f"{robot}/{BUMPER}", self._take_contacts, DEPTH)
         node.create_subscription(Log, "/rosout", self._take_log, DEPTH)

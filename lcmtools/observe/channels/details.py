@@ -109,7 +109,7 @@ def _type_text(row: ChannelRow, state: ChannelState) -> str:
 def _message_text(row: ChannelRow, state: ChannelState) -> str:
     if not state.time:
         return "none since this view was opened"
-    said = f"{size_text(state.size)}, {age_text(row.age)} ago"
+    text = f"{size_text(state.size)}, {age_text(row.age)} ago"
     if state.messages > state.decoded and not state.problem:
-        said += f"; {state.decoded} of {state.messages} were decoded, for the curves"
-    return said
+        text += f"; {state.decoded} of {state.messages} were decoded, for the curves"
+    return text

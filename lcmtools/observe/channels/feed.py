@@ -116,29 +116,29 @@ class Feed:
         """Restart counting from zero."""
         self._clears.set()
 
-    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
-        """Pass a channel's whole messages to ``take``, on another thread; return a call to end it.
+    def follow(self, channel: str, receive: Callable[[Packet], None]) -> Callable[[], None]:
+        """Pass on a channel's whole messages, on another thread; return a call to end it.
 
         The feed itself reads only the heads of large messages: on a multicast bus, a second tap
         reads the whole messages of all followed channels.
         """
         last = self._last.get(channel)
         if last is not None and self.latest.graph.topic(channel).is_latched:
-            take(last)
-        return self._following.add(channel, take)
+            receive(last)
+        return self._following.add(channel, receive)
 
     def _run(self) -> None:
         try:
             self._read()
         except EOFError:
-            self._tell(replace(self._snapshot(), trouble="the log has ended", is_over=True))
+            self._update(replace(self._snapshot(), trouble="the log has ended", is_over=True))
         except LcmtoolsError as error:
-            self._tell(replace(self.latest, trouble=str(error), is_over=True))
+            self._update(replace(self.latest, trouble=str(error), is_over=True))
         except Exception as error:  # noqa: BLE001 - shown on the screen, not as a traceback
             what = f"a fault of lcmtools ({type(error).__name__}: {error})"
-            self._tell(replace(self.latest, trouble=what, is_over=True))
+            self._update(replace(self.latest, trouble=what, is_over=True))
 
-    def _tell(self, snapshot: Snapshot) -> None:
+    def _update(self, snapshot: Snapshot) -> None:
         self.latest = snapshot
         self.on_snapshot()
 
@@ -149,7 +149,7 @@ class Feed:
             trouble = self._receive()
             now = time.monotonic()
             if now >= self._next_snapshot or trouble:
-                self._tell(replace(self._snapshot(), trouble=trouble))
+                self._update(replace(self._snapshot(), trouble=trouble))
                 self._count += 1
                 if self._count == _FIRST:
                     self._before = self._monitor.losses()

@@ -77,7 +77,7 @@ class ChannelRows:
     ) -> tuple[ChannelRow, ...]:
         """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
         topics = [topic for topic in graph.topics() if self._has(topic.name)]
-        self._names.learn(seen.sender for topic in topics for seen in topic.foreign)
+        self._names.update(seen.sender for topic in topics for seen in topic.foreign)
         return tuple(self._row(topic, activity, lost, now) for topic in topics)
 
     def published(self, graph: Graph, *, large: bool = True) -> list[str]:
@@ -112,8 +112,8 @@ class ChannelRows:
     def _types(self, channel: str, fingerprints: Sequence[int]) -> tuple[str, ...]:
         """The types that messages may have, first the one in a name like "name#package.Type"."""
         names = dict.fromkeys(name for number in fingerprints for name in self._candidates(number))
-        said = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
-        return tuple(sorted(names, key=lambda name: name != said))
+        named = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
+        return tuple(sorted(names, key=lambda name: name != named))
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
         latest = max((seen.last_time for seen in topic.traffic), default=0)

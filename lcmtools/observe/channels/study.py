@@ -56,7 +56,7 @@ class Study:
         self._state = ChannelState()
         self._messages = self._decoded = self._next = 0
 
-    def take(self, packet: Packet) -> None:
+    def add_packet(self, packet: Packet) -> None:
         """Process a packet; packets of other channels are ignored."""
         if packet.channel != self.channel:
             return

@@ -46,7 +46,7 @@ class Curve:
 class Curves:
     """The curves of fields, given as topics followed by field paths, on a bus or in a log.
 
-    ``tell`` is called with a sentence if something is left out, once for each reason, and if it
+    ``notify`` is called with a sentence if something is left out, once for each reason, and if it
     takes long. Only the last ``window`` seconds are kept, or all.
 
     Raises:
@@ -58,7 +58,7 @@ class Curves:
         monitor: BusMonitor,
         fields: Iterable[str],
         names: Resolver,
-        tell: Callable[[str], None],
+        notify: Callable[[str], None],
         window: float | None = None,
     ) -> None:
         monitor.discover()
@@ -66,8 +66,8 @@ class Curves:
         self._stream = ArrivalStream(
             monitor, selections, names, wall_time=not monitor.is_live, strict_time=True
         )
-        self._decoder, self._tell, self._window = Decoder(monitor.types_of), tell, window
-        self._told: set[str] = set()
+        self._decoder, self._notify, self._window = Decoder(monitor.types_of), notify, window
+        self._notified: set[str] = set()
         self._curves: dict[str, Curve] = {}
 
     def __iter__(self) -> Iterator[Curve]:
@@ -77,7 +77,7 @@ class Curves:
     def follow(
         self, period: float = math.inf, timeout: float | None = None, duration: float | None = None
     ) -> Iterator[None]:
-        """Take messages, and yield every ``period`` [s], until the log or ``duration`` [s] ends.
+        """Receive messages, and yield every ``period`` [s], until the log or ``duration`` [s] ends.
 
         Raises:
             UsageError: The selected field is not a number.
@@ -86,7 +86,7 @@ class Curves:
             LcmtoolsError: The log has no message on the topics.
         """
         start = due = time.monotonic()
-        for _ in taken(self._stream, self._take, timeout, self._tell):
+        for _ in taken(self._stream, self._add, timeout, self._notify):
             now = time.monotonic()
             if now >= due and math.isfinite(period):
                 due = now + period
@@ -94,15 +94,15 @@ class Curves:
             if duration is not None and now - start >= duration:
                 return
 
-    def _take(self, found: SelectedPacket) -> bool | None:
+    def _add(self, found: SelectedPacket) -> bool | None:
         """Add the numbers of a message; return None for one that cannot be decoded."""
         try:
             message = self._decoder.decode(found.packet)
         except DecodeError as error:
             text = f"messages on {found.packet.channel} are left out: {error}"
-            if text not in self._told:
-                self._told.add(text)
-                self._tell(text)
+            if text not in self._notified:
+                self._notified.add(text)
+                self._notify(text)
             return None
         moment = found.time / 1e9
         for path, value in numbers(message, found.path):

@@ -206,7 +206,7 @@ class Measurement(Generic[ItemT, FoundT]):
 
     def _report(self) -> MeasurementReport[FoundT]:
         return MeasurementReport(
-            {topic: window.take(self._now) for topic, window in self._windows.items()}
+            {topic: window.next_result(self._now) for topic, window in self._windows.items()}
         )
 
     def _feed(self, batch: Batch) -> int:

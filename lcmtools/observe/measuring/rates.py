@@ -52,14 +52,14 @@ class Window(ABC, Generic[ItemT, FoundT]):
     def add(self, *items: ItemT) -> None:
         """Add arrivals."""
         self.total += len(items)
-        self._take_in(items)
+        self._extend(items)
 
     def clear(self) -> None:
         """Forget all arrivals, because time begins again."""
         self._forget()
         self._since = self._reported = self.total
 
-    def take(self, now: int = 0) -> FoundT | None:
+    def next_result(self, now: int = 0) -> FoundT | None:
         """Return the result at a time [ns]; None if there are too few arrivals, or nothing new."""
         is_new = self._repeats or self.total != self._reported
         if not is_new or self.total - self._since < self._least:
@@ -68,7 +68,7 @@ class Window(ABC, Generic[ItemT, FoundT]):
         return self._sum_up(now)
 
     @abstractmethod
-    def _take_in(self, items: Sequence[ItemT]) -> None: ...
+    def _extend(self, items: Sequence[ItemT]) -> None: ...
 
     @abstractmethod
     def _forget(self) -> None: ...
@@ -85,7 +85,7 @@ class RateWindow(Window[int, Statistics]):
         self._intervals = _Numbers(size - 1)
         self._last: Sequence[int] = ()
 
-    def _take_in(self, items: Sequence[int]) -> None:
+    def _extend(self, items: Sequence[int]) -> None:
         times = (*self._last, *items)
         self._intervals.add(map(sub, times[1:], times))
         self._last = times[-1:]
@@ -109,7 +109,7 @@ class DelayWindow(Window[int, Statistics]):
         super().__init__()
         self._delays = _Numbers(size)
 
-    def _take_in(self, items: Sequence[int]) -> None:
+    def _extend(self, items: Sequence[int]) -> None:
         self._delays.add(items)
 
     def _forget(self) -> None:
@@ -129,7 +129,7 @@ class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
         super().__init__()
         self._items: deque[tuple[int, int]] = deque(maxlen=size)
 
-    def _take_in(self, items: Sequence[tuple[int, int]]) -> None:
+    def _extend(self, items: Sequence[tuple[int, int]]) -> None:
         self._items.extend(items)
 
     def _forget(self) -> None:

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
 from lcmtools.messages.codec import decode
@@ -13,9 +13,9 @@ from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.reading.find import GLOBAL, known_spelling, near_topic
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern
+from lcmtools.observe.simulators import has_simulated_time
 from lcmtools.wire.packet import Packet
 
-CLOCK = "/clock"  # the topic of a simulator's time
 TOGETHER = 8  # messages that are shown at once, if they arrived together
 PATIENCE = 2.0  # [s] without a message before the user is told what is on the bus
 _LOOK_PERIOD = 0.5  # [s] between searches for topics that a pattern matches
@@ -48,9 +48,9 @@ class ArrivalClock:
         self.is_simulated = is_simulated
         self.now: int | None = None  # simulated time [ns]; None before one came on ``/clock``
 
-    def learn(self, packet: Packet) -> bool:
-        """Take the time from a message on ``/clock``; True if simulated time goes back."""
-        if not self.is_simulated or packet.channel != CLOCK:
+    def update(self, packet: Packet) -> bool:
+        """Set the time by a message on ``/clock``; True if simulated time goes back."""
+        if not self.is_simulated or packet.channel != CLOCK_TOPIC:
             return False
         from lcmtools.types.rosgraph_msgs import Clock
 
@@ -64,12 +64,6 @@ class ArrivalClock:
     def time(self, packet: Packet) -> int | None:
         """Return the time of an arrival [ns]; None while simulated time is not known."""
         return self.now if self.is_simulated else packet.time
-
-
-def is_simulated(graph: Graph) -> bool:
-    """Return whether a simulator keeps the time of a bus: ``/clock`` is published."""
-    clock = graph.topic(CLOCK)
-    return any(not node.stale for node, _ in clock.publishers) or bool(clock.traffic)
 
 
 class ArrivalStream:
@@ -103,7 +97,7 @@ class ArrivalStream:
         self._next_look = 0.0
         self._clock = ArrivalClock(is_simulated=False)
         self.graph = Graph()
-        self._learn()
+        self._update_graph()
 
     @property
     def is_simulated(self) -> bool:
@@ -132,13 +126,13 @@ class ArrivalStream:
         """
         packets = self._monitor.receive(timeout)
         if not self._is_fixed:
-            self._look_again(packets)
-        self._look_for_clock(packets)
+            self._update_graph_if_due(packets)
+        self._detect_clock(packets)
         arrivals: list[SelectedPacket] = []
         is_reset, is_simulated = False, self._clock.is_simulated
         routes_of, keep = self._routes.get, self._keep
         for packet in packets:
-            if is_simulated and self._clock.learn(packet):
+            if is_simulated and self._clock.update(packet):
                 is_reset = True
                 arrivals.clear()
             routes = routes_of(packet[0])
@@ -203,33 +197,33 @@ class ArrivalStream:
                 found.setdefault(one.text if self._is_fixed else path, (one.text, path))
         return list(found.values())
 
-    def _look_for_clock(self, packets: Sequence[Packet]) -> None:
+    def _detect_clock(self, packets: Sequence[Packet]) -> None:
         if self._strict_time and not (self._wall_time or self._monitor.is_live):
-            self._clock.is_simulated |= any(packet.channel == CLOCK for packet in packets)
+            self._clock.is_simulated |= any(packet.channel == CLOCK_TOPIC for packet in packets)
 
-    def _look_again(self, packets: Sequence[Packet]) -> None:
+    def _update_graph_if_due(self, packets: Sequence[Packet]) -> None:
         new = {packet.channel for packet in packets} - self._known
         self._known |= new
-        # learning takes longer the more channels there are, so it is not done for each new one
-        is_told = CLOCK in new or any(one.is_told_by(new) for one in self._selections)
+        # an update takes longer the more channels there are, so it is not done for each new one
+        is_told = CLOCK_TOPIC in new or any(one.is_told_by(new) for one in self._selections)
         if is_told or time.monotonic() >= self._next_look:
-            self._learn()
+            self._update_graph()
 
-    def _learn(self) -> None:
+    def _update_graph(self) -> None:
         """Tell topics from paths, match patterns, and announce that it listens to the channels."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.graph = graph = self._monitor.graph()
         self._routes.clear()
-        self._clock.is_simulated = not self._wall_time and is_simulated(graph)
+        self._clock.is_simulated = not self._wall_time and has_simulated_time(graph)
         for one in self._selections:
-            one.learn(graph)
+            one.update(graph)
         # true if arrivals may be on several topics
         self.is_one_of_many = len(self._selections) > 1 or any(
             isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
         )
         wanted = {channel for one in self._selections for channel in one.channels()}
         # A simulator publishes the time rarely if nobody subscribes to it.
-        channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)
+        channels = sorted(wanted | {CLOCK_TOPIC} if self._clock.is_simulated else wanted)
         if channels != self._announced:
             self._announced = channels
             self._monitor.listen_to(channels)
@@ -240,24 +234,24 @@ T = TypeVar("T")
 
 def taken(
     stream: ArrivalStream,
-    take: Callable[[SelectedPacket], T | None],
+    process: Callable[[SelectedPacket], T | None],
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
 ) -> Iterator[T]:
-    """Yield the result of ``take`` for each packet; see ``taken_together``."""
-    for results in taken_together(stream, take, timeout, notify, most=1):
+    """Yield the result of ``process`` for each packet; see ``taken_together``."""
+    for results in taken_together(stream, process, timeout, notify, most=1):
         yield from results
 
 
 def taken_together(
     stream: ArrivalStream,
-    take: Callable[[SelectedPacket], T | None],
+    process: Callable[[SelectedPacket], T | None],
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
     *,
     most: int,
 ) -> Iterator[list[T]]:
-    """Yield the results of ``take`` for packets that arrived together; None is skipped.
+    """Yield the results of ``process`` for packets that arrived together; None is skipped.
 
     A list has at most ``most`` results, and no result waits for a later arrival. ``timeout`` is the
     longest time without a result [s], None for no limit. ``notify`` is called with a sentence if
@@ -280,7 +274,7 @@ def taken_together(
             _notify_silent(stream, notify, has_ended=True)
             return
         has_arrived = has_arrived or bool(batch.arrivals)
-        for results in _results(batch.arrivals, take, most):
+        for results in _results(batch.arrivals, process, most):
             last, has_notified = time.monotonic(), True
             yield results
         now = time.monotonic()
@@ -311,13 +305,13 @@ def _notify_silent(
 
 
 def _results(
-    arrivals: Sequence[SelectedPacket], take: Callable[[SelectedPacket], T | None], most: int
+    arrivals: Sequence[SelectedPacket], process: Callable[[SelectedPacket], T | None], most: int
 ) -> Iterator[list[T]]:
     """The results in lists of at most ``most``; those taken before an error are yielded first."""
     results: list[T] = []
     try:
         for arrival in arrivals:
-            if (result := take(arrival)) is not None:
+            if (result := process(arrival)) is not None:
                 results.append(result)
             if len(results) == most:
                 yield results

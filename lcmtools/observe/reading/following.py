@@ -15,19 +15,19 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.packet import Packet
 
-Take: TypeAlias = Callable[[Packet], None]  # called with each message, on another thread
+Receiver: TypeAlias = Callable[[Packet], None]  # called with each message, on another thread
 
 _TURN = 0.1  # [s] at most until a change of the channels takes effect
 _AGAIN = 0.5  # [s] before a failed network is tried again
 
 
 class Following:
-    """The followed channels of a bus, and the callbacks that take their messages."""
+    """The followed channels of a bus, and the callbacks that receive their messages."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
         self._lock = threading.Lock()
-        self._takers: dict[str, tuple[Take, ...]] = {}
+        self._receivers: dict[str, tuple[Receiver, ...]] = {}
         self._large: set[str] = set()  # channels of which the monitor reads only the heads
         self._thread: threading.Thread | None = None
 
@@ -35,22 +35,22 @@ class Following:
     def channels(self) -> list[str]:
         """The channels, sorted."""
         with self._lock:
-            return sorted(self._takers)
+            return sorted(self._receivers)
 
-    def add(self, channel: str, take: Take) -> Callable[[], None]:
+    def add(self, channel: str, receive: Receiver) -> Callable[[], None]:
         """Pass a channel's whole messages on from now; return a call to end it."""
         with self._lock:
-            self._takers[channel] = (*self._takers.get(channel, ()), take)
+            self._receivers[channel] = (*self._receivers.get(channel, ()), receive)
             self._attend_large()
-        return partial(self._remove, channel, take)
+        return partial(self._remove, channel, receive)
 
     def pass_on(self, packet: Packet) -> None:
         """Pass on a packet that the monitor has read."""
-        takers = self._takers.get(packet.channel)
-        if not takers or packet.channel in self._large:
+        receivers = self._receivers.get(packet.channel)
+        if not receivers or packet.channel in self._large:
             return
         if packet.whole_bytes is None:
-            _give(packet, takers)
+            _give(packet, receivers)
             return
         with self._lock:
             self._large.add(packet.channel)
@@ -59,19 +59,19 @@ class Following:
     def close(self) -> None:
         """Stop passing packets on."""
         with self._lock:
-            self._takers.clear()
+            self._receivers.clear()
             thread = self._thread
         if thread:
             thread.join(2.0)
 
-    def _remove(self, channel: str, take: Take) -> None:
+    def _remove(self, channel: str, receive: Receiver) -> None:
         with self._lock:
-            takers = list(self._takers.get(channel, ()))
-            if take in takers:
-                takers.remove(take)
-            self._takers[channel] = tuple(takers)
-            if not takers:
-                del self._takers[channel]
+            receivers = list(self._receivers.get(channel, ()))
+            if receive in receivers:
+                receivers.remove(receive)
+            self._receivers[channel] = tuple(receivers)
+            if not receivers:
+                del self._receivers[channel]
                 self._large.discard(channel)  # it may be small when it is followed again
 
     def _attend_large(self) -> None:
@@ -81,7 +81,7 @@ class Following:
             self._thread.start()
 
     def _wanted(self) -> tuple[str, ...]:
-        return tuple(sorted(self._large & self._takers.keys()))
+        return tuple(sorted(self._large & self._receivers.keys()))
 
     def _read_large(self) -> None:
         pause = threading.Event()
@@ -105,13 +105,13 @@ class Following:
             while wanted:
                 for packet in tap.receive(_TURN):
                     if packet.channel in wanted:  # others only begin with a wanted one's name
-                        _give(packet, self._takers.get(packet.channel, ()))
+                        _give(packet, self._receivers.get(packet.channel, ()))
                 with self._lock:
                     before, wanted = wanted, self._wanted()
                 if wanted != before:
                     tap.want_whole(wanted)
 
 
-def _give(packet: Packet, takers: tuple[Take, ...]) -> None:
-    for take in takers:
-        take(packet)
+def _give(packet: Packet, receivers: tuple[Receiver, ...]) -> None:
+    for receive in receivers:
+        receive(packet)

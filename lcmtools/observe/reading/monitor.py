@@ -93,7 +93,7 @@ class BusMonitor:
         self._presence = Presence(node, self._observer.send, on_shutdown)
         self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
         if self.log:
-            self._learn_from(self.log)
+            self._add_index(self.log)
 
     def __enter__(self) -> "BusMonitor":
         """Use the monitor as a context manager."""
@@ -263,8 +263,8 @@ class BusMonitor:
         self._builder.forget(node.id)
         self._records.remove(node.id)
 
-    def _learn_from(self, log: "LogFile") -> None:
-        """Learn the nodes and types that a log's index has."""
+    def _add_index(self, log: "LogFile") -> None:
+        """Add the nodes and types that a log's index has."""
         from lcmtools.packages import provide_recorded_types
 
         for packet in log.announcements():
@@ -295,15 +295,16 @@ class BusMonitor:
         return any(not is_stopped(node.pid) for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen while there may be programs that do not answer; to the deadline if any publishes.
+        """Listen while there may be programs that do not tell their channels.
 
+        Listens to the deadline if one publishes, or if a node's details cannot be read.
         A program's channels show only in its messages, and the first shows only one of many.
         """
         while (left := deadline - time.monotonic()) > 0:
             ports = {s.port for s in self._builder.senders() if is_local(s.address)}
             ports.add(self._observer.port)
             graph = self.graph()
-            if graph.foreign() or not sockets_are_known():
+            if graph.foreign() or graph.unexplained() or not sockets_are_known():
                 deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}

@@ -17,6 +17,7 @@ from lcmtools.graph.protocol import (
     PERIOD,
     PROBE_CHANNEL,
     SHUTDOWN_CHANNEL,
+    SOFTWARE,
     Announcement,
     decode_probe,
     decode_shutdown,
@@ -93,4 +94,5 @@ def own_node(name: str, *, tool: bool) -> Node:
         start_time=time.time_ns(),
         command=" ".join(sys.argv),
         tool=tool,
+        software=SOFTWARE,
     )

@@ -121,7 +121,7 @@ def _decoded(
 ) -> Callable[[SelectedPacket], Arrival | None]:
     decoder, senders = Decoder(monitor.types_of), SenderNames()
 
-    def take(found: SelectedPacket) -> Arrival | None:
+    def to_arrival(found: SelectedPacket) -> Arrival | None:
         packet = found.packet
         try:
             message = decoder.decode(packet)
@@ -133,10 +133,10 @@ def _decoded(
         if condition and not condition.matches(message):
             return None
         if packet.sender is not None:
-            senders.learn([packet.sender], stream.graph.nodes)
+            senders.update([packet.sender], stream.graph.nodes)
         return Arrival(packet.channel, message, found.time, senders.name(packet.sender), packet)
 
-    return take
+    return to_arrival
 
 
 def _left_in_the_end(

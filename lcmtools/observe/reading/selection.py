@@ -23,7 +23,7 @@ class OneTopic:
         self._is_found = self.is_fixed
         self._spellings = self._names.spellings(argument)
 
-    def learn(self, graph: Graph) -> None:
+    def update(self, graph: Graph) -> None:
         """Tell the topic from the path, as soon as the topic is on the bus."""
         if self._is_found:
             return
@@ -77,7 +77,7 @@ class TopicPattern:
         """True if it is the name of a topic on the bus rather than a pattern."""
         return self._literal is not None
 
-    def learn(self, graph: Graph) -> None:
+    def update(self, graph: Graph) -> None:
         """Find the topics that match now."""
         for name in graph.topic_names():
             if name == self.text and _is_there(graph.topic(name)):

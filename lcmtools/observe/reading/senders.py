@@ -10,8 +10,7 @@ import pwd
 import socket
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
-from itertools import chain, pairwise
-from pathlib import PurePath
+from itertools import chain
 from typing import NamedTuple
 
 from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
@@ -27,6 +26,7 @@ from lcmtools.bus.processes import (
     udp_sockets,
 )
 from lcmtools.bus.url import BusUrl
+from lcmtools.graph.command_line import short_name
 from lcmtools.graph.model import Graph, Node, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -35,8 +35,6 @@ _Key = tuple[Process | None, int | None, str]  # process, user id, address or ""
 UNKNOWN = "unknown sender"  # the name if the bus does not identify senders: tcpq, memq and logs
 
 _RETRY = 5.0  # [s] before a sender that was not found is looked up again
-_TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")
-_INTERPRETERS = ("python", "pypy", "java", "ruby", "perl", "lua", "node", "bash", "sh")
 
 
 class SocketTable(NamedTuple):
@@ -64,7 +62,7 @@ class SocketTable(NamedTuple):
 
 def process_name(process: Process) -> str:
     """Return a process as its program's short name and its pid: "driver.py (pid 12)"."""
-    return f"{program_name(process.command)} (pid {process.pid})"
+    return f"{short_name(process.command)} (pid {process.pid})"
 
 
 class SenderNames:
@@ -85,7 +83,7 @@ class SenderNames:
         self._processes: dict[Sender, Process] = {}
         self._next_look: dict[Sender, float] = {}
 
-    def learn(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
+    def update(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
         """Note the nodes, and look up the processes of unknown senders, all at once."""
         self._nodes = {sender: node for node in nodes for sender in node.senders()}
         now = self._now()
@@ -116,22 +114,6 @@ class SenderNames:
     def _is_unknown(self, sender: Sender, now: float) -> bool:
         is_known = sender in self._nodes or sender in self._processes
         return not is_known and self._next_look.get(sender, now) <= now
-
-
-def program_name(command: str) -> str:
-    """Return the short name of a program; for an interpreter, the script's: "driver.py"."""
-    words = command.split() or ["?"]
-    name = PurePath(words[0]).name
-    if not name.startswith(_INTERPRETERS):
-        return name
-    for option, word in pairwise(words):
-        if option == "-c":
-            return name
-        if option in _TAKE_A_PATH:  # "java -cp FOLDERS Main"
-            continue
-        if option == "-m" or not word.startswith("-"):
-            return PurePath(word).name
-    return name
 
 
 class Program(NamedTuple):

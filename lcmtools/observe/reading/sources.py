@@ -111,9 +111,9 @@ def open_observer(
         check_bus(url)
         return LogObserver(url.network)
     if url.provider == "zenoh":
-        from lcmtools.bus.zenoh.listener import ZenohListener
+        from lcmtools.bus.zenoh.observer import ZenohObserver
 
-        return ZenohListener(url, on_outage)
-    from lcmtools.bus.lcm_listener import LcmListener
+        return ZenohObserver(url, on_outage)
+    from lcmtools.bus.lcm_observer import LcmObserver
 
-    return LcmListener(url, on_outage)
+    return LcmObserver(url, on_outage)

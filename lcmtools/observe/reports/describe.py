@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from lcmtools.bus.processes import Process, is_local
 from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import did_you_mean
@@ -133,13 +134,14 @@ def program_text(traffic: Traffic) -> str:
         return f"a program on {sender.address}, port {sender.port}"
     found = SocketTable.read({sender.port}).processes(sender)
     if found.only:
-        return f"{found.only.command} (pid {found.only.pid}, port {sender.port})"
+        called = shortened(found.only.command, LONGEST_COMMAND)
+        return f"{called} (pid {found.only.pid}, port {sender.port})"
     return f"a program of this computer, port {sender.port}{candidates_text(found.candidates)}"
 
 
 def candidates_text(processes: Sequence[Process]) -> str:
     """Return ": maybe …" with the processes that may be the program; "" for none."""
-    names = [f"{process.command} (pid {process.pid})" for process in processes]
+    names = [f"{shortened(one.command, LONGEST_COMMAND)} (pid {one.pid})" for one in processes]
     return f": maybe {' or '.join(names)}" if names else ""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
@@ -245,9 +246,9 @@ def program_record(program: Program) -> dict[str, object]:
 
 
 def command_text(program: Program) -> str:
-    """Return a program's command line, as far as the system knows."""
+    """Return a program's name and arguments, as far as the system knows."""
     if program.process:
-        return program.process.command
+        return shortened(program.process.command, LONGEST_COMMAND)
     return f"a program{candidates_text(program.candidates)}"
 
 

@@ -7,41 +7,33 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-import lcmtools.types.lcmtools_msgs
-
 class Announcement(object):
     """
-    What a node tells the bus about itself: once a second, on each change, when probed, and when
-    it leaves.
+    The announcement of a node: sent once a second, on each change, in answer to a Probe, and when
+    the node leaves. Frozen: this struct never changes. What may grow is in details.
     """
 
-    __slots__ = ["ports_length", "endpoints_length", "errors_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints", "sent", "busy", "errors"]
+    __slots__ = ["details_length", "version", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "software", "answers", "sent", "details"]
 
-    __typenames__ = ["int32_t", "int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint", "int64_t", "int64_t", "lcmtools.types.lcmtools_msgs.CallbackError"]
+    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "string", "int64_t", "int64_t", "byte"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"], None, None, ["errors_length"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None, ["details_length"]]
 
     ALIVE = 0
     """ a state: the node runs """
     LEAVING = 1
-    """ a state: the node says goodbye and will not announce itself again """
+    """ a state: the node ends, and this is its last announcement """
 
     def __init__(self):
-        self.ports_length = 0
+        self.details_length = 0
         """
-        number of elements of ports
+        number of bytes of details
         LCM Type: int32_t
         """
 
-        self.endpoints_length = 0
+        self.version = 0
         """
-        number of elements of endpoints
-        LCM Type: int32_t
-        """
-
-        self.errors_length = 0
-        """
-        number of elements of errors
+        version of the protocol that the node speaks, greater by one with each addition to it
         LCM Type: int32_t
         """
 
@@ -65,80 +57,63 @@ class Announcement(object):
 
         self.start_time = 0
         """
-        [ns since 1970-01-01 UTC] when the node was made
+        [ns since 1970-01-01 UTC] when the node was created
         LCM Type: int64_t
         """
 
         self.id = ""
         """
-        identity of this run of the node, unlike that of any other node or earlier run of the
-        same name
+        identity of this run of the node, which no other node and no other run has
         LCM Type: string
         """
 
         self.state = 0
         """
-        ALIVE or LEAVING
+        LEAVING, or another value for a node that runs
         LCM Type: int8_t
         """
 
         self.revision = 0
         """
-        differs when anything of the node has changed but answers, sent, busy and the counters of
-        its endpoints (messages, bytes, drops, last_time, calls, busy, longest, rate) and errors (message,
-        count, last_time), so that who knows it need not decode more; a hash of all that, at the same place behind id in every
-        announcement
+        a hash of command, tool and details without counters, times and rates: while it stays the
+        same, a reader that knows the node does not need to decode the details again
         LCM Type: int64_t
         """
 
         self.tool = False
         """
-        true for a command of lcmtools that is on the bus only as long as it runs
+        true for a command that only observes the bus, and is not a part of the system
         LCM Type: boolean
         """
 
         self.command = ""
         """
-        command line with which the process was started
+        command line of the process
+        LCM Type: string
+        """
+
+        self.software = ""
+        """
+        name and version of the library that announces, for example lcmtools 0.1.0
         LCM Type: string
         """
 
         self.answers = 0
         """
-        nonce of the probe that this announcement answers, 0 if it was sent unasked
+        nonce of the Probe or Shutdown that this announcement answers; 0 if it was sent unasked
         LCM Type: int64_t
-        """
-
-        self.ports = []
-        """
-        UDP ports from which the node sends besides the one that its announcements come from
-        (large messages have one of their own); empty if the bus is not UDP multicast
-        LCM Type: int32_t[ports_length]
-        """
-
-        self.endpoints = []
-        """
-        all publishers, subscriptions, services and clients of the node
-        LCM Type: lcmtools.types.lcmtools_msgs.Endpoint[endpoints_length]
         """
 
         self.sent = 0
         """
-        [ns since 1970-01-01 UTC] when this was sent, by the clock of the node's computer; 0 if the
-        node does not say
+        [ns since 1970-01-01 UTC] when this was sent, by the clock of the node's computer; 0 if unknown
         LCM Type: int64_t
         """
 
-        self.busy = 0
+        self.details = b""
         """
-        [ns] spent in the node's callbacks since the start: of subscriptions, services and timers
-        LCM Type: int64_t
-        """
-
-        self.errors = []
-        """
-        different exceptions that the node's callbacks have raised since the start, the newest five
-        LCM Type: lcmtools.types.lcmtools_msgs.CallbackError[errors_length]
+        a NodeDetails, encoded as in Appendable
+        LCM Type: byte[details_length]
         """
 
 
@@ -149,7 +124,7 @@ class Announcement(object):
         return buf.getvalue()
 
     def _encode_one(self, buf):
-        buf.write(struct.pack(">iii", self.ports_length, self.endpoints_length, self.errors_length))
+        buf.write(struct.pack(">ii", self.details_length, self.version))
         __name_encoded = self.name.encode('utf-8')
         buf.write(struct.pack('>I', len(__name_encoded)+1))
         buf.write(__name_encoded)
@@ -168,15 +143,12 @@ class Announcement(object):
         buf.write(struct.pack('>I', len(__command_encoded)+1))
         buf.write(__command_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">q", self.answers))
-        buf.write(struct.pack('>%di' % self.ports_length, *self.ports[:self.ports_length]))
-        for i0 in range(self.endpoints_length):
-            assert self.endpoints[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Endpoint._get_packed_fingerprint()
-            self.endpoints[i0]._encode_one(buf)
-        buf.write(struct.pack(">qq", self.sent, self.busy))
-        for i0 in range(self.errors_length):
-            assert self.errors[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.CallbackError._get_packed_fingerprint()
-            self.errors[i0]._encode_one(buf)
+        __software_encoded = self.software.encode('utf-8')
+        buf.write(struct.pack('>I', len(__software_encoded)+1))
+        buf.write(__software_encoded)
+        buf.write(b"\0")
+        buf.write(struct.pack(">qq", self.answers, self.sent))
+        buf.write(bytearray(self.details[:self.details_length]))
 
     @staticmethod
     def decode(data: bytes):
@@ -191,7 +163,7 @@ class Announcement(object):
     @staticmethod
     def _decode_one(buf):
         self = Announcement()
-        self.ports_length, self.endpoints_length, self.errors_length = struct.unpack(">iii", buf.read(12))
+        self.details_length, self.version = struct.unpack(">ii", buf.read(8))
         __name_len = struct.unpack('>I', buf.read(4))[0]
         self.name = buf.read(__name_len)[:-1].decode('utf-8', 'replace')
         __host_len = struct.unpack('>I', buf.read(4))[0]
@@ -203,22 +175,16 @@ class Announcement(object):
         self.tool = bool(struct.unpack('b', buf.read(1))[0])
         __command_len = struct.unpack('>I', buf.read(4))[0]
         self.command = buf.read(__command_len)[:-1].decode('utf-8', 'replace')
-        self.answers = struct.unpack(">q", buf.read(8))[0]
-        self.ports = struct.unpack('>%di' % self.ports_length, buf.read(self.ports_length * 4))
-        self.endpoints = []
-        for i0 in range(self.endpoints_length):
-            self.endpoints.append(lcmtools.types.lcmtools_msgs.Endpoint._decode_one(buf))
-        self.sent, self.busy = struct.unpack(">qq", buf.read(16))
-        self.errors = []
-        for i0 in range(self.errors_length):
-            self.errors.append(lcmtools.types.lcmtools_msgs.CallbackError._decode_one(buf))
+        __software_len = struct.unpack('>I', buf.read(4))[0]
+        self.software = buf.read(__software_len)[:-1].decode('utf-8', 'replace')
+        self.answers, self.sent = struct.unpack(">qq", buf.read(16))
+        self.details = buf.read(self.details_length)
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Announcement in parents: return 0
-        newparents = parents + [Announcement]
-        tmphash = (0x54f384206c1897a2+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)+ lcmtools.types.lcmtools_msgs.CallbackError._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x27e428d3825aa2b) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -8,7 +8,10 @@ from io import BytesIO
 import struct
 
 class CallbackError(object):
-    """ An exception that a callback of a node has raised, once or again and again. """
+    """
+    An exception that a callback of a node has raised, once or repeatedly. Appendable: new fields
+    are added at the end only.
+    """
 
     __slots__ = ["callback", "exception", "message", "place", "count", "last_time"]
 

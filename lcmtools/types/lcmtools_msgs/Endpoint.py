@@ -8,7 +8,10 @@ from io import BytesIO
 import struct
 
 class Endpoint(object):
-    """ One publisher, subscription, service or client of a node, as its node announces it. """
+    """
+    One publisher, subscription, service or client of a node. Appendable: new fields are added at
+    the end only.
+    """
 
     __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "latched", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate"]
 
@@ -46,7 +49,8 @@ class Endpoint(object):
 
         self.role = 0
         """
-        what the node does with the topic: PUBLISHER, SUBSCRIBER, SERVICE or CLIENT
+        the node's role for the topic: PUBLISHER, SUBSCRIBER, SERVICE or CLIENT; an endpoint with
+        another value is ignored
         LCM Type: int8_t
         """
 
@@ -66,8 +70,8 @@ class Endpoint(object):
 
         self.group = ""
         """
-        name shared by the topics that are alternatives to each other, so that one of them
-        being connected is enough; "" for a topic that stands alone
+        name shared by subscriptions that are alternatives to each other, so that one connected topic
+        is enough; "" for none
         LCM Type: string
         """
 
@@ -109,26 +113,26 @@ class Endpoint(object):
 
         self.calls = 0
         """
-        [calls] of the callback since the start, one that is running among them; 0 for a publisher
-        or client
+        [calls] of the callback since the start, including a running one; 0 for a publisher or
+        client
         LCM Type: int64_t
         """
 
         self.busy = 0
         """
-        [ns] spent in the callback since the start, in one that is running too
+        [ns] spent in the callback since the start, including a running call
         LCM Type: int64_t
         """
 
         self.longest = 0
         """
-        [ns] that the longest call has taken, one that is running counts
+        [ns] duration of the longest call, or of a running one so far
         LCM Type: int64_t
         """
 
         self.rate = 0.0
         """
-        [Hz] of messages over the last one or two seconds; 0 where that is not known
+        [Hz] of messages over the last one or two seconds; 0 if unknown
         LCM Type: double
         """
 

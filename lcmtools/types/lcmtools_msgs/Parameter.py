@@ -8,7 +8,10 @@ from io import BytesIO
 import struct
 
 class Parameter(object):
-    """ One parameter of a node; in a change, name and value are enough. """
+    """
+    One parameter of a node; in a change, name and value are enough. Frozen: this struct never
+    changes.
+    """
 
     __slots__ = ["name", "type", "value", "description", "minimum", "maximum", "read_only"]
 

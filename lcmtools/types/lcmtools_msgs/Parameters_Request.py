@@ -10,7 +10,10 @@ import struct
 import lcmtools.types.lcmtools_msgs
 
 class Parameters_Request(object):
-    """ Asks a node for its parameters, after changing some of them: all of the changes or none. """
+    """
+    Requests a node's parameters, after changing some of them: all of the changes or none. Frozen:
+    this struct never changes.
+    """
 
     __slots__ = ["changes_length", "changes"]
 

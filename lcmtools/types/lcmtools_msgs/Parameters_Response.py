@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.lcmtools_msgs
 
 class Parameters_Response(object):
-    """ All parameters of a node. """
+    """ All parameters of a node. Frozen: this struct never changes. """
 
     __slots__ = ["parameters_length", "errors_length", "parameters", "errors"]
 

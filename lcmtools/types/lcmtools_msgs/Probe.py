@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Probe(object):
-    """ Asks nodes to announce themselves at once. """
+    """ Requests nodes to announce themselves at once. Frozen: this struct never changes. """
 
     __slots__ = ["target", "nonce"]
 
@@ -19,7 +19,7 @@ class Probe(object):
     def __init__(self):
         self.target = ""
         """
-        fully resolved name of the node that shall answer, "" for every node
+        fully resolved name of the node that is to answer, "" for every node
         LCM Type: string
         """
 

@@ -8,7 +8,10 @@ from io import BytesIO
 import struct
 
 class RelayEnd(object):
-    """ One of the two ends of a relay: its connection to a bus. """
+    """
+    One of the two ends of a relay: its connection to a bus. Appendable: new fields are added at the
+    end only.
+    """
 
     __slots__ = ["heard_length", "ports_length", "commands_length", "id", "bus", "heard", "ports", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "commands", "lost"]
 

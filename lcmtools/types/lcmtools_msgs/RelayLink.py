@@ -10,11 +10,14 @@ import struct
 import lcmtools.types.lcmtools_msgs
 
 class RelayLink(object):
-    """ The state of a relay: the two buses that it joins. """
+    """
+    The state of a relay: the two buses that it joins. Appendable: new fields are added at the end
+    only.
+    """
 
     __slots__ = ["ends_length", "id", "name", "host", "state", "number", "ends"]
 
-    __typenames__ = ["int32_t", "string", "string", "string", "int8_t", "int64_t", "lcmtools.types.lcmtools_msgs.RelayEnd"]
+    __typenames__ = ["int32_t", "string", "string", "string", "int8_t", "int64_t", "lcmtools.types.lcmtools_msgs.Appendable"]
 
     __dimensions__ = [None, None, None, None, None, None, ["ends_length"]]
 
@@ -52,7 +55,7 @@ class RelayLink(object):
 
         self.state = 0
         """
-        ACTIVE, STANDBY or LEFT
+        ACTIVE, STANDBY or LEFT; another value means STANDBY
         LCM Type: int8_t
         """
 
@@ -64,8 +67,8 @@ class RelayLink(object):
 
         self.ends = []
         """
-        its two ends
-        LCM Type: lcmtools.types.lcmtools_msgs.RelayEnd[ends_length]
+        a RelayEnd for each of its two ends
+        LCM Type: lcmtools.types.lcmtools_msgs.Appendable[ends_length]
         """
 
 
@@ -91,7 +94,7 @@ class RelayLink(object):
         buf.write(b"\0")
         buf.write(struct.pack(">bq", self.state, self.number))
         for i0 in range(self.ends_length):
-            assert self.ends[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.RelayEnd._get_packed_fingerprint()
+            assert self.ends[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Appendable._get_packed_fingerprint()
             self.ends[i0]._encode_one(buf)
 
     @staticmethod
@@ -117,14 +120,14 @@ class RelayLink(object):
         self.state, self.number = struct.unpack(">bq", buf.read(9))
         self.ends = []
         for i0 in range(self.ends_length):
-            self.ends.append(lcmtools.types.lcmtools_msgs.RelayEnd._decode_one(buf))
+            self.ends.append(lcmtools.types.lcmtools_msgs.Appendable._decode_one(buf))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if RelayLink in parents: return 0
         newparents = parents + [RelayLink]
-        tmphash = (0x70ec4eb70524444f+ lcmtools.types.lcmtools_msgs.RelayEnd._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x70ec4eb70524444f+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -2,7 +2,7 @@
 
 from typing import ClassVar, Final
 
-from lcmtools.types.lcmtools_msgs.RelayEnd import RelayEnd
+from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
 class RelayLink:
     __slots__: ClassVar[list[str]]
@@ -17,7 +17,7 @@ class RelayLink:
     host: str
     state: int
     number: int
-    ends: list[RelayEnd]
+    ends: list[Appendable]
     def __init__(self) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod

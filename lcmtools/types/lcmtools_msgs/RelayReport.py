@@ -11,13 +11,14 @@ import lcmtools.types.lcmtools_msgs
 
 class RelayReport(object):
     """
-    What a relay knows of all relays, its own state first. It is sent to each of its buses once a
-    second, on each change and on a Probe, and never passed on.
+    Everything that a relay knows of relays, its own state first. It is sent to each of its buses
+    once a second, on each change and on a Probe, and never passed on. Frozen: this struct never
+    changes.
     """
 
     __slots__ = ["links_length", "end", "links"]
 
-    __typenames__ = ["int32_t", "string", "lcmtools.types.lcmtools_msgs.RelayLink"]
+    __typenames__ = ["int32_t", "string", "lcmtools.types.lcmtools_msgs.Appendable"]
 
     __dimensions__ = [None, None, ["links_length"]]
 
@@ -36,8 +37,8 @@ class RelayReport(object):
 
         self.links = []
         """
-        the relays, the sender first
-        LCM Type: lcmtools.types.lcmtools_msgs.RelayLink[links_length]
+        a RelayLink for each relay, the sender first
+        LCM Type: lcmtools.types.lcmtools_msgs.Appendable[links_length]
         """
 
 
@@ -54,7 +55,7 @@ class RelayReport(object):
         buf.write(__end_encoded)
         buf.write(b"\0")
         for i0 in range(self.links_length):
-            assert self.links[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.RelayLink._get_packed_fingerprint()
+            assert self.links[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Appendable._get_packed_fingerprint()
             self.links[i0]._encode_one(buf)
 
     @staticmethod
@@ -75,14 +76,14 @@ class RelayReport(object):
         self.end = buf.read(__end_len)[:-1].decode('utf-8', 'replace')
         self.links = []
         for i0 in range(self.links_length):
-            self.links.append(lcmtools.types.lcmtools_msgs.RelayLink._decode_one(buf))
+            self.links.append(lcmtools.types.lcmtools_msgs.Appendable._decode_one(buf))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if RelayReport in parents: return 0
         newparents = parents + [RelayReport]
-        tmphash = (0x4dc3abddc2d7f45b+ lcmtools.types.lcmtools_msgs.RelayLink._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x4dc3abddc2d7f45b+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

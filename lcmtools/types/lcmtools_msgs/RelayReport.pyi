@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from lcmtools.types.lcmtools_msgs.RelayLink import RelayLink
+from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
 class RelayReport:
     __slots__: ClassVar[list[str]]
@@ -10,7 +10,7 @@ class RelayReport:
     __dimensions__: ClassVar[list[list[int | str] | None]]
     links_length: int
     end: str
-    links: list[RelayLink]
+    links: list[Appendable]
     def __init__(self) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod

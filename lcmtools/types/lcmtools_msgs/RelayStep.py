@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class RelayStep(object):
-    """ One relay that an announcement has passed. """
+    """ One relay that an announcement has passed. Appendable: new fields are added at the end only. """
 
     __slots__ = ["id", "relay", "bus"]
 

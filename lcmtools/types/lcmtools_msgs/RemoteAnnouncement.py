@@ -11,13 +11,13 @@ import lcmtools.types.lcmtools_msgs
 
 class RemoteAnnouncement(object):
     """
-    An Announcement of a node on another bus, which relays have passed on: its process, ports and
-    computer are there.
+    An Announcement of a node on another bus, passed on by relays: its process, ports and computer
+    are there. Frozen: this struct never changes.
     """
 
     __slots__ = ["announcement_length", "steps_length", "announcement", "steps"]
 
-    __typenames__ = ["int32_t", "int32_t", "byte", "lcmtools.types.lcmtools_msgs.RelayStep"]
+    __typenames__ = ["int32_t", "int32_t", "byte", "lcmtools.types.lcmtools_msgs.Appendable"]
 
     __dimensions__ = [None, None, ["announcement_length"], ["steps_length"]]
 
@@ -42,8 +42,8 @@ class RemoteAnnouncement(object):
 
         self.steps = []
         """
-        the relays that it has passed, the last one first
-        LCM Type: lcmtools.types.lcmtools_msgs.RelayStep[steps_length]
+        a RelayStep for each relay that it has passed, the last one first
+        LCM Type: lcmtools.types.lcmtools_msgs.Appendable[steps_length]
         """
 
 
@@ -57,7 +57,7 @@ class RemoteAnnouncement(object):
         buf.write(struct.pack(">ii", self.announcement_length, self.steps_length))
         buf.write(bytearray(self.announcement[:self.announcement_length]))
         for i0 in range(self.steps_length):
-            assert self.steps[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.RelayStep._get_packed_fingerprint()
+            assert self.steps[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Appendable._get_packed_fingerprint()
             self.steps[i0]._encode_one(buf)
 
     @staticmethod
@@ -77,14 +77,14 @@ class RemoteAnnouncement(object):
         self.announcement = buf.read(self.announcement_length)
         self.steps = []
         for i0 in range(self.steps_length):
-            self.steps.append(lcmtools.types.lcmtools_msgs.RelayStep._decode_one(buf))
+            self.steps.append(lcmtools.types.lcmtools_msgs.Appendable._decode_one(buf))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if RemoteAnnouncement in parents: return 0
         newparents = parents + [RemoteAnnouncement]
-        tmphash = (0xda46f4a17749b1aa+ lcmtools.types.lcmtools_msgs.RelayStep._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0xda46f4a17749b1aa+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

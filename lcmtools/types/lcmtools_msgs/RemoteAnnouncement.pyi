@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from lcmtools.types.lcmtools_msgs.RelayStep import RelayStep
+from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
 class RemoteAnnouncement:
     __slots__: ClassVar[list[str]]
@@ -11,7 +11,7 @@ class RemoteAnnouncement:
     announcement_length: int
     steps_length: int
     announcement: bytes
-    steps: list[RelayStep]
+    steps: list[Appendable]
     def __init__(self) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod

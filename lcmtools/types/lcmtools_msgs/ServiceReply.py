@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class ServiceReply(object):
-    """ Envelope of the reply to one service request. """
+    """ Envelope of the reply to one service request. Frozen: this struct never changes. """
 
     __slots__ = ["payload_length", "client", "sequence", "status", "error", "payload"]
 
@@ -42,7 +42,7 @@ class ServiceReply(object):
 
         self.status = 0
         """
-        OK or FAILED
+        OK; any other value means that the service failed
         LCM Type: int8_t
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class ServiceRequest(object):
-    """ Envelope of one service request. """
+    """ Envelope of one service request. Frozen: this struct never changes. """
 
     __slots__ = ["payload_length", "client", "sequence", "payload"]
 

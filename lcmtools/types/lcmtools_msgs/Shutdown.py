@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Shutdown(object):
-    """ Asks the program of one node to end, as SIGTERM would. """
+    """ Requests the program of one node to end, as SIGTERM does. Frozen: this struct never changes. """
 
     __slots__ = ["target", "nonce", "requester"]
 
@@ -25,14 +25,14 @@ class Shutdown(object):
 
         self.nonce = 0
         """
-        number chosen by the asker; the node answers with an Announcement that repeats it, at once,
-        to say that it has heard
+        number chosen by the requester; the node first confirms the request with an Announcement
+        that repeats it
         LCM Type: int64_t
         """
 
         self.requester = ""
         """
-        who asks, for the node's log
+        description of the requester, for the node's log
         LCM Type: string
         """
 

@@ -5,8 +5,10 @@ lcm-gen 1.5.3
 """
 
 from .Announcement import Announcement as Announcement
+from .Appendable import Appendable as Appendable
 from .CallbackError import CallbackError as CallbackError
 from .Endpoint import Endpoint as Endpoint
+from .NodeDetails import NodeDetails as NodeDetails
 from .Parameter import Parameter as Parameter
 from .Parameters_Request import Parameters_Request as Parameters_Request
 from .Parameters_Response import Parameters_Response as Parameters_Response

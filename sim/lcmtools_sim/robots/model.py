@@ -109,6 +109,14 @@ COMMANDS = (
 )
 """All names in the Husky lab's text; they mean the same."""
 
+MOTION_SENSORS = (
+    SensorMount("odometry", "odometry", 50.0),
+    SensorMount("wheel_states", "wheel_states", 50.0),
+    SensorMount("ground_truth", "ground_truth", 50.0),
+    SensorMount("transforms", "/tf", 50.0),
+)
+"""The sensors of a robot whose model has no others."""
+
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
@@ -120,7 +128,7 @@ class RobotModel:
     # Names that commands may use for the left side, the usual one first.
     left_wheels: tuple[str, ...]
     right_wheels: tuple[str, ...]  # the same for the right side, in the same order
-    sensors: tuple[SensorMount, ...]  # in order
+    sensors: tuple[SensorMount, ...] = MOTION_SENSORS  # in order
     # ``wtf`` names the first one if nobody publishes any.
     commands: tuple[CommandTopic, ...] = COMMANDS
     gazebo_drive: Drive | None = None  # the drive as in Gazebo, if that is known to be wrong

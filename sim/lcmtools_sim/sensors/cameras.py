@@ -135,7 +135,7 @@ class DepthCameraSettings(CameraSettings):
 
     field_of_view: float = number(math.radians(57), 0.01, 3.1, angle=True)
     near: float = number(0.5, 0.001, 100.0)  # least depth that is measured [m]
-    far: float = number(8.0, 0.01, 1000.0)  # greatest depth that is measured [m]
+    far: float = number(8.0, 0.01, 1000.0, above="near")  # greatest depth that is measured [m]
     # Standard deviation of the depth at 1 m [m]; it grows with its square.
     noise: float = deviation()
     # Distance between two neighbouring readings at 1 m [m]; it grows with its square.

@@ -12,12 +12,12 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools_sim.geometry import IDENTITY, ZERO
 from lcmtools_sim.sensors.sensor import (
+    BatchSensor,
+    MeasureBatch,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    SharedSensor,
-    Together,
     deviation,
     number,
 )
@@ -37,11 +37,11 @@ class LaserSettings(Settings):
     first_angle: float = number(-np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
     last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)  # [rad]
     shortest: float = number(0.05, 0.0, 1e3)  # least range [m]
-    longest: float = number(10.0, 0.01, 1e3)  # greatest range [m]
+    longest: float = number(10.0, 0.01, 1e3, above="shortest")  # greatest range [m]
     noise: float = deviation()  # standard deviation of a range [m]
 
 
-class LaserSensor(SharedSensor):
+class LaserSensor(BatchSensor):
     """sensor_msgs/LaserScan by REP-117: +inf for no return, -inf for a return that is too near.
 
     All rays are measured in the same instant. The robot's own body is transparent to them.
@@ -75,22 +75,22 @@ class LaserSensor(SharedSensor):
         ranges = self._scanner.scan(*state.sensor_frame(self._pose), around)
         return {"": self.payload(state, ranges)}
 
-    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """Return the function that measures these sensors at once; see SharedSensor."""
+    def batch(self, sensors: Sequence[tuple["Self", int]]) -> MeasureBatch:
+        """Return the function that measures these sensors at once; see BatchSensor."""
         return partial(self._scans, sensors)
 
     def _scans(self, sensors: Sequence[tuple["Self", int]], state: RobotState) -> Iterator[bytes]:
         count = np.size(state.wheel_speeds.left)
-        places = [place for _, place in sensors]
+        indices = [index for _, index in sensors]
         eyes, rotations = (
-            np.array([np.broadcast_to(values, count)[places] for values in vector])
+            np.array([np.broadcast_to(values, count)[indices] for values in vector])
             for vector in state.sensor_frame(self._pose)
         )
         bodies = self._world.moving_bodies()
         numbers = {body: number for number, body in enumerate(bodies, 1)}
         own = np.array([numbers[sensor.body] for sensor, _ in sensors])
         around = [self._fixed(), *bodies.values()]
-        scans = self._scanner.scan_together(eyes, rotations, around, own)
+        scans = self._scanner.scan_batch(eyes, rotations, around, own)
         for (sensor, _), ranges in zip(sensors, scans, strict=True):
             yield sensor.payload(state, ranges)
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, cast
 
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Imu, JointState
 from lcmtools.types.tf2_msgs import TFMessage
@@ -28,13 +27,14 @@ from lcmtools_sim.geometry import (
 )
 from lcmtools_sim.sensors.payloads import Payloads, Row
 from lcmtools_sim.sensors.sensor import (
+    BatchSensor,
+    MeasureBatch,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    SharedSensor,
-    Together,
     deviation,
+    transform_message,
 )
 
 if TYPE_CHECKING:
@@ -45,14 +45,14 @@ COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 """Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
 
 
-class MotionSensor(SharedSensor):
+class MotionSensor(BatchSensor):
     """A sensor whose messages are numbers in a template, computed only from a robot's state."""
 
     template: PayloadTemplate  # of its messages
     is_noisy: bool  # True if it draws its own random numbers for each sample
 
     @property
-    def is_shared(self) -> bool:
+    def is_batchable(self) -> bool:
         """True unless it draws its own random numbers."""
         return not self.is_noisy
 
@@ -70,9 +70,9 @@ class MotionSensor(SharedSensor):
         del wanted
         return {"": self.template.fill(*self.rows(state))}
 
-    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """Return the function that measures these sensors at once; see SharedSensor."""
-        payloads = Payloads([(sensor.template, place) for sensor, place in sensors])
+    def batch(self, sensors: Sequence[tuple["Self", int]]) -> MeasureBatch:
+        """Return the function that measures these sensors at once; see BatchSensor."""
+        payloads = Payloads([(sensor.template, index) for sensor, index in sensors])
         return lambda state: payloads.fill(self.rows(state))
 
 
@@ -126,6 +126,11 @@ class OdometrySettings(Settings):
     speed_noise: float = deviation()  # standard deviation of the twist's forward speed [m/s]
     turning_noise: float = deviation()  # standard deviation of the twist's turn rate [rad/s]
 
+    @property
+    def encoder_noise(self) -> float:
+        """The noise of the travel."""
+        return self.travel_noise
+
 
 class OdometrySensor(MotionSensor):
     """nav_msgs/Odometry: the pose of base_link in odom, the twist in base_link (REP-105).
@@ -159,7 +164,7 @@ class OdometrySensor(MotionSensor):
 class TransformsSensor(MotionSensor):
     """tf2_msgs/TFMessage with odom to base_link, and base_link to each sensor (REP-105).
 
-    It publishes the frames of the sensors that were mounted before (see mount_sensors).
+    It publishes the frames of the sensors that were made before (see SensorKind.needs_frames).
     """
 
     outputs: Mapping[str, type[Message]] = {"": TFMessage}
@@ -180,16 +185,6 @@ class TransformsSensor(MotionSensor):
     def rows(self, state: RobotState) -> tuple[Row, ...]:
         """The pose by odometry, and a stamp for each transform."""
         return _planar_pose(state), *[state.stamp] * self._count
-
-
-def transform_message(parent: str, child: str, frame: Frame) -> TransformStamped:
-    """Return the message of a frame in its parent, without a time."""
-    message = TransformStamped()
-    message.header.frame_id, message.child_frame_id = parent, child
-    place, turn = message.transform.translation, message.transform.rotation
-    place.x, place.y, place.z = frame.position
-    turn.x, turn.y, turn.z, turn.w = frame.rotation
-    return message
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,10 +46,10 @@ class _Table:
         chosen = [templates[number] for number in numbers]
         self._bytes = np.array([np.frombuffer(one.payload, np.uint8) for one, _ in chosen])
         self._columns = [list(self._of_hole(*hole)) for hole in chosen[0][0].holes]
-        places = [place for _, place in chosen]
-        run = range(places[0], places[0] + len(places))
+        indices = [index for _, index in chosen]
+        run = range(indices[0], indices[0] + len(indices))
         # a slice, which is a view, is faster than indices
-        self._robots = slice(run.start, run.stop) if places == list(run) else np.array(places)
+        self._robots = slice(run.start, run.stop) if indices == list(run) else np.array(indices)
 
     def filled(self, rows: Sequence[Row]) -> Iterator[tuple[int, bytes]]:
         """Yield the payloads filled with all robots' numbers, each with its template's number."""

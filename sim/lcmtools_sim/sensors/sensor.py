@@ -15,6 +15,7 @@ import numpy as np
 
 from lcmtools.clock import split_stamp
 from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim.geometry import ORIGIN, Frame, Pose, Quaternion, Vector
 from lcmtools_sim.shapes import Color, Line, Part
@@ -26,19 +27,29 @@ if TYPE_CHECKING:
 Number = TypeVar("Number", int, float)
 
 
+@dataclass(frozen=True, slots=True)
 class Settings:
     """Base of all sensors' settings: frozen dataclasses whose fields a world file may set."""
 
-    __slots__ = ()
+    @property
+    def encoder_noise(self) -> float:
+        """Standard deviation of the distance that one side's encoder measures in 1 m [m].
+
+        It grows with the square root of the distance. The encoders are the robot's: everything that
+        is computed from them drifts.
+        """
+        return 0.0
 
 
-def number(default: Number, lowest: float, highest: float, *, angle: bool = False) -> Number:
+def number(
+    default: Number, lowest: float, highest: float, *, angle: bool = False, above: str = ""
+) -> Number:
     """Return a setting that is a number within bounds; an angle [rad] may be written as "90 deg".
 
-    It is an integer if the default is one.
+    It is an integer if the default is one. It must be greater than the setting named ``above``.
     """
-    bounds = {"lowest": lowest, "highest": highest, "angle": angle}
-    return field(default=default, metadata=bounds)
+    metadata = {"lowest": lowest, "highest": highest, "angle": angle, "above": above}
+    return field(default=default, metadata=metadata)
 
 
 def deviation() -> float:
@@ -189,7 +200,7 @@ class SensorContext:
         return Noise(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
-Together = Callable[[RobotState], Iterable[bytes]]
+MeasureBatch = Callable[[RobotState], Iterable[bytes]]
 """Measures several robots' sensors of one kind; returns payloads of one step in the sensors' order.
 
 The argument is the state of all the robots, as arrays.
@@ -207,17 +218,17 @@ class Sensor(Protocol):
         """Return the payloads of the wanted outputs for one step."""
 
 
-class SharedSensor(ABC):
-    """A sensor that can be measured together with identically mounted ones on other robots."""
+class BatchSensor(ABC):
+    """A sensor that can be measured in one batch with those mounted identically on other robots."""
 
     @property
-    def is_shared(self) -> bool:
+    def is_batchable(self) -> bool:
         """False if its settings make it an exception."""
         return True
 
     @abstractmethod
-    def together(self, sensors: Sequence[tuple["Self", int]]) -> Together:
-        """Return the function for these shared sensors, each given with its robot's index."""
+    def batch(self, sensors: Sequence[tuple["Self", int]]) -> MeasureBatch:
+        """Return the function for these batchable sensors, each given with its robot's index."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,11 +236,17 @@ class SensorKind:
     """A kind of sensor, as robot models and world files may mount it."""
 
     make: Callable[[SensorMount, SensorContext], Sensor]  # creates one for a mount on a robot
-    settings: type[Settings] | None = None  # the class of its settings; None for a kind without any
+    settings: type[Settings] = Settings  # the class of its settings
     rate: float = 50.0  # the default rate in world files [Hz]
     topic: str = ""  # the default topic in world files
     # Outputs that are too large to send without a known subscriber.
     bulky: frozenset[str] = frozenset()
+    is_optical: bool = False  # True if z of its frame is the mount's x, as cameras' (REP-103)
+    needs_frames: bool = False  # True if it is made after the robot's other sensors, for its frames
+
+    def settings_of(self, mount: SensorMount) -> Settings:
+        """Return the settings of a mounted sensor of this kind."""
+        return mount.settings or self.settings()
 
 
 def random_numbers(seed: int, name: str) -> np.random.Generator:
@@ -241,3 +258,13 @@ def fill_header(header: Header, time: int, frame_id: str) -> None:
     """Stamp a header with the step's time [ns] and its frame."""
     header.stamp.sec, header.stamp.nsec = split_stamp(time)
     header.frame_id = frame_id
+
+
+def transform_message(parent: str, child: str, frame: Frame) -> TransformStamped:
+    """Return the message of a frame in its parent, without a time."""
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = parent, child
+    place, turn = message.transform.translation, message.transform.rotation
+    place.x, place.y, place.z = frame.position
+    turn.x, turn.y, turn.z, turn.w = frame.rotation
+    return message

@@ -36,7 +36,7 @@ _BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
 Numbers = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
 
-_TOGETHER = 32  # scanners at a time, so that the arrays stay in the processor's cache
+_BATCH = 32  # scanners at a time, so that the arrays stay in the processor's cache
 
 
 class Scanner:
@@ -77,7 +77,7 @@ class Scanner:
 
     # A body that the engine has lost, at NaN or beyond the range of numbers, is near nothing.
     @np.errstate(invalid="ignore", over="ignore")
-    def scan_together(
+    def scan_batch(
         self, eyes: Floats, rotations: Floats, bodies: Sequence[PlacedSolids], own: Numbers
     ) -> Floats:
         """Return the ranges (k, n) of several such scanners, bit for bit as from ``scan``.
@@ -93,8 +93,8 @@ class Scanner:
         where = (down > 0) & (is_low & (eyes[2] > _TOUCH))[:, None]
         ranges = np.full(down.shape, np.inf)
         np.divide(eyes[2][:, None], down, out=ranges, where=where)
-        for first in range(0, len(own), _TOGETHER):
-            some = slice(first, first + _TOGETHER)
+        for first in range(0, len(own), _BATCH):
+            some = slice(first, first + _BATCH)
             apart, views = around.seen(eyes[:, some], forward[:, some], left[:, some])
             near = apart <= self._longest + around.reaches
             near[np.arange(len(near)), own[some]] = False

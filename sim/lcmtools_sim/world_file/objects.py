@@ -104,8 +104,8 @@ def _table(item: Item) -> list[SceneObject]:
 
 def _walls(item: Item) -> list[SceneObject]:
     """Read a wall along a polyline, in pieces that are half a thickness longer at both ends."""
-    known = ("type", "name", "points", "closed", "height", "thickness", "friction", "color")
-    keys = item.fields(known, required=["points"])
+    allowed = ("type", "name", "points", "closed", "height", "thickness", "friction", "color")
+    keys = item.fields(allowed, required=["points"])
     corners = keys["points"].items()
     if len(corners) < 2:  # noqa: PLR2004 - the ends of a wall
         raise keys["points"].error("'points' must have at least 2 elements")

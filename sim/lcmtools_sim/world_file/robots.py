@@ -28,7 +28,6 @@ _ROBOT_KEYS = (
     *("model", "namespace", "pose", "cmd_timeout", "sensors", "topics", "commands", "drive"),
     *("gazebo_quirks", "skid"),
 )
-_ORDERED = (("shortest", "longest"), ("near", "far"))
 _MOUNT_KEYS = ("type", "topic", "rate", "pose", "frame", "always", "off")
 
 
@@ -151,63 +150,64 @@ def _read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMou
     frames: dict[str, SensorMount] = {}
     for entry in item.items():
         kind = one_of(entry.field("type"), SENSORS, "sensor")
-        keys = entry.fields((*_MOUNT_KEYS, *_setting_names(kind.settings)))
+        keys = entry.fields((*_MOUNT_KEYS, *(one.name for one in fields(kind.settings))))
         topic = value(keys, "topic", Item.text, kind.topic)
         if topic in topics:
             raise entry.error(f"two sensors have the topic '{topic}'", "give one another topic")
         topics.add(topic)
         name = keys["type"].text()
         usual = SensorMount(name, topic, kind.rate)
-        known = mounts.get(topic, usual)
+        changed = mounts.get(topic, usual)
         if value(keys, "off", Item.flag, default=False):
             mounts.pop(topic, None)
         else:
-            mounts[topic] = _mount(keys, kind, known if known.kind == name else usual)
+            mounts[topic] = _mount(keys, kind, changed if changed.kind == name else usual)
             if "frame" in keys:
                 _check_frame(keys["frame"], mounts[topic], frames)
     return tuple(mounts.values())
 
 
 def _check_frame(item: Item, mount: SensorMount, frames: dict[str, SensorMount]) -> None:
-    """Refuse one frame name for two poses; cameras' frames also differ in orientation."""
+    """Refuse one frame name for two poses; optical frames also differ in orientation."""
     other = frames.setdefault(mount.frame, mount)
-    is_camera, is_other_camera = ("camera" in each.kind for each in (mount, other))
-    if other.pose != mount.pose or is_camera != is_other_camera:
+    is_optical, is_other_optical = (SENSORS[one.kind].is_optical for one in (mount, other))
+    if other.pose != mount.pose or is_optical != is_other_optical:
         raise item.error(
             f"the frame '{mount.frame}' is that of '{other.topic}' too, which sits elsewhere",
             "give one another frame",
         )
 
 
-def _mount(keys: dict[str, Item], kind: SensorKind, known: SensorMount) -> SensorMount:
+def _mount(keys: dict[str, Item], kind: SensorKind, mount: SensorMount) -> SensorMount:
+    """Return a sensor of this kind with the given fields."""
     return replace(
-        known,
-        rate=value(keys, "rate", number(1e-3, 1e4), known.rate),
-        pose=value(keys, "pose", pose, known.pose),
-        frame=value(keys, "frame", checked_name(check_legal), known.frame),
-        always=value(keys, "always", Item.flag, known.always),
-        settings=_settings(keys, kind, known.settings),
+        mount,
+        rate=value(keys, "rate", number(1e-3, 1e4), mount.rate),
+        pose=value(keys, "pose", pose, mount.pose),
+        frame=value(keys, "frame", checked_name(check_legal), mount.frame),
+        always=value(keys, "always", Item.flag, mount.always),
+        settings=_settings(keys, kind.settings_of(mount)),
     )
 
 
-def _settings(keys: dict[str, Item], kind: SensorKind, known: Settings | None) -> Settings | None:
-    """Return the kind's settings with the given fields."""
-    if kind.settings is None:
-        return None
-    settings, given = known or kind.settings(), {}
-    for setting in fields(settings):  # type: ignore[arg-type] # each is a dataclass
-        if setting.name in keys:
-            given[setting.name] = _setting(keys[setting.name], setting)
-    changed = replace(settings, **given)  # type: ignore[type-var] # a dataclass
+def _settings(keys: dict[str, Item], settings: Settings) -> Settings:
+    """Return the settings with the given fields."""
+    given = {
+        setting.name: _setting(keys[setting.name], setting)
+        for setting in fields(settings)
+        if setting.name in keys
+    }
+    changed = replace(settings, **given)
     _check_order(keys, changed)
     return changed
 
 
 def _check_order(keys: dict[str, Item], settings: Settings) -> None:
     """Refuse settings in the wrong order, such as a shortest range above the longest one."""
-    for low, high in _ORDERED:
+    for setting in fields(settings):
+        low, high = setting.metadata["above"], setting.name
         given = keys.get(low) or keys.get(high)
-        if given and hasattr(settings, low):
+        if low and given:
             least, most = getattr(settings, low), getattr(settings, high)
             if least >= most:
                 raise given.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
@@ -220,7 +220,3 @@ def _setting(item: Item, setting: Field[float]) -> float:
         return item.integer(lowest, highest)
     read = item.angle if setting.metadata["angle"] else item.number
     return read(lowest, highest)
-
-
-def _setting_names(settings: type[Settings] | None) -> list[str]:
-    return [one.name for one in fields(settings)] if settings else []  # type: ignore[arg-type]

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from lcmtools.names import did_you_mean
 from lcmtools_sim.geometry import Vector, axes, rotate, scaled, subtract
 from lcmtools_sim.robots.model import Body, Drive, Look, RobotModel, Wheel, detailed_wheel
-from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Cylinder, Part, Sphere, centre_of_mass, moments
 from lcmtools_sim.world_file.urdf import Joint, Urdf
 from lcmtools_sim.world_file.values import Item, friction, given_twice, length, number, value
@@ -28,12 +27,6 @@ _DEEPEST = 0.05
 """[m] A part that reaches farther below the wheels would carry the robot in their place."""
 _NEAR_GROUND = 0.01  # [m] a part this close to the ground supports the robot
 _TURNING = ("continuous", "revolute")
-_SENSORS = (
-    SensorMount("odometry", "odometry", 50.0),
-    SensorMount("wheel_states", "wheel_states", 50.0),
-    SensorMount("ground_truth", "ground_truth", 50.0),
-    SensorMount("transforms", "/tf", 50.0),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +70,6 @@ def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
         ),
         left_wheels=_names("left", left),
         right_wheels=_names("right", right),
-        sensors=_SENSORS,
     )
     return model, (*urdf.notes, *_notes(urdf, middle))
 

@@ -88,13 +88,13 @@ class Item:
             raise self.error(f"'{self.name}' must have {wanted} elements, not {len(nodes)}")
         return [Item(f"{self.name}[{i}]", self.source, node) for i, node in enumerate(nodes)]
 
-    def fields(self, known: Collection[str], required: Collection[str] = ()) -> dict[str, "Item"]:
+    def fields(self, allowed: Collection[str], required: Collection[str] = ()) -> dict[str, "Item"]:
         """Return the values of a mapping by key, in the order of the file."""
         mapping = self._mapping()
         for written, node in mapping.items():
             key = Item("key", self.source, Node(written, node.key_line))
-            if (name := key.text()) not in known:
-                raise key.error(f"unknown key '{name}' in '{self.name}'", _key_hint(name, known))
+            if (name := key.text()) not in allowed:
+                raise key.error(f"unknown key '{name}' in '{self.name}'", _key_hint(name, allowed))
         for name in required:
             if name not in mapping:
                 raise self.error(f"'{self.name}' lacks the key '{name}'")
@@ -130,11 +130,11 @@ class Item:
         return kinds.get(type(self.node.value), "single value")
 
 
-def _key_hint(name: str, known: Collection[str]) -> str:
+def _key_hint(name: str, allowed: Collection[str]) -> str:
     """Return a hint at the keys that contain a name ("noise"), else the most similar, else all."""
-    if longer := [key for key in known if name in key.split("_")]:
+    if longer := [key for key in allowed if name in key.split("_")]:
         return f"did you mean {' or '.join(longer)}?"
-    return did_you_mean(name, known) or f"known keys: {', '.join(known)}"
+    return did_you_mean(name, allowed) or f"known keys: {', '.join(allowed)}"
 
 
 def load(text: str, source: str, name: str) -> Item:
@@ -205,13 +205,13 @@ def checked_name(check: Callable[[str], str | None]) -> Callable[[Item], str]:
     return read
 
 
-def one_of(item: Item, known: Mapping[str, Value], what: str) -> Value:
+def one_of(item: Item, table: Mapping[str, Value], what: str) -> Value:
     """Return the value of a word in a table; an unknown word gets the most similar one as hint."""
     word = item.text()
-    if word not in known:
-        hint = did_you_mean(word, known) or f"known {what}s: {', '.join(known)}"
+    if word not in table:
+        hint = did_you_mean(word, table) or f"known {what}s: {', '.join(table)}"
         raise item.error(f"unknown {what} '{word}'", hint)
-    return known[word]
+    return table[word]
 
 
 def given_twice(names: Sequence[str]) -> str | None:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
@@ -13,7 +14,6 @@ from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.types.std_msgs import Float64, String
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 from tests.fixtures.says import assert_says

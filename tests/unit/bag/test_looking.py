@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
@@ -14,7 +15,6 @@ from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import Float64
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages, RecordedNode
 from lcmtools.wire.packet import Packet, Sender
 from tests.fixtures.says import assert_says

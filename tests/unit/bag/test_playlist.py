@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.arguments import split_arguments
 from lcmtools.bag.edits import TopicChoice
@@ -14,7 +15,7 @@ from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcem
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import fingerprint
 from lcmtools.types.geometry_msgs import Point, Twist
-from lcmtools.wire.log_events import SYNC, encode_event
+from lcmtools.wire.log_events import SYNC
 from lcmtools.wire.packet import Packet
 from tests.fixtures.says import assert_says, raises_saying
 

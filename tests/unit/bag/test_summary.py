@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.wire import encode_event
 
 from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.bag.reindex import reindex_log
@@ -16,7 +17,6 @@ from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.packages.user_types import source_text
 from lcmtools.types.std_msgs import Header, String
-from lcmtools.wire.log_events import encode_event
 from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
 from tests.fixtures.says import assert_says

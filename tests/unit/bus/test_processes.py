@@ -10,7 +10,7 @@ import pytest
 
 from lcmtools.bus import processes
 from lcmtools.bus.kernel import joined_interfaces, receive_buffers
-from lcmtools.bus.processes import Process, UdpSocket, is_stopped, process_of
+from lcmtools.bus.processes import UdpSocket, is_stopped, process_of
 
 
 def test_a_row_of_the_socket_table_is_read() -> None:
@@ -42,24 +42,6 @@ def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known() -> None:
         assert joined_interfaces(os.getpid(), inode, group) == ("lo",)
         assert joined_interfaces(os.getpid(), inode, "239.255.77.78") == ()
         assert joined_interfaces(os.getpid(), 1, group) == ()
-
-
-@pytest.mark.parametrize(
-    ("command", "called"),
-    [
-        ("lcm-sink -v", "lcm-sink -v"),
-        ("/opt/a/very/long/way/to/bin/lcm-sink -v", "lcm-sink -v"),
-        ("/usr/bin/python3 /home/ada/robots/drive.py --fast", "python3 drive.py --fast"),
-        ("/usr/bin/python3 -u /home/ada/drive.py /gps", "python3 -u drive.py /gps"),
-        ("/opt/a/very/long/way/to/sender /gps", "sender /gps"),
-        ("/usr/bin/java -Xmx1g -cp /home/ada/lcm.jar:. Listens -v", "java Listens -v"),
-        ("/opt/a/long/way/to/sender --speed 0.3", "sender --speed 0.3"),
-        ("sender --channels /gps /imu --speed 0.3", "sender --channels /gps …"),
-        ("/usr/bin/ some-words-that-are-more-than-there-is-room", "/usr/bin/ …"),
-    ],
-)
-def test_a_long_command_loses_its_folders_first(command: str, called: str) -> None:
-    assert Process(1, command).called(25) == called
 
 
 def test_this_process_is_found_by_its_pid() -> None:

@@ -9,7 +9,7 @@ from typing import cast
 import pytest
 
 from lcmtools.doctor import brief, collect
-from lcmtools.doctor.collect import _counted_again, _without_the_left
+from lcmtools.doctor.collect import _refreshed_graph, _without_departed
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
@@ -53,7 +53,7 @@ def test_requests_end_with_the_last_name(
     sender: Sender, answered: int, listen: float, requests: int
 ) -> None:
     monitor = _Monitor(sender, answered)
-    _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), listen)
+    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), listen)
     assert monitor.requests == requests
 
 
@@ -85,7 +85,7 @@ class _LateNode(_Monitor):
 )
 def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, waited: float) -> None:
     monitor = _LateNode(pid, answered)
-    _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
     assert monitor.waited == pytest.approx(waited)
 
 
@@ -106,11 +106,11 @@ def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
 ) -> None:
     parts: list[float] = []
     begin = SimpleNamespace(graph=Graph(), listening=None)
-    monkeypatch.setattr(collect._Begin, "now", lambda _: begin)
-    monkeypatch.setattr(collect, "_take", lambda _, __, seconds: parts.append(seconds))
-    monkeypatch.setattr(collect, "_gathered", lambda _, found, __, s: replace(found, listened=s))
+    monkeypatch.setattr(collect._Baseline, "now", lambda _: begin)
+    monkeypatch.setattr(collect, "_receive", lambda _, __, seconds: parts.append(seconds))
+    monkeypatch.setattr(collect, "_gather", lambda _, found, __, s: replace(found, listened=s))
     monkeypatch.setattr(brief, "is_enough", lambda _: is_enough)
-    found = collect._look(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
+    found = collect._observe(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
     assert parts == pytest.approx(taken)
     assert found.listened == pytest.approx(listened)
 
@@ -119,5 +119,5 @@ def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs() -> None:
     stays, leaves, plain = (Sender("127.0.0.1", port) for port in (1, 2, 3))
     nodes = [Node(f"/{one.port}", str(one.port), "h", 1, sender=one) for one in (stays, leaves)]
     traffic = tuple(Traffic("/a", one, (), 1, 8, 0, 0) for one in (stays, leaves, plain))
-    found = _without_the_left(Graph((nodes[0],), traffic), before=Graph(tuple(nodes)))
+    found = _without_departed(Graph((nodes[0],), traffic), before=Graph(tuple(nodes)))
     assert [seen.sender for seen in found.traffic] == [stays, plain]

@@ -113,7 +113,7 @@ def test_every_type_can_be_looked_into() -> None:
 def heard(*messages: tuple[str, Message], time: int = NOW) -> list[tuple[str, str, int]]:
     listening = Listening(lambda _: ())
     for channel, message in messages:
-        listening.take(Packet(channel, encode(message), time, ALICE))
+        listening.add_packet(Packet(channel, encode(message), time, ALICE))
     return [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)]
 
 
@@ -140,7 +140,7 @@ def test_old_stamps_that_advance_as_the_clock_does_are_of_a_log_that_is_played()
     for seconds in range(4):
         for channel, stamp in (("/played", seconds - 86400), ("/stuck", -86400)):
             message = encode(stamped(NOW / 1e9 + stamp))
-            listening.take(Packet(channel, message, NOW + seconds * 10**9, ALICE))
+            listening.add_packet(Packet(channel, message, NOW + seconds * 10**9, ALICE))
     kinds = {odd.topic: odd.kind for odd in listening.oddities(str)}
     assert kinds == {"/played": "replayed", "/stuck": "old"}
 
@@ -163,14 +163,14 @@ def test_a_clock_jumps_back_unless_two_send_it() -> None:
         for sender, second in zip(senders, (1, 2, 1), strict=True):
             clock = Clock()
             clock.clock.sec = second
-            listening.take(Packet("/clock", encode(clock), NOW + second, sender))
+            listening.add_packet(Packet("/clock", encode(clock), NOW + second, sender))
         assert listening.clock_jumps() == jumps
 
 
 def test_what_cannot_be_decoded_is_odd_once() -> None:
     listening = Listening(lambda _: ())
     for _ in range(3):
-        listening.take(Packet("/a", encode(String())[:-3], NOW, ALICE))
+        listening.add_packet(Packet("/a", encode(String())[:-3], NOW, ALICE))
     (odd,) = listening.oddities(str)
     assert (odd.kind, odd.count) == ("undecodable", 3)
 
@@ -199,7 +199,7 @@ def test_a_utime_is_microseconds_of_now(
     for second in range(3):
         now = microseconds + advances * second * 10**6
         monkeypatch.setattr("lcmtools.doctor.listening.utime", lambda _, now=now: now * 1000)
-        listening.take(Packet("U", encode(String()), NOW + second * 10**9, ALICE))
+        listening.add_packet(Packet("U", encode(String()), NOW + second * 10**9, ALICE))
     assert [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)] == found
 
 
@@ -220,7 +220,7 @@ def test_what_comes_again_is_told_from_what_is_the_same() -> None:
         ):
             message = String()
             message.data = said
-            listening.take(Packet("/a", encode(message), NOW, sender, seqno))
+            listening.add_packet(Packet("/a", encode(message), NOW, sender, seqno))
     found = {one.sender: (one.doubled, one.repeated) for one in listening.streams()}
     assert found == {ALICE: (5, 0), BOB: (0, 5), CAROL: (0, 0), ERIN: (5, 0), None: (0, 0)}
 
@@ -230,5 +230,5 @@ def test_warnings_and_errors_on_rosout_are_counted() -> None:
     for level, text in ((Log.INFO, "fine"), (Log.WARN, "slow\nmore"), (Log.WARN, "slow\nother")):
         message = Log()
         message.name, message.level, message.msg = "/arm", level, text
-        listening.take(Packet("/rosout", encode(message), NOW, ALICE))
+        listening.add_packet(Packet("/rosout", encode(message), NOW, ALICE))
     assert listening.logs() == (LogLine("/arm", "warning", "slow", 2),)

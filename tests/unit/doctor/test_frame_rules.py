@@ -23,7 +23,7 @@ def heard(*sent: tuple[Sender, str, str]) -> list[tuple[str, ...]]:
             transform.header.frame_id, transform.child_frame_id = pair.split(">")
             transform.transform.rotation.w = 1.0
             message.transforms.append(transform)
-        listening.take(Packet(topic, encode(message), 1_000_000 * number, sender, number))
+        listening.add_packet(Packet(topic, encode(message), 1_000_000 * number, sender, number))
     found = listening.frames({ALICE: "alice", BOB: "bob"}.__getitem__)
     findings = judge(Evidence("udpm://", frames=found), [frames.frames_are_trees])
     return [finding.items for finding in findings]

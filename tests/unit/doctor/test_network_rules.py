@@ -9,7 +9,7 @@ from lcmtools.doctor.evidence import Evidence, Host, HostClock, Listener, Oddity
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.host import refusing_chain
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.words import commands, unchecked_text
+from lcmtools.doctor.sentences import commands, unchecked_text
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.wire.packet import Sender
 

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import Judged, judge
+from fixtures.judging import STEP, Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, LcmProcess, SenderFacts, Stream
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import traffic
-from lcmtools.doctor.rules.pace import doubt
+from lcmtools.doctor.rules.pace import needed_duration
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.wire.packet import Sender
 
@@ -37,7 +37,7 @@ def watched(*looks: Evidence) -> list[list[str]]:
     for one in looks:
         evidence = memory.recall(one)
         found.append([finding.rule for finding in judge(evidence) if finding.rule != "no-traffic"])
-        memory.learn(evidence)
+        memory.remember(evidence)
     return found
 
 
@@ -59,8 +59,8 @@ def test_a_program_that_publishes_in_bursts_is_neither_slow_nor_silent() -> None
 
 def test_a_look_goes_on_where_a_program_has_just_stopped() -> None:
     stopped = look(1, graph=Graph(time=NOW + 3 * SECOND), streams=look(1, 20).streams)
-    assert doubt(stopped) == 3.0
-    assert doubt(look(1, 20)) == 0.0
+    assert needed_duration(stopped) == 3.0
+    assert needed_duration(look(1, 20)) == 0.0
 
 
 def test_a_slow_program_that_sends_in_every_other_look_is_told_in_each() -> None:
@@ -105,9 +105,9 @@ def test_a_program_that_is_started_again_every_second_competes_with_nobody() -> 
 def test_a_look_goes_on_where_two_programs_may_publish_at_the_same_time() -> None:
     first, second = look(1, 1, 1).streams
     second = replace(second, name="other.py")
-    assert traffic.doubt(look(1, streams=(first, second))) == 3.0
-    assert traffic.doubt(look(1, streams=(replace(first, has_ended=True), second))) == 0.0
-    assert traffic.doubt(look(1, streams=(first,))) == 0.0
+    assert traffic.needed_duration(look(1, streams=(first, second))) == 3.0
+    assert traffic.needed_duration(look(1, streams=(replace(first, has_ended=True), second))) == 0.0
+    assert traffic.needed_duration(look(1, streams=(first,))) == 0.0
 
 
 def test_a_plain_program_is_compared_with_its_average_since_its_start() -> None:
@@ -139,13 +139,16 @@ def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
     evidence = _graphs(_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
     (finding,) = judge(evidence)
     assert finding.items == (" * /mouth: /a, 1 Hz instead of 10.1 Hz",)
-    assert doubt(evidence) == 0.0
+    assert needed_duration(evidence) == 0.0
 
 
-def test_a_simulator_sends_less_of_what_stands_still() -> None:
-    ticks, clock = Stream("/clock", ALICE, "/mouth", (NOW,)), Endpoint("/clock", Role.PUBLISHER)
+@pytest.mark.parametrize("end", [Endpoint("/clock", Role.PUBLISHER), STEP])
+def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart(
+    end: Endpoint,
+) -> None:
+    ticks = Stream("/clock", ALICE, "/mouth", (NOW,))
     before, after = (
-        graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, clock))))
+        graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, end))))
         for graph in (_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
         for ear, mouth in (graph.nodes,)
     )
@@ -157,11 +160,11 @@ def test_a_simulator_sends_less_of_what_stands_still() -> None:
 def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
     slow = _graphs(_node(297, 1.5, NOW - SECOND), _node(297, 2.5))  # 3 Hz, and nothing for 2.5 s
     assert judge(slow) == []
-    assert 3.9 < doubt(slow) < 4.1
+    assert 3.9 < needed_duration(slow) < 4.1
     usual = _graphs(_node(297, 0.5, NOW - SECOND), _node(299, 0.6))
-    assert doubt(usual) == 0.0
+    assert needed_duration(usual) == 0.0
     beat = _graphs(_node(99, 0.5, NOW - SECOND), _node(99, 1.2))  # 1 Hz, a little late
-    assert doubt(beat) == 0.0
+    assert needed_duration(beat) == 0.0
 
 
 def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulator() -> None:
@@ -169,7 +172,7 @@ def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulato
     alone = Evidence("udpm://", graph=Graph((mouth,), time=NOW), listened=1.0)
     assert "silent" in {one.rule for one in judge(alone)}
     clock = Endpoint("/clock", Role.PUBLISHER)
-    simulator = mouth._replace(endpoints=(*mouth.endpoints, clock))
+    simulator = mouth._replace(endpoints=(*mouth.endpoints, clock, STEP))
     tick = Stream("/clock", ALICE, "/mouth", (NOW,))
     resting = replace(alone, graph=Graph((simulator,), time=NOW), streams=(tick,))
     assert "silent" not in {one.rule for one in judge(resting)}

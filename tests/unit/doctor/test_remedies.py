@@ -1,7 +1,7 @@
 """The flag that connects what is not connected."""
 
 import pytest
-from fixtures.judging import Judged, judge
+from fixtures.judging import STEP, Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.renaming import are_near
@@ -191,7 +191,7 @@ def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
 
 def simulator(name: str, *ends: Endpoint) -> Node:
     clock = Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",), (1,))
-    return Node(name, name + ends[0].topic, "here", 1, endpoints=(clock, *ends))
+    return Node(name, name + ends[0].topic, "here", 1, endpoints=(clock, STEP, *ends))
 
 
 def test_others_go_by_the_names_of_a_simulator() -> None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import JOINTS, ODOMETRY, STRING, TWIST, findings, judge, node, pub, sub
+from fixtures.judging import JOINTS, ODOMETRY, STEP, STRING, TWIST, findings, judge, node, pub, sub
 
 from lcmtools.doctor.evidence import Evidence, LcmProcess, LogLine, SenderFacts
 from lcmtools.doctor.findings import Severity
@@ -18,7 +18,7 @@ def morse() -> Node:
         sub(f"/husky0/{name}", JOINTS, TWIST, group="wheel command")
         for name in ("velocity_cmd", "wheel_cmd", "wheel_velocity_cmd", "cmd_vel")
     ]
-    return node("/morse", pub("/husky0/odometry", ODOMETRY), pub("/clock", STRING), *command)
+    return node("/morse", pub("/husky0/odometry", ODOMETRY), pub("/clock", STRING), STEP, *command)
 
 
 def controller(namespace: str, output: str = "controlled_velocity") -> Node:
@@ -96,6 +96,15 @@ def test_a_stale_publisher_feeds_nobody() -> None:
     dead = node("/talker", pub("/chatter", STRING), stale=Staleness.ENDED)
     found = findings(dead, node("/listener", sub("/chatter", STRING)))
     assert found["unconnected-subscriptions"].items == (" * /listener:", "   * /chatter")
+
+
+def test_the_sensors_of_a_simulator_need_no_subscriber_but_those_of_a_played_log_do() -> None:
+    ends = pub("/clock", "rosgraph_msgs/Clock"), pub("/scan", STRING)
+    player = findings(node("/player", *ends))["unconnected-publications"]
+    assert player.items == (" * /player:", "   * /scan")
+    assert "unconnected-publications" not in findings(node("/sim", *ends, STEP))
+    follower = node("/sim_husky2", pub("/husky2/scan", STRING), STEP)
+    assert "unconnected-publications" not in findings(follower)
 
 
 def test_a_tool_that_looks_is_not_reported() -> None:

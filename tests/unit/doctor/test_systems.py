@@ -4,7 +4,7 @@ from dataclasses import replace
 from itertools import islice
 
 import pytest
-from fixtures.judging import in_words, judge
+from fixtures.judging import STEP, in_words, judge
 
 from lcmtools.doctor import report
 from lcmtools.doctor.evidence import Evidence, Host, Listener, SenderFacts, SimulatedClock, Stream
@@ -45,7 +45,7 @@ def node(name: str, pid: int, *endpoints: Endpoint, tool: bool = False) -> Node:
 
 def simulator(pid: int, *robots: str, name: str = "/morse") -> Node:
     """The simulator with these robots, as the Husky lab has it."""
-    ends = [pub("/clock", "rosgraph_msgs/Clock")]
+    ends = [pub("/clock", "rosgraph_msgs/Clock"), STEP._replace(topic=f"{name}/step")]
     for robot in robots:
         ends += [pub(f"{robot}/odometry", "nav_msgs/Odometry"), pub(f"{robot}/pose", STRING)]
         inputs = ("velocity_cmd", "wheel_cmd", "cmd_vel")

@@ -19,6 +19,7 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
     head_of,
 )
+from lcmtools.messages.appendable import appendables, encode_appendable
 from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.types.std_msgs import String
@@ -93,25 +94,31 @@ def test_a_truncated_probe_is_none() -> None:
     assert all(decode_probe(payload[:end]) is None for end in range(len(payload)))
 
 
-@pytest.mark.parametrize("role", [4, -1, 127, -128])
-def test_an_announcement_with_an_unknown_role_is_none(role: int) -> None:
-    message = msgs.Announcement()
+def _of(*endpoints: msgs.Endpoint) -> bytes:
+    message, details = msgs.Announcement(), msgs.NodeDetails()
+    message.name, details.endpoints = "/a", appendables(endpoints)
+    message.details = encode_appendable(details)
+    return encode(message)
+
+
+def _named(topic: str, role: int = 0) -> msgs.Endpoint:
     endpoint = msgs.Endpoint()
-    endpoint.role = role
-    message.endpoints = [endpoint]
-    assert decode_announcement(encode(message)) is None
+    endpoint.topic, endpoint.role = topic, role
+    return endpoint
+
+
+@pytest.mark.parametrize("role", [4, -1, 127, -128])
+def test_an_endpoint_with_an_unknown_role_is_left_out(role: int) -> None:
+    decoded = decode_announcement(_of(_named("/a", role), _named("/b")))
+    assert decoded is not None
+    assert [end.topic for end in decoded.node.endpoints] == ["/b"]
 
 
 @pytest.mark.parametrize("topic", ["", "/" + 63 * "a", "/a\0b"])
-def test_an_announcement_of_what_no_channel_is_called_is_none(topic: str) -> None:
-    message = msgs.Announcement()
-    message.name = "/a"
-    endpoint = msgs.Endpoint()
-    endpoint.topic = topic
-    message.endpoints = [endpoint]
-    assert decode_announcement(encode(message)) is None
-    endpoint.topic = "/b"
-    assert decode_announcement(encode(message)) is not None
+def test_an_endpoint_whose_topic_is_no_channel_is_left_out(topic: str) -> None:
+    decoded = decode_announcement(_of(_named(topic), _named("/b")))
+    assert decoded is not None
+    assert [end.topic for end in decoded.node.endpoints] == ["/b"]
 
 
 def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
@@ -123,7 +130,7 @@ def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
 
 
 @pytest.mark.parametrize("length", [-1, 1 << 30, (1 << 31) - 1, -(1 << 31)])
-@pytest.mark.parametrize("position", [8, 12])
+@pytest.mark.parametrize("position", [8, 16])  # of the details, of the name
 def test_an_announcement_with_an_absurd_length_is_none(position: int, length: int) -> None:
     broken = bytearray(_PAYLOAD)
     struct.pack_into(">i", broken, position, length)

@@ -1,14 +1,18 @@
 """The streams of the world: frames, markers, and the newest of other topics, as numbers."""
 
 import math
+import re
 from array import array
+from pathlib import Path as FilePath
 
 import pytest
 from fixtures.gui import FakeSource
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
-from lcmtools.gui.drawings import DRAWINGS, MarkerScene
+from lcmtools.gui import drawings
+from lcmtools.gui.drawings import DRAWINGS, MarkerScene, drawing_kinds
 from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.streams import STREAMS
 from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
@@ -73,11 +77,23 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
     assert update is not None
     topics: Json = update.data["topics"]
     assert isinstance(topics, list)
-    assert [(one["topic"], one["type"]) for one in topics] == [
-        ("/scan", "sensor_msgs/LaserScan"),
-        ("/tf", "tf2_msgs/TFMessage"),
+    assert [(one["topic"], one["type"], one["kind"]) for one in topics] == [
+        ("/scan", "sensor_msgs/LaserScan", "scan"),
+        ("/tf", "tf2_msgs/TFMessage", "frames"),
     ]
+    assert update.data["undrawn"] == ["sensor_msgs/Image", "std_msgs/String"]
     assert update.data["simulators"] == ["/morse"]
+
+
+def test_the_page_has_code_for_each_kind_of_drawing_and_no_other() -> None:
+    panels = FilePath(drawings.__file__).parent / "static" / "panels"
+    source = (panels / "world" / "drawings.js").read_text()
+    (table,) = re.findall(r"^export const KINDS = \{$(.*?)^\};$", source, re.MULTILINE | re.DOTALL)
+
+    kinds = re.findall(r"^  (\w+): \{", table, re.MULTILINE)
+
+    assert sorted(kinds) == sorted(set(drawing_kinds().values()))
+    assert set(re.findall(r'stream: "(\w+)"', table)) <= STREAMS.keys()
 
 
 def test_pages_get_what_they_share_once_until_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -213,16 +229,16 @@ def path() -> Path:
 @pytest.mark.parametrize(
     ("message", "about", "payload"),
     [
-        (odometry(), {"kind": "odometry", "child": "base", "twist": [0, 0, 0, 0, 0, 0.5]}, None),
-        (goal(), {"kind": "pose", "pose": [0, 3, 0, 0, 0, 0, 0]}, None),
-        (path(), {"kind": "path"}, [0, 3, 0, 0, 3, 0]),
+        (odometry(), {"child": "base", "twist": [0, 0, 0, 0, 0, 0.5]}, None),
+        (goal(), {"frame": "", "pose": [0, 3, 0, 0, 0, 0, 0]}, None),
+        (path(), {"frame": ""}, [0, 3, 0, 0, 3, 0]),
     ],
     ids=["odometry", "pose", "path"],
 )
 def test_poses_are_seven_numbers(
     message: Message, about: dict[str, object], payload: list[float] | None
 ) -> None:
-    update = DRAWINGS[type(message)](message)
+    update = DRAWINGS[type(message)].convert(message)
 
     assert {name: update.data[name] for name in about} == about
     assert (update.payload and numbers(update)) == payload
@@ -235,7 +251,7 @@ def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields() -> None:
     cloud.fields, cloud.width, cloud.height, cloud.point_step = [field], 2, 1, 8
     cloud.data = bytes(range(16))
 
-    update = DRAWINGS[PointCloud2](cloud)
+    update = DRAWINGS[PointCloud2].convert(cloud)
 
     assert update.data["fields"] == [["x", 4, PointField.FLOAT32]]
     assert update.payload == bytes(range(16))
@@ -246,7 +262,7 @@ def test_the_cells_of_a_map_are_bytes() -> None:
     grid.info.width, grid.info.height, grid.info.resolution = 3, 1, 0.5
     grid.data = [-1, 0, 100]
 
-    update = DRAWINGS[OccupancyGrid](grid)
+    update = DRAWINGS[OccupancyGrid].convert(grid)
 
     assert update.payload == array("b", [-1, 0, 100]).tobytes()
     assert (update.data["width"], update.data["resolution"]) == (3, 0.5)

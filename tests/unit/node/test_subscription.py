@@ -301,4 +301,4 @@ def test_a_destroyed_subscription_calls_nobody_though_messages_wait(
     second.receive(_number(4), 0)
     lcmtools.spin_once(node)
     assert heard == [1]
-    assert second.take() is None
+    assert second.pop() is None

@@ -26,7 +26,7 @@ def study_of(*values: float | bytes) -> Study:
         message = Vector3()
         message.x = value if isinstance(value, float) else 0.0
         payload = value if isinstance(value, bytes) else encode(message)
-        study.take(Packet("A", payload, START + number * S // 2))
+        study.add_packet(Packet("A", payload, START + number * S // 2))
     return study
 
 

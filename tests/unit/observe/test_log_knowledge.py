@@ -101,7 +101,7 @@ def test_the_processes_of_this_computer_do_not_name_senders_of_a_log(path: Path)
     with _monitor(path) as monitor:
         seen = monitor.settle().foreign()[0]
     names = SenderNames(read)
-    names.learn([seen.sender])
+    names.update([seen.sender])
     assert names.name(seen.sender) == "driver.py (pid 7)"
     assert program_text(seen) == "driver.py (pid 7) (when it was recorded)"
 

@@ -17,7 +17,7 @@ def _program(process: Process | None = None, drops: int = 0, **values: object) -
 
 def test_whose_a_shared_port_may_be_is_said_and_not_guessed() -> None:
     program = _program(candidates=JAVA)
-    assert command_text(program) == "a program: maybe java A (pid 5) or java B (pid 7)"
+    assert command_text(program) == "a program: maybe A (pid 5) or B (pid 7)"
     record = program_record(program)
     assert (record["pid"], record["candidates"]) == (None, [5, 7])
 

@@ -28,7 +28,7 @@ def _window(*seconds: float, size: int = 100) -> RateWindow:
 
 
 def test_a_rate_is_one_over_the_mean_interval() -> None:
-    rate = _window(0, 0.1, 0.3).take()
+    rate = _window(0, 0.1, 0.3).next_result()
     assert rate is not None
     assert rate.mean == pytest.approx(2 / 0.3)
     assert (rate.shortest, rate.longest) == pytest.approx((0.1, 0.2))
@@ -38,7 +38,7 @@ def test_a_rate_is_one_over_the_mean_interval() -> None:
 
 def test_only_the_latest_arrivals_count() -> None:
     window = _window(0, 100, 100.5, 101, size=3)
-    rate = window.take()
+    rate = window.next_result()
     assert rate is not None
     assert rate.mean == pytest.approx(2.0)
     assert rate.window == 3
@@ -47,22 +47,22 @@ def test_only_the_latest_arrivals_count() -> None:
 
 def test_nothing_new_is_no_rate() -> None:
     window = _window(0, 1)
-    assert window.take() is not None
-    assert window.take() is None
+    assert window.next_result() is not None
+    assert window.next_result() is None
     window.add(2 * _S)
-    assert window.take() is not None
+    assert window.next_result() is not None
 
 
 def test_one_arrival_is_no_rate() -> None:
-    assert _window().take() is None
-    assert _window(1).take() is None
+    assert _window().next_result() is None
+    assert _window(1).next_result() is None
 
 
 def test_a_small_deviation_is_exact_in_a_large_window() -> None:
     window = DelayWindow(50_000)
     for number in range(50_000):
         window.add(-100 * 86_400 * _S + number % 2)  # a clock that is days ahead
-    delay = window.take()
+    delay = window.next_result()
     assert delay is not None
     assert delay.deviation == 0.5e-9
 
@@ -73,9 +73,9 @@ def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None
     window = RateWindow(size)
     for start in range(0, 6000, 700):
         window.add(*times[start : start + 700])
-        assert window.take() is not None
+        assert window.next_result() is not None
     window.add(6000 * 6000)
-    rate, latest = window.take(), [*times[-size + 1 :], 6000 * 6000]
+    rate, latest = window.next_result(), [*times[-size + 1 :], 6000 * 6000]
     intervals = [later - one for one, later in pairwise(latest)]
     assert rate is not None
     assert rate.mean == (size - 1) * 1e9 / (latest[-1] - latest[0])
@@ -85,7 +85,7 @@ def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None
 
 
 def test_arrivals_at_one_instant_have_no_finite_rate() -> None:
-    rate = _window(1, 1, 1).take()
+    rate = _window(1, 1, 1).next_result()
     assert rate is not None
     assert rate.mean == 0.0
     assert math.isfinite(rate.deviation)
@@ -95,7 +95,7 @@ def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival() 
     window = BandwidthWindow(10)
     for number in range(3):
         window.add((number * _S, 100 + number))
-    found = window.take(3 * _S)
+    found = window.next_result(3 * _S)
     assert found is not None
     assert found.average == pytest.approx(303 / 3)
     assert (found.mean, found.smallest, found.largest, found.window) == (101, 100, 102, 3)
@@ -105,7 +105,7 @@ def test_bandwidth_falls_when_nothing_comes() -> None:
     window = BandwidthWindow(10)
     window.add((0, 100))
     window.add((_S, 100))
-    sooner, later = window.take(2 * _S), window.take(20 * _S)
+    sooner, later = window.next_result(2 * _S), window.next_result(20 * _S)
     assert sooner is not None
     assert later is not None
     assert (sooner.average, later.average) == pytest.approx((100, 10))
@@ -113,12 +113,12 @@ def test_bandwidth_falls_when_nothing_comes() -> None:
 
 def test_bandwidth_is_about_the_latest_arrivals_and_needs_two() -> None:
     window = BandwidthWindow(2)
-    assert window.take(0) is None
+    assert window.next_result(0) is None
     window.add((0, 1))
-    assert window.take(0) is None
+    assert window.next_result(0) is None
     window.add((_S, 10))
     window.add((2 * _S, 20))
-    found = window.take(3 * _S)
+    found = window.next_result(3 * _S)
     assert found is not None
     assert (found.average, found.smallest, found.window) == (15, 10, 2)
 
@@ -127,7 +127,7 @@ def test_bandwidth_of_an_instant_is_finite() -> None:
     window = BandwidthWindow(2)
     window.add((_S, 1))
     window.add((_S, 1))
-    found = window.take(_S)
+    found = window.next_result(_S)
     assert found is not None
     assert found.average == 0.0
 
@@ -136,7 +136,7 @@ def test_delays_are_summed_up() -> None:
     window = DelayWindow(10)
     window.add(_S)
     window.add(3 * _S)
-    delay = window.take()
+    delay = window.next_result()
     assert delay is not None
     assert (delay.mean, delay.shortest, delay.longest) == pytest.approx((2, 1, 3))
     assert (delay.deviation, delay.window) == (pytest.approx(1.0), 2)
@@ -179,17 +179,17 @@ def test_a_stamp_has_a_place_where_only_numbers_come_before_it() -> None:
 
 def test_a_delay_is_reported_once() -> None:
     window = DelayWindow(10)
-    assert window.take() is None
+    assert window.next_result() is None
     window.add(_S)
-    assert window.take() is not None
-    assert window.take() is None
+    assert window.next_result() is not None
+    assert window.next_result() is None
 
 
 def test_bandwidth_without_a_present_is_that_at_the_last_arrival() -> None:
     window = BandwidthWindow(10)
     window.add((_S, 100))
     window.add((3 * _S, 100))
-    found = window.take(0)
+    found = window.next_result(0)
     assert found is not None
     assert found.average == pytest.approx(100)
 
@@ -198,9 +198,9 @@ def test_a_window_that_is_cleared_begins_again() -> None:
     rates = _window(0, 1)
     rates.clear()
     rates.add(100 * _S)
-    assert rates.take() is None
+    assert rates.next_result() is None
     rates.add(100 * _S + _S // 2)
-    rate = rates.take()
+    rate = rates.next_result()
     assert rate is not None
     assert rate.mean == pytest.approx(2)
     sizes, delays = BandwidthWindow(5), DelayWindow(5)
@@ -209,4 +209,4 @@ def test_a_window_that_is_cleared_begins_again() -> None:
     delays.add(_S)
     sizes.clear()
     delays.clear()
-    assert (sizes.take(2 * _S), delays.take()) == (None, None)
+    assert (sizes.next_result(2 * _S), delays.next_result()) == (None, None)

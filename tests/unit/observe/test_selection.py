@@ -48,7 +48,7 @@ def test_a_pattern_matches_whole_names_and_stays_within_a_part(
 ) -> None:
     one = select_topics(pattern)
     assert isinstance(one, TopicPattern)
-    one.learn(bus(channel))
+    one.update(bus(channel))
     assert one.path_on(channel) == (None if path is None else parse_path(path))
     assert one.channels() == ([] if path is None else [channel])
 
@@ -63,9 +63,9 @@ def test_a_relative_pattern_is_resolved_in_the_namespace() -> None:
 def test_a_topic_that_is_named_like_the_pattern_is_meant_alone() -> None:
     one = select_topics("A*B")
     assert isinstance(one, TopicPattern)
-    one.learn(bus("AXB"))
+    one.update(bus("AXB"))
     assert (one.is_literal, one.path_on("AXB")) == (False, Path())
-    one.learn(bus("AXB", "A*B"))
+    one.update(bus("AXB", "A*B"))
     assert (one.is_literal, one.path_on("AXB"), one.path_on("A*B")) == (True, None, Path())
     assert one.channels() == ["A*B"]
 
@@ -79,12 +79,12 @@ def test_an_index_that_is_wrong_is_found_at_once(argument: str) -> None:
 def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
     one = select_topics("scan/ranges[0]")
     assert isinstance(one, OneTopic)
-    one.learn(bus("/other"))
+    one.update(bus("/other"))
     assert (one.path_on("/scan"), one.path_on("/scan/ranges[0]")) == (None, None)
-    one.learn(bus("/scan"))
+    one.update(bus("/scan"))
     assert one.path_on("/scan") == parse_path("ranges[0]")
     assert list(one.channels()) == ["scan", "/scan"]
-    one.learn(bus("/scan/ranges[0]"))  # too late: what is shown does not change
+    one.update(bus("/scan/ranges[0]"))  # too late: what is shown does not change
     assert one.path_on("/scan") == parse_path("ranges[0]")
 
 

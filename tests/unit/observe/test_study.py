@@ -122,8 +122,8 @@ def vector(x: float) -> Vector3:
 def test_numbers_are_kept_with_their_times() -> None:
     study = Study("A")
     for i in range(4):
-        study.take(packet(vector(i), i * 0.1))
-    study.take(packet(vector(99), 0.4, "B"))
+        study.add_packet(packet(vector(i), i * 0.1))
+    study.add_packet(packet(vector(99), 0.4, "B"))
     assert study.samples("x") == [(START + i * S // 10, float(i)) for i in range(4)]
     assert study.samples("nothing") == []
     state = study.state()
@@ -134,7 +134,7 @@ def test_numbers_are_kept_with_their_times() -> None:
 def test_what_comes_too_fast_is_decoded_now_and_then() -> None:
     study = Study("A")
     for i in range(1000):
-        study.take(packet(vector(i), i / 1000))
+        study.add_packet(packet(vector(i), i / 1000))
     state = study.state()
     assert state.messages == 1000
     assert 50 <= state.decoded <= 60
@@ -143,7 +143,7 @@ def test_what_comes_too_fast_is_decoded_now_and_then() -> None:
 def test_what_comes_fifty_times_a_second_is_all_decoded_though_unevenly() -> None:
     study = Study("A")
     for i in range(50):
-        study.take(packet(vector(i), i / 50 + (0.008 if i % 2 else 0.0)))
+        study.add_packet(packet(vector(i), i / 50 + (0.008 if i % 2 else 0.0)))
     assert study.state().decoded >= 49
 
 
@@ -152,7 +152,7 @@ def test_a_large_message_is_decoded_a_few_times_a_second() -> None:
     image.data = bytes(300_000)
     study = Study("A")
     for i in range(30):
-        study.take(packet(image, i / 30))
+        study.add_packet(packet(image, i / 30))
     assert study.state().decoded <= 5
     assert study.state().size > 300_000
 
@@ -160,7 +160,7 @@ def test_a_large_message_is_decoded_a_few_times_a_second() -> None:
 def test_the_announced_type_counts_and_the_others_are_named() -> None:
     for announced, expected in (("geometry_msgs/Point", "geometry_msgs/Point"), ("x/Y", None)):
         study = Study("A", (announced,))
-        study.take(packet(Point(), 0))
+        study.add_packet(packet(Point(), 0))
         state = study.state()
         assert state.type == (expected or "geometry_msgs/Vector3")
         assert state.type not in state.others
@@ -169,26 +169,26 @@ def test_the_announced_type_counts_and_the_others_are_named() -> None:
 
 def test_what_cannot_be_decoded_says_why_and_shows_its_bytes() -> None:
     study = Study("A")
-    study.take(packet(b"abc", 0))
+    study.add_packet(packet(b"abc", 0))
     assert_says(study.state().problem, "too short")
-    study.take(packet(bytes(range(100)), 1))
+    study.add_packet(packet(bytes(range(100)), 1))
     assert study.state().problem == "unknown type, fingerprint 0x0001020304050607"
-    study.take(packet(encode(vector(1))[:-1], 2))
+    study.add_packet(packet(encode(vector(1))[:-1], 2))
     assert study.state().problem.startswith("broken geometry_msgs/Vector3")
-    study.take(packet(vector(2), 3))
+    study.add_packet(packet(vector(2), 3))
     assert study.state().problem == ""
 
 
 def test_a_head_of_a_large_message_is_counted_and_not_decoded() -> None:
     study = Study("A")
-    study.take(packet(vector(1), 0)._replace(whole_bytes=5000))
+    study.add_packet(packet(vector(1), 0)._replace(whole_bytes=5000))
     assert (study.state().messages, study.state().decoded, study.state().lines) == (1, 0, ())
 
 
 def test_only_so_much_is_kept_and_clear_forgets_it() -> None:
     study = Study("A")
     for i in range(KEPT + 10):
-        study.take(packet(vector(i), i))
+        study.add_packet(packet(vector(i), i))
     assert len(study.samples("x")) == KEPT
     assert study.samples("x")[-1][1] == KEPT + 9
     study.clear()
@@ -198,10 +198,10 @@ def test_only_so_much_is_kept_and_clear_forgets_it() -> None:
 
 def test_opened_elements_are_kept_from_then_on() -> None:
     study = Study("A")
-    study.take(packet(scan(*range(20)), 0))
+    study.add_packet(packet(scan(*range(20)), 0))
     study.toggle("ranges")
     assert study.state().lines[-3].path.startswith("ranges")
-    study.take(packet(scan(*range(20)), 1))
+    study.add_packet(packet(scan(*range(20)), 1))
     assert len(study.samples("ranges[7]")) == 1
     study.toggle("ranges")
     assert "ranges[7]" not in [line.path for line in study.state().lines]

@@ -5,17 +5,17 @@ from lcmtools.processes.child import LONGEST, Lines
 
 def test_lines_come_when_they_are_whole_and_the_rest_at_the_end() -> None:
     lines = Lines()
-    assert lines.take(b"a\nb") == ["a"]
-    assert lines.take(b"c\r\n\nd") == ["bc", ""]
+    assert lines.feed(b"a\nb") == ["a"]
+    assert lines.feed(b"c\r\n\nd") == ["bc", ""]
     assert lines.end() == ["d"]
     assert lines.end() == []
 
 
 def test_line_without_end_comes_in_pieces() -> None:
     lines = Lines()
-    assert [len(line) for line in lines.take(b"x" * (LONGEST + 1))] == [LONGEST + 1]
+    assert [len(line) for line in lines.feed(b"x" * (LONGEST + 1))] == [LONGEST + 1]
     assert lines.end() == []
 
 
 def test_bytes_that_are_no_text_are_shown() -> None:
-    assert Lines().take(b"\xe9t\xe9\n") == ["\\xe9t\\xe9"]
+    assert Lines().feed(b"\xe9t\xe9\n") == ["\\xe9t\\xe9"]

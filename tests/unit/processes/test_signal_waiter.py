@@ -9,4 +9,4 @@ def test_two_signals_at_once_ask_once() -> None:
     with SignalWaiter() as signals:
         signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGTERM)
-        assert signals.take() == [signal.SIGTERM]
+        assert signals.pop() == [signal.SIGTERM]

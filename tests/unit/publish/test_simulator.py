@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.publish import simulator
 from lcmtools.types import sim_msgs, std_srvs
@@ -26,6 +27,7 @@ FOLLOWER = Node(
     2,
     endpoints=(Endpoint("/sim_husky2/step", Role.SERVICE, ("sim_msgs/Step",)),),
 )
+PLAYER = Node("/player", "3", "morse", 3, endpoints=LEADER.endpoints[:1])  # bag play --clock
 LATE = LEADER._replace(stale=Staleness.HANGS, endpoints=())
 
 
@@ -87,3 +89,13 @@ def test_a_leader_that_answers_late_is_waited_for(ask: Ask, name: str | None) ->
     complete = Graph(nodes=(LEADER, FOLLOWER))
 
     assert ask(name, late, complete) == ["/sim/step"]
+
+
+def test_a_log_that_is_played_with_its_clock_is_not_taken_for_the_leader(ask: Ask) -> None:
+    assert ask(None, Graph(nodes=(PLAYER, LEADER))) == ["/sim/step"]
+    assert ask(None, Graph(nodes=(PLAYER, LEADER, FOLLOWER))) == ["/sim/step"]
+    other = FOLLOWER._replace(name="/sim_husky3", id="4")
+    with pytest.raises(LcmtoolsError, match="several simulators run"):
+        ask(None, Graph(nodes=(PLAYER, FOLLOWER, other)))
+    with pytest.raises(LcmtoolsError, match="/player is not a simulator"):
+        ask("/player", Graph(nodes=(PLAYER, LEADER)))

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from lcmtools.graph.relay_report import End, Link, State
 from lcmtools.relay.hold import Hold
-from lcmtools.relay.topology import End, Link, State
 
 
 def _relay(name: str, here: str = "", there: str = "", state: State = State.STANDBY) -> Link:
@@ -21,7 +21,7 @@ def _hold(now: float = 100.0) -> Hold:
 
 def test_it_waits_for_a_moment_to_hear_of_others() -> None:
     hold = _hold()
-    hold.learn((_relay("own"),), frozenset({"own"}), 100.1)
+    hold.update((_relay("own"),), frozenset({"own"}), 100.1)
     assert hold.lasts(100.5)
     assert not hold.lasts(101.0)
 
@@ -30,7 +30,7 @@ def test_who_hears_a_relay_beside_it_and_none_over_the_line_waits_for_the_line()
     hold = _hold()
     beside = _relay("beside", "own/0", "office/1", State.ACTIVE)
     for time in (100.1, 102.0, 104.9):
-        hold.learn((_relay("own", "beside/0"), beside), frozenset({"own", "beside"}), time)
+        hold.update((_relay("own", "beside/0"), beside), frozenset({"own", "beside"}), time)
         assert hold.lasts(time)
         assert hold.awaited(time) == ("own/1" if time > 101.0 else "")
     assert not hold.awaited(105.1)
@@ -39,20 +39,20 @@ def test_who_hears_a_relay_beside_it_and_none_over_the_line_waits_for_the_line()
 
 def test_it_does_not_wait_for_a_bus_that_is_no_line() -> None:
     hold = _hold()
-    hold.learn((_relay("own", there="office/1"),), frozenset({"own"}), 100.1)
+    hold.update((_relay("own", there="office/1"),), frozenset({"own"}), 100.1)
     assert not hold.lasts(101.0)
 
 
 def test_a_line_that_falls_silent_is_waited_for_from_then_on() -> None:
     hold = _hold()
     beside = _relay("beside", "own/0", "office/1", State.ACTIVE)
-    hold.learn((_relay("own", "beside/0", "office/1"), beside), frozenset({"beside"}), 200.0)
+    hold.update((_relay("own", "beside/0", "office/1"), beside), frozenset({"beside"}), 200.0)
     assert not hold.lasts(200.0)
-    hold.learn((_relay("own", "beside/0"), beside), frozenset({"own", "beside"}), 203.0)
+    hold.update((_relay("own", "beside/0"), beside), frozenset({"own", "beside"}), 203.0)
     assert hold.lasts(204.9)
     hold.begin(204.0)  # it was lost, and is back
     assert hold.lasts(208.9)
-    hold.learn((_relay("own", "beside/0", "office/1"), beside), frozenset({"own"}), 206.0)
+    hold.update((_relay("own", "beside/0", "office/1"), beside), frozenset({"own"}), 206.0)
     assert hold.lasts(207.1)  # for what the other one has sent
     assert not hold.lasts(207.3)
 
@@ -61,9 +61,9 @@ def test_what_a_relieved_relay_has_sent_comes_first() -> None:
     hold = _hold()
     own, beside = _relay("own", "beside/0", "office/1"), _relay("beside", "own/0", "office/1")
     carries = replace(beside, state=State.ACTIVE)
-    hold.learn((own, carries), frozenset({"beside"}), 200.0)
-    hold.learn((own, carries), frozenset({"own"}), 300.0)
-    hold.learn((own, beside), frozenset({"own"}), 300.1)
+    hold.update((own, carries), frozenset({"beside"}), 200.0)
+    hold.update((own, carries), frozenset({"own"}), 300.0)
+    hold.update((own, beside), frozenset({"own"}), 300.1)
     assert hold.lasts(301.1)
     assert not hold.lasts(301.3)
 
@@ -73,6 +73,6 @@ def test_one_that_has_left_or_is_gone_is_not_waited_for() -> None:
     left = _relay("beside", "own/0", "office/1", State.LEFT)
     for links in ((own, left), (own,)):
         hold = _hold()
-        hold.learn((own, replace(left, state=State.ACTIVE)), frozenset({"beside"}), 200.0)
-        hold.learn(links, frozenset({"own"}), 300.0)
+        hold.update((own, replace(left, state=State.ACTIVE)), frozenset({"beside"}), 200.0)
+        hold.update(links, frozenset({"own"}), 300.0)
         assert not hold.lasts(300.0)

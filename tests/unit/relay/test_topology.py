@@ -5,16 +5,8 @@ from itertools import combinations, product
 
 import pytest
 
-from lcmtools.relay.topology import (
-    End,
-    Knowledge,
-    KnownRelays,
-    Link,
-    State,
-    carrying,
-    decode_report,
-    encode_report,
-)
+from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
+from lcmtools.relay.topology import KnownRelays, carrying
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000

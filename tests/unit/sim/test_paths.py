@@ -8,8 +8,8 @@ import pytest
 
 from lcmtools.errors import InvalidFile
 from lcmtools_sim.geometry import Quaternion
-from lcmtools_sim.paths import path_message
 from lcmtools_sim.scene import MarkedPath
+from lcmtools_sim.session import path_message
 from lcmtools_sim.shapes import Line
 from lcmtools_sim.vision.camera import Camera
 from lcmtools_sim.vision.color import color_image

@@ -8,7 +8,7 @@ import pytest
 
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.vehicles import Constants, Variables, Vehicles, constants
+from lcmtools_sim.vehicles import Constants, Variables, Vehicles, constants_of
 
 DT = 1 / 240
 DRIVE = HUSKY.drive
@@ -16,7 +16,7 @@ SKIDDING = replace(HUSKY, drive=replace(DRIVE, skids=True))
 
 
 def known(model: RobotModel = HUSKY, timeout: float = math.inf) -> Constants:
-    return constants(model, DT, timeout, friction=9.81)
+    return constants_of(model, DT, timeout, friction=9.81)
 
 
 def driven(vehicles: Vehicles, steps: int) -> Variables:

@@ -148,7 +148,7 @@ def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(
     turns = [from_euler(*random.uniform(-tilt, tilt, 2), yaw) for yaw in range(37)]
     own = np.arange(37) % len(bodies)
 
-    ranges = scanner.scan_together(eyes.T, np.array(turns).T, bodies, own)
+    ranges = scanner.scan_batch(eyes.T, np.array(turns).T, bodies, own)
 
     assert np.isfinite(ranges).mean() > 0.1
     for one, eye, turn, body in zip(ranges, eyes.tolist(), turns, own, strict=True):

@@ -4,6 +4,7 @@ import struct
 from itertools import pairwise
 
 import pytest
+from fixtures.wire import subscribe_frame, unsubscribe_frame
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,8 +17,6 @@ from lcmtools.wire.tcpq import (
     StreamError,
     payload_of,
     publish_frame,
-    subscribe_frame,
-    unsubscribe_frame,
 )
 
 

@@ -55,7 +55,7 @@ class Detail(LivePage):
         yield Footer()
 
     def on_mount(self) -> None:  # and its base's
-        self._unfollow = self._feed.follow(self.study.channel, self.study.take)
+        self._unfollow = self._feed.follow(self.study.channel, self.study.add_packet)
         self.table.focus()
 
     def on_unmount(self) -> None:

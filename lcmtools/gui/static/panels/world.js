@@ -6,7 +6,8 @@ import { hexColor, isDark, onTheme } from "../theme.js";
 import { stylesheet } from "./stylesheet.js";
 import { Bodies } from "./world/bodies.js";
 import { Camera } from "./world/camera.js";
-import { Display, TYPES } from "./world/displays.js";
+import { Display } from "./world/displays.js";
+import { KINDS } from "./world/drawings.js";
 import { Frames } from "./world/frames.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
@@ -15,7 +16,7 @@ import { View } from "./world/view.js";
 
 /**
  * @typedef {import("./world/frames.js").Pose} Pose
- * @typedef {{topic: string, type: string, rate: number | null, silent: boolean}} Topic
+ * @typedef {{topic: string, type: string, kind: string, rate: number | null, silent: boolean}} Topic
  * @typedef {"look" | "move" | "pose"} Tool
  */
 
@@ -156,8 +157,8 @@ export default class World {
     this.showTools();
   }
 
-  /** @param {{topics: Topic[], simulators: string[]}} data */
-  setTopics({ topics, simulators }) {
+  /** @param {{topics: Topic[], undrawn: string[], simulators: string[]}} data */
+  setTopics({ topics, undrawn, simulators }) {
     this.topics = topics;
     this.simulator.setNodes(simulators);
     const names = new Set(topics.map(({ topic }) => topic));
@@ -168,21 +169,22 @@ export default class World {
       this.listed = key;
       this.sidebar.setTopics(topics);
     }
+    this.sidebar.setUndrawn(undrawn);
   }
 
-  /** @param {{topic: string, type: string}} topic */
-  isShown({ topic, type }) {
-    return this.kept.shown[topic] ?? !TYPES[type]?.isOff;
+  /** @param {{topic: string, kind: string}} topic */
+  isShown({ topic, kind }) {
+    return this.kept.shown[topic] ?? !KINDS[kind]?.isOff;
   }
 
-  /** @param {{topic: string, type: string}} topic */
+  /** @param {{topic: string}} topic */
   colorOf({ topic }) {
-    const colored = this.topics.filter(({ type }) => TYPES[type]?.hasColor).map((one) => one.topic);
+    const colored = this.topics.filter(({ kind }) => KINDS[kind]?.hasColor).map((one) => one.topic);
     return this.kept.colors[topic] ?? hexColor(`--series-${(Math.max(0, colored.indexOf(topic)) % SERIES) + 1}`);
   }
 
   /**
-   * @param {{topic: string, type: string}} topic
+   * @param {Topic} topic
    * @param {boolean} isShown
    */
   show(topic, isShown) {
@@ -204,15 +206,15 @@ export default class World {
     this.context.changed();
   }
 
-  /** @param {{topic: string, type: string}} topic */
+  /** @param {Topic} topic */
   open(topic) {
-    const kind = TYPES[topic.type];
+    const kind = KINDS[topic.kind];
     if (!kind || this.displays.has(topic.topic)) return;
     const display = new Display(topic.topic, topic.type);
     display.color = this.colorOf(topic);
     display.isPainted = topic.topic in this.kept.colors;
     const stream = this.context.connection.open(
-      kind.stream,
+      kind.stream ?? "newest",
       { topic: topic.topic },
       (data, payload) => this.receive(display, data, payload),
       (problem) => this.sidebar.setStatus(topic.topic, problem || kind.name, Boolean(problem)),

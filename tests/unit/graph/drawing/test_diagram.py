@@ -26,11 +26,11 @@ def test_the_outermost_namespace(name: str, expected: str) -> None:
     [
         ("/opt/x/bin/lcm-source -m EXAMPLE", "lcm-source -m EXAMPLE"),
         ("", "a program"),
-        ("python -c 'a\n  b'", "python -c 'a b'"),
-        ("p " + "x" * 60, "p " + "x" * 37 + "…"),
+        ("/usr/bin/python3 -u /home/ada/drive.py --fast", "drive.py --fast"),
+        ("p " + "x" * 60, "p …"),
     ],
 )
-def test_a_program_is_called_by_its_command_without_its_folder(command: str, expected: str) -> None:
+def test_a_program_is_called_by_its_name_and_arguments(command: str, expected: str) -> None:
     assert title(Member("n1", command, is_node=False)) == expected
 
 

@@ -1,7 +1,7 @@
 // The displays of the world: one for each topic, by the type of its messages.
 
 import { Group } from "../../vendor/three/three.js";
-import { DRAW, LIFT, band } from "./drawings.js";
+import { KINDS, LIFT, band } from "./drawings.js";
 import { dispose, matrixOf } from "./geometry.js";
 import { MESH, bodyOf } from "./shapes.js";
 
@@ -9,22 +9,6 @@ import { MESH, bodyOf } from "./shapes.js";
  * @typedef {import("./frames.js").Pose} Pose
  * @typedef {import("./frames.js").Frames} Frames
  */
-
-/** The stream for each type of topic, and whether it is shown initially. */
-export const TYPES = /** @type {Record<string, {stream: string, name: string, isOff?: boolean, hasColor?: boolean}>} */ ({
-  "visualization_msgs/MarkerArray": { stream: "markers", name: "markers" },
-  "visualization_msgs/Marker": { stream: "markers", name: "markers" },
-  "tf2_msgs/TFMessage": { stream: "frames", name: "frames" },
-  "nav_msgs/Odometry": { stream: "newest", name: "odometry", hasColor: true },
-  "nav_msgs/Path": { stream: "newest", name: "path", hasColor: true },
-  "nav_msgs/OccupancyGrid": { stream: "newest", name: "map" },
-  "sensor_msgs/LaserScan": { stream: "newest", name: "laser", hasColor: true },
-  "sensor_msgs/PointCloud2": { stream: "newest", name: "points", isOff: true, hasColor: true },
-  "sensor_msgs/PointCloud": { stream: "newest", name: "points", isOff: true, hasColor: true },
-  "geometry_msgs/PoseStamped": { stream: "newest", name: "pose", hasColor: true },
-  "geometry_msgs/PoseWithCovarianceStamped": { stream: "newest", name: "pose", hasColor: true },
-  "geometry_msgs/PoseArray": { stream: "newest", name: "poses", hasColor: true },
-});
 
 const TRAIL = 4000; // points
 const TRAIL_STEP = 0.03; // [m]
@@ -71,14 +55,14 @@ export class Display {
     if (!this.latest) return;
     const { kind, frame } = this.latest;
     if (kind === "markers") this.makeBodies(this.latest.markers);
-    else if (DRAW[kind]) {
+    else if (KINDS[kind]?.draw) {
       if (this.parts[0]?.frame !== frame) {
         this.clear();
         this.parts = [{ frame, group: new Group() }];
       }
       const { group } = /** @type {{group: any}} */ (this.parts[0]);
       for (const child of [...group.children]) dispose(child);
-      DRAW[kind](group, this.latest, this.payload, this.color, this.isPainted);
+      KINDS[kind].draw(group, this.latest, this.payload, this.color, this.isPainted);
     }
   }
 

@@ -28,42 +28,70 @@ const FAR = 6; // [m] distance beyond which all points have the same shade
 const MOST_POINTS = 400_000;
 export const LIFT = 0.012; // [m] above the ground, for drawings on it
 
-/** @type {Record<string, Draw>} */
-export const DRAW = {
-  scan: (group, data, payload, color) => {
-    const ranges = new Float32Array(payload);
-    /** @type {number[]} */
-    const places = [];
-    ranges.forEach((range, index) => {
-      if (!(range >= data.shortest && range <= data.longest)) return;
-      const angle = data.first + index * data.step;
-      places.push(range * Math.cos(angle), range * Math.sin(angle), 0);
-    });
-    group.add(cloudOf(new Float32Array(places), null, color, 5));
-    group.add(fan(ranges, data, color));
+/**
+ * The kinds of drawings: their name in the list, and how a message is drawn in its frame.
+ * Which types have a kind, and what the page gets of a message, is in lcmtools/gui/drawings.py.
+ * @type {Record<string, {name: string, stream?: string, isOff?: boolean, hasColor?: boolean, draw?: Draw}>}
+ */
+export const KINDS = {
+  markers: { name: "markers", stream: "markers" },
+  frames: { name: "frames", stream: "frames" },
+  scan: {
+    name: "laser",
+    hasColor: true,
+    draw: (group, data, payload, color) => {
+      const ranges = new Float32Array(payload);
+      /** @type {number[]} */
+      const places = [];
+      ranges.forEach((range, index) => {
+        if (!(range >= data.shortest && range <= data.longest)) return;
+        const angle = data.first + index * data.step;
+        places.push(range * Math.cos(angle), range * Math.sin(angle), 0);
+      });
+      group.add(cloudOf(new Float32Array(places), null, color, 5));
+      group.add(fan(ranges, data, color));
+    },
   },
-  points: (group, _, payload, color) => group.add(cloudOf(new Float32Array(payload), null, color, 3)),
-  cloud: (group, data, payload, color, isPainted) => {
-    const { places, colors } = readCloud(data, payload, isPainted ? color : "");
-    group.add(cloudOf(places, colors, color, 3));
+  points: {
+    name: "points",
+    isOff: true,
+    hasColor: true,
+    draw: (group, _, payload, color) => group.add(cloudOf(new Float32Array(payload), null, color, 3)),
   },
-  path: (group, _, payload, color) => {
-    const places = triples(new Float32Array(payload)).map(([x, y, z]) => /** @type {[number, number, number]} */ ([x, y, z + LIFT]));
-    group.add(band(places, 0.025, color, 0.9));
+  cloud: {
+    name: "points",
+    isOff: true,
+    hasColor: true,
+    draw: (group, data, payload, color, isPainted) => {
+      const { places, colors } = readCloud(data, payload, isPainted ? color : "");
+      group.add(cloudOf(places, colors, color, 3));
+    },
   },
-  odometry: (group, data, _, color) => group.add(pointer(data.pose, color)),
-  pose: (group, data, _, color) => group.add(pointer(data.pose, color)),
-  poses: (group, _, payload, color) => {
-    const numbers = new Float32Array(payload);
-    const count = Math.floor(numbers.length / 7);
-    const mesh = new InstancedMesh(arrowShape(0.25), new MeshBasicMaterial({ color }), count);
-    for (let index = 0; index < count; index += 1) {
-      mesh.setMatrixAt(index, matrixOf(/** @type {any} */ ([...numbers.subarray(7 * index, 7 * index + 7)])));
-    }
-    mesh.frustumCulled = false;
-    group.add(mesh);
+  path: {
+    name: "path",
+    hasColor: true,
+    draw: (group, _, payload, color) => {
+      const places = triples(new Float32Array(payload)).map(([x, y, z]) => /** @type {[number, number, number]} */ ([x, y, z + LIFT]));
+      group.add(band(places, 0.025, color, 0.9));
+    },
   },
-  grid: (group, data, payload) => group.add(map(data, new Int8Array(payload))),
+  odometry: { name: "odometry", hasColor: true, draw: (group, data, _, color) => group.add(pointer(data.pose, color)) },
+  pose: { name: "pose", hasColor: true, draw: (group, data, _, color) => group.add(pointer(data.pose, color)) },
+  poses: {
+    name: "poses",
+    hasColor: true,
+    draw: (group, _, payload, color) => {
+      const numbers = new Float32Array(payload);
+      const count = Math.floor(numbers.length / 7);
+      const mesh = new InstancedMesh(arrowShape(0.25), new MeshBasicMaterial({ color }), count);
+      for (let index = 0; index < count; index += 1) {
+        mesh.setMatrixAt(index, matrixOf(/** @type {any} */ ([...numbers.subarray(7 * index, 7 * index + 7)])));
+      }
+      mesh.frustumCulled = false;
+      group.add(mesh);
+    },
+  },
+  grid: { name: "map", draw: (group, data, payload) => group.add(map(data, new Int8Array(payload))) },
 };
 
 /**

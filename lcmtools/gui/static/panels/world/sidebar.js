@@ -1,12 +1,12 @@
 // The sidebar of the world: displays with checkboxes and colours, and the robots' poses.
 
 import { element, fill, set, write } from "../../elements.js";
-import { TYPES } from "./displays.js";
+import { KINDS } from "./drawings.js";
 import { heading } from "./frames.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
- * @typedef {{topic: string, type: string}} Topic
+ * @typedef {import("../world.js").Topic} Topic
  * @typedef {{
  *   isShown: (topic: Topic) => boolean,
  *   color: (topic: Topic) => string,
@@ -25,6 +25,14 @@ export class Sidebar {
     this.rows = new Map();
     this.displays = element("ul", { class: "world-displays" });
     this.none = element("p", { class: "muted" }, "Nothing on the bus can be drawn yet.");
+    this.undrawnTypes = element("span", { class: "mono" });
+    this.undrawn = element(
+      "details",
+      { class: "world-undrawn muted", hidden: true },
+      element("summary", {}, "Types without a drawing"),
+      this.undrawnTypes,
+      element("p", {}, "A type gets one by a line of DRAWINGS in lcmtools/gui/drawings.py."),
+    );
     this.bodies = element("ul", { class: "world-bodies", "aria-label": "Poses" });
     this.element = element(
       "aside",
@@ -32,6 +40,7 @@ export class Sidebar {
       element("h3", {}, "Displays"),
       this.none,
       this.displays,
+      this.undrawn,
       element("h3", {}, "Robots and objects"),
       this.bodies,
     );
@@ -47,10 +56,16 @@ export class Sidebar {
     );
   }
 
+  /** @param {string[]} types */
+  setUndrawn(types) {
+    this.undrawn.hidden = types.length === 0;
+    write(this.undrawnTypes, types.join(", "));
+  }
+
   /** @param {Topic} topic */
   row(topic) {
     const { owner } = this;
-    const kind = TYPES[topic.type];
+    const kind = KINDS[topic.kind];
     const tick = element("input", { type: "checkbox", onchange: () => owner.show(topic, tick.checked) });
     tick.checked = owner.isShown(topic);
     const status = element("small");
@@ -70,7 +85,7 @@ export class Sidebar {
       status,
     );
     this.rows.set(topic.topic, { row, status });
-    write(status, kind?.name ?? "");
+    this.setStatus(topic.topic, kind?.name ?? `panels/world/drawings.js has no kind '${topic.kind}'`, !kind);
     return row;
   }
 

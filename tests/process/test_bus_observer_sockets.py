@@ -87,4 +87,4 @@ def test_times_count_only_until_the_first_messages_were_read(
 
         plain.publish("FIRST", b"")
         wait_until(lambda: comes("FIRST"))
-        assert tap._receivers.since == 0
+        assert tap._sockets.since == 0

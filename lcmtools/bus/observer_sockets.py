@@ -29,34 +29,34 @@ _SHORT_SHARES, _SMALL = 4, 1 << 20  # sockets for short messages if a buffer has
 _WANTED, _NEEDED = 32, 2  # largest messages for which there should be, and must be, room
 
 
-class Receivers:
+class ObserverSockets:
     """The sockets of one observer, initially one."""
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
-        self.sockets = [receiving_socket(url)]
+        self.all = [receiving_socket(url)]
         # true if the system gives each datagram's receive time
-        self.has_times = self._prepare(self.sockets[0])
-        self._granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        self.has_times = self._prepare(self.all[0])
+        self._granted = self.all[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
-        self.short = self.sockets[:]  # sockets for short messages, at first the one for all
+        self.short = self.all[:]  # sockets for short messages, at first the one for all
         self._shares = self._message_bytes = 0
         # messages from before this time are ignored: they may have come twice, or not at all
         self.since = 0
         # true if two messages as large as the largest so far fit into the buffers together
         self.has_room = False
         self._poll = select.poll()
-        self._poll.register(self.sockets[0], select.POLLIN)
+        self._poll.register(self.all[0], select.POLLIN)
 
     def close(self) -> None:
         """Leave the group."""
-        for receiver in self.sockets:
+        for receiver in self.all:
             receiver.close()
 
     def ready(self, timeout: float) -> list[socket.socket]:
         """Wait up to ``timeout`` [s] for a datagram; return the sockets that have one."""
         found = {number for number, _ in self._poll.poll(timeout * 1000)}
-        return [one for one in self.sockets if one.fileno() in found] if found else []
+        return [one for one in self.all if one.fileno() in found] if found else []
 
     def filled_by(self, packets: Sequence[Packet]) -> float:
         """Return roughly which part of a socket's buffer the short messages among these take."""
@@ -88,19 +88,19 @@ class Receivers:
         if not IS_LINUX:
             return
         shorts = _SHORT_SHARES if self._granted < _SMALL else 1
-        while len(self.sockets) < shorts + shares:  # new ones receive nothing yet
+        while len(self.all) < shorts + shares:  # new ones receive nothing yet
             receiver = receiving_socket(self._url, nothing())
             self._prepare(receiver)
-            self.sockets.append(receiver)
+            self.all.append(receiver)
             self._poll.register(receiver, select.POLLIN)
-        self.short, large = self.sockets[:shorts], self.sockets[shorts:]
+        self.short, large = self.all[:shorts], self.all[shorts:]
         # in this order fragments may come twice, but never a whole message
         for share, receiver in reversed([*enumerate(large)]):
             attach(receiver, fragments_only(share, shares))
         if not self._shares:
             for share, receiver in enumerate(self.short):
                 attach(receiver, short_only(share, shorts))
-            mark(self.sockets[0], SELECTIVE)
+            mark(self.all[0], SELECTIVE)
             self.since = time.time_ns()
         self._shares = shares
 

@@ -14,8 +14,8 @@ _PATIENCE = 0.05  # [s] that a thread that has received may be away; up to twice
 _LONGEST_TURN = 1.0  # [s] that closing waits for a receiving thread
 
 
-class Receiving:
-    """The right to receive; a context manager for the bus's own thread."""
+class ReceiveRight:
+    """The right to receive from a bus; a context manager for the bus's own thread."""
 
     def __init__(self, *, is_lendable: bool) -> None:
         self.is_lendable = is_lendable  # True if other threads may receive

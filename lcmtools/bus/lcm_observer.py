@@ -13,7 +13,7 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 
 
-class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
+class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
     """An observer of a bus that is not a multicast group: an ordinary subscription to everything.
 
     It has the tap's interface but less information: no senders and no sequence numbers. Programs

@@ -1,17 +1,16 @@
-"""Messages that wait for a network that is slower than their publishers, sent by a separate thread.
+"""A sender for a network that may be slower than its publishers: the newest messages wait.
 
 Up to 64 kB of each topic wait, or one message: hundreds of commands, but only the newest image. The
 oldest make room, so that no publisher waits and no old messages are sent.
 """
 
-import threading
 from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-MOST_WAITING_BYTES = 64_000  # bytes of a topic's waiting messages; a single one may always wait
+from lcmtools.bus.sending_thread import SendingThread
 
-_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
+MOST_WAITING_BYTES = 64_000  # bytes of a topic's waiting messages; a single one may always wait
 
 
 class Outgoing(NamedTuple):
@@ -23,27 +22,23 @@ class Outgoing(NamedTuple):
     is_large: bool
 
 
-class Outbox:
+class KeepLastSender(SendingThread[Outgoing]):
     """Waiting messages, which are sent one after another, each topic in its turn.
 
     ``put`` sends a message; it may take long, and must not raise.
     """
 
     def __init__(self, put: Callable[[Outgoing], None]) -> None:
+        super().__init__("keep-last sender")
         self._put = put
         self.dropped = 0  # messages dropped to make room for newer ones of their topic
         self._waiting: dict[str, deque[Outgoing]] = {}
         self._sending = ""  # the key of the message that is being sent
-        self._changed = threading.Condition()
-        self._closed = False
-        self._thread: threading.Thread | None = None
 
     def add(self, message: Outgoing) -> None:
         """Queue a message; drop the oldest of its topic if there is no room."""
         with self._changed:
-            if self._thread is None and not self._closed:
-                self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
-                self._thread.start()
+            self._start()
             queue = self._waiting.setdefault(message.key, deque())
             queue.append(message)
             while len(queue) > 1 and sum(len(one.payload) for one in queue) > MOST_WAITING_BYTES:
@@ -56,31 +51,14 @@ class Outbox:
         return key in self._waiting or key == self._sending
 
     def await_sent(self, key: str) -> None:
-        """Wait until no message of this topic waits or is being sent, or the outbox is closed."""
+        """Wait until no message of this topic waits or is being sent, or this is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._closed or not self.has_waiting(key))
 
-    def close(self) -> None:
-        """Send the waiting messages, for half a second at most."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify_all()
-        if self._thread is not None:
-            self._thread.join(_FLUSH_TIMEOUT)
-
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._sending = ""
-                self._changed.notify_all()
-                self._changed.wait_for(lambda: self._closed or self._waiting)
-                if not self._waiting:
-                    return
-                message = self._next()
-            self._put(message)
-
-    def _next(self) -> Outgoing:
-        """Take the first message of the topic that has waited longest for its turn."""
+    def _next(self) -> Outgoing | None:
+        """Pop the first message of the topic that has waited longest for its turn."""
+        if not self._waiting:
+            return None
         key = next(iter(self._waiting))
         queue = self._waiting.pop(key)
         message = queue.popleft()
@@ -88,3 +66,9 @@ class Outbox:
         if queue:
             self._waiting[key] = queue
         return message
+
+    def _send_now(self, message: Outgoing) -> None:
+        self._put(message)
+
+    def _note_sent(self, message: Outgoing) -> None:  # noqa: ARG002 - only one is being sent
+        self._sending = ""

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from lcmtools.bus.zenoh.outbox import MOST_WAITING_BYTES, Outbox, Outgoing
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, KeepLastSender, Outgoing
 
 
 class _Line:
@@ -31,39 +31,39 @@ def _numbers(line: _Line, key: str) -> list[int]:
 
 def test_commands_wait_in_order_and_images_are_replaced_by_newer_ones() -> None:
     line = _Line()
-    outbox = Outbox(line.put)
-    outbox.add(_message("other", 0))
+    sender = KeepLastSender(line.put)
+    sender.add(_message("other", 0))
     line.begun.acquire()  # the line is busy from now on
     for number in range(100):
-        outbox.add(_message("command", number))
-        outbox.add(_message("image", number, MOST_WAITING_BYTES + 1))
-    assert outbox.has_waiting("command")
-    assert outbox.has_waiting("other")
-    assert not outbox.has_waiting("another")
+        sender.add(_message("command", number))
+        sender.add(_message("image", number, MOST_WAITING_BYTES + 1))
+    assert sender.has_waiting("command")
+    assert sender.has_waiting("other")
+    assert not sender.has_waiting("another")
     line.room.release(102)
-    outbox.close()
+    sender.close()
     assert _numbers(line, "command") == list(range(100))
     assert _numbers(line, "image") == [99]
-    assert outbox.dropped == 99
+    assert sender.dropped == 99
 
 
 def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
     line = _Line()
-    outbox = Outbox(line.put)
+    sender = KeepLastSender(line.put)
     for number in range(3):
-        outbox.add(_message("a", number))
+        sender.add(_message("a", number))
     line.begun.acquire()
-    outbox.add(_message("b", 0))
+    sender.add(_message("b", 0))
     line.room.release(4)
     wait_until(lambda: len(line.taken) == 4)
     assert [message.key for message in line.taken].index("b") < 3
-    outbox.close()
+    sender.close()
 
 
 def test_closing_waits_for_half_a_second_only() -> None:
     line = _Line()
-    outbox = Outbox(line.put)
-    outbox.add(_message("a", 0))
-    outbox.close()  # the line never has room
+    sender = KeepLastSender(line.put)
+    sender.add(_message("a", 0))
+    sender.close()  # the line never has room
     assert line.taken == []
     line.room.release()

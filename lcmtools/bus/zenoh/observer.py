@@ -13,7 +13,7 @@ from lcmtools.wire.sequence import Sequence
 from lcmtools.wire.stamp import Origin
 
 
-class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
+class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
     """An observer of a Zenoh bus: a subscription to everything, with the senders of messages.
 
     ``on_outage`` is that of ``ZenohSession``.
@@ -78,7 +78,7 @@ class ZenohListener(contextlib.AbstractContextManager["ZenohListener"]):
         if self._closed:
             raise EOFError
         select.select([self._session], [], [], max(0.0, timeout))
-        packets = self._session.take()
+        packets = self._session.receive()
         for packet in packets:
             if packet.sender is not None and packet.seqno is not None:
                 sequence = self.numbered.get(packet.sender)

@@ -1,0 +1,16 @@
+"""Sentences that several families of rules use, and evidence that they share."""
+
+DECODED = "the decoded messages of the look (on a busy bus, a sample)"
+
+MORE = {"more": "and {count} more"}
+PROGRAM = {"program": "{program}"}
+
+END_OR_REMAP = {
+    "end-one-or-remap": "end one of them{pids:kills}, or start {other} with {old}:={new}"
+}
+MEND_BUS = {"mend-bus": "{hint:advice}`{hint:command}`"}
+HOST_NETWORK = {"host-network": "start the container with: --network host"}
+SET_CLOCKS = {
+    "set-clocks": "synchronize both computers' clocks: `sudo timedatectl set-ntp true`",
+}
+WAKE_OR_END = {"wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill -KILL {pid}`)"}

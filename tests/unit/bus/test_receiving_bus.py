@@ -1,0 +1,151 @@
+"""The receiving half of a bus, whatever its messages come through: tested on one of two pipes."""
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from lcmtools.bus import receive_right
+from lcmtools.bus.receiving_bus import ReceivingBus
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.errors import BusError
+
+_LONG = 20.0  # [s]
+
+
+class PipeBus(ReceivingBus):
+    """Each byte in one of its pipes is a message on channel "a"."""
+
+    def __init__(self) -> None:
+        super().__init__(parse_url("memq://"))
+        self.threads: list[int] = []
+        self.ends = [os.pipe(), os.pipe()]
+        self._add_handler("a", lambda _payload, _time: self.threads.append(threading.get_ident()))
+        self._start()
+
+    def send(self, messages: int, pipe: int = 0) -> None:
+        """Let messages arrive."""
+        os.write(self.ends[pipe][1], bytes(messages))
+
+    def on_receiver(self, work: Callable[[], None]) -> None:
+        """Run ``work`` on the receiving thread."""
+        self._on_receiver(work)
+
+    def _descriptors(self) -> Sequence[int]:
+        return [read for read, _ in self.ends]
+
+    def _receive(self, most: int) -> int:
+        count = 0
+        for read, _ in self.ends:
+            os.set_blocking(read, False)
+            try:
+                count += len(os.read(read, most - count)) if most > count else 0
+            except BlockingIOError:
+                continue
+        for _ in range(count):
+            self._dispatch("a", b"x", 0)
+        return count
+
+    def _leave(self) -> None:
+        for end in self.ends:
+            for descriptor in end:
+                os.close(descriptor)
+        self.ends = []
+
+
+@pytest.fixture
+def bus(monkeypatch: pytest.MonkeyPatch) -> Iterator[PipeBus]:
+    """A bus whose own thread does not receive for a thread that is away."""
+    monkeypatch.setattr(receive_right, "_PATIENCE", 3600.0)
+    bus = PipeBus()
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def never() -> Iterator[WakeupEvent]:
+    """An event that is not set."""
+    event = WakeupEvent()
+    yield event
+    event.close()
+
+
+@pytest.mark.parametrize("pipe", [0, 1])
+def test_each_descriptor_wakes_the_thread_that_waits(
+    bus: PipeBus, never: WakeupEvent, pipe: int
+) -> None:
+    bus.wait(never, 0.0)
+    bus.send(1, pipe)
+    bus.wait(never, _LONG)
+    assert bus.threads == [threading.get_ident()]
+
+
+def test_its_own_thread_receives_until_another_waits() -> None:
+    bus, received = PipeBus(), WakeupEvent()
+    bus.on_received = received.set
+    bus.send(3)
+    received.wait(_LONG)
+    bus.close()
+    received.close()
+    assert len(bus.threads) == 3
+    assert threading.get_ident() not in bus.threads
+
+
+def test_few_messages_of_a_burst_are_handled_at_a_time_but_not_of_one_without_end(
+    bus: PipeBus, never: WakeupEvent
+) -> None:
+    bus.wait(never, 0.0)
+    bus.send(200)
+    handled = []
+    while sum(handled) < 200:
+        before = len(bus.threads)
+        bus.wait(never, _LONG)
+        handled.append(len(bus.threads) - before)
+    assert handled == [*[10] * 10, 100]
+
+
+def test_a_request_is_served_once_while_a_thread_waits(bus: PipeBus, never: WakeupEvent) -> None:
+    bus.wait(never, 0.0)
+    served: list[int] = []
+    with ThreadPoolExecutor(1) as threads:
+        request = threads.submit(bus.on_receiver, lambda: served.append(threading.get_ident()))
+        deadline = time.monotonic() + _LONG
+        while not request.done() and time.monotonic() < deadline:
+            bus.wait(never, 0.1)
+        request.result(0)
+    assert len(served) == 1
+
+
+def test_an_error_of_a_request_is_raised_where_it_was_made(bus: PipeBus) -> None:
+    def fail() -> None:
+        raise BusError("no such channel")
+
+    with pytest.raises(BusError, match="no such channel"):
+        bus.on_receiver(fail)
+
+
+def test_an_event_ends_a_wait_and_is_cleared(bus: PipeBus, never: WakeupEvent) -> None:
+    never.set()
+    bus.wait(never, _LONG)
+    assert not never.is_set
+
+
+def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never: WakeupEvent) -> None:
+    bus = PipeBus()
+    bus.close()
+    bus.close()
+    with pytest.raises(BusError, match="the bus is closed"):
+        bus.on_receiver(lambda: None)
+    bus.wait(never, 0.0)
+    assert bus.threads == []
+
+
+def test_a_bus_of_a_parent_refuses_requests() -> None:
+    bus = PipeBus()
+    bus.leave_to_parent()
+    with pytest.raises(BusError, match="the bus belongs to the parent process"):
+        bus.on_receiver(lambda: None)
