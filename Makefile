@@ -90,7 +90,7 @@ $(VENV)/.venv:
 	touch $@
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/.venv
-	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim,tui,view,web]'
+	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[plot,sim,tui,view,web]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/.venv

@@ -12,6 +12,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from http import HTTPStatus
 from pathlib import Path
 
@@ -71,6 +72,35 @@ class Server:
                     loop.run_until_complete(task)
             finally:
                 loop.run_until_complete(loop.shutdown_default_executor())
+
+    @contextlib.contextmanager
+    def serving(self, address: str, port: int) -> Iterator[int]:
+        """Serve on a thread of its own within the block, which gets the port; then close all pages.
+
+        Raises:
+            LcmtoolsError: The port is in use, or the address is not this computer's.
+        """
+        started: Future[int] = Future()
+        with contextlib.closing(asyncio.new_event_loop()) as loop:
+            task = loop.create_task(self.run(address, port, started.set_result))
+
+            def serve_pages() -> None:
+                try:
+                    loop.run_until_complete(task)
+                except asyncio.CancelledError:
+                    loop.run_until_complete(loop.shutdown_default_executor())
+                except Exception as error:
+                    if started.done():
+                        raise
+                    started.set_exception(error)
+
+            thread = threading.Thread(target=serve_pages, name="pages")
+            thread.start()
+            try:
+                yield started.result()
+            finally:
+                loop.call_soon_threadsafe(task.cancel)
+                thread.join()
 
     async def run(self, address: str, port: int, on_start: Callable[[int], None]) -> None:
         """Serve until it is cancelled; then close all pages.

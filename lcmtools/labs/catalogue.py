@@ -9,15 +9,15 @@ from lcmtools.names import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class LabProgram:
-    """A program that a lab has a student write."""
+    """A program that students write in a lab."""
 
-    option: str  # its name on the command line of lab check
+    option: str  # its option of lab check
     node: str  # the model answer and the skeleton, nodes of the same name
     # Names that connect it; added unless the command line has a := of its own.
     arguments: tuple[str, ...] = ()
-    publishes: tuple[str, ...] = ()  # topics of which it is to publish one
+    publishes: tuple[str, ...] = ()  # topics, one of which it must publish
     types: tuple[str, ...] = ()  # the message types that these may have
-    subscribes: tuple[str, ...] = ()  # topics that it is to subscribe to
+    subscribes: tuple[str, ...] = ()  # topics that it must subscribe to
     has_keys: bool = False  # it is driven by keys, and not by its callbacks
     may_end: bool = False  # it may end by itself when its work is done
     rate: float = 4.0  # simulated seconds per second of its check, where simulated time counts
@@ -145,7 +145,7 @@ LABS: Mapping[str, Lab] = {lab.name: lab for lab in (_HUSKY, _PIONEER, _DOLLY)}
 
 
 def find_lab(name: str) -> Lab:
-    """Return the lab of a name; UsageError if there is none."""
+    """Return the lab with a name, or raise UsageError."""
     if name not in LABS:
         hint = did_you_mean(name, LABS) or f"there are: {', '.join(LABS)}"
         raise UsageError(f"there is no lab '{name}'", hint)

@@ -58,7 +58,7 @@ class Context:
         url: BusUrl | None = None,
     ) -> None:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
-        self.bus = bus
+        self.bus, self.url = bus, url
         bus.on_outage = self._warn
         bus.on_received = self.wake
         self.arguments = arguments

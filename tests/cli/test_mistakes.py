@@ -98,8 +98,6 @@ def test_mistake_costs_one_line(
     bus_url: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    if "DISPLAY=" in typed:
-        pytest.importorskip("tkinter")
     if "--domain" not in typed:  # a URL would win over it
         monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     with Tap(parse_url(bus_url)) as tap:

@@ -213,8 +213,8 @@ from lcmtools.labs.nodes.path_follower import PathFollower
 
 
 class Unstopped(PathFollower):
-    def _take_odometry(self, odometry):
-        super()._take_odometry(odometry)
+    def _odometry_callback(self, odometry):
+        super()._odometry_callback(odometry)
         if self._pursuit and self._pursuit.nearest >= len(self._pursuit._points) - 4:
             lcmtools.shutdown()
 

@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
+from lcmtools.errors import LcmtoolsError
 from lcmtools.gui import streams
 from lcmtools.gui.access import HEADERS, access_for
 from lcmtools.gui.protocol import LONGEST_REQUEST
@@ -430,6 +431,23 @@ def test_a_signal_waits_for_the_step_that_the_server_does(bus_url: str) -> None:
             server.run_until_interrupted("127.0.0.1", 0, start)
     assert len(done) == 1
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_server_on_a_thread_ends_with_its_block_and_raises_where_it_begins(
+    bus_url: str,
+) -> None:
+    with BusMonitor(parse_url(bus_url), "gui", {}) as monitor, closing(BusSource(monitor)) as bus:
+        server = Server(bus, access_for(None), {}, lambda _: None)
+        with server.serving("127.0.0.1", 0) as port:
+            with (
+                pytest.raises(LcmtoolsError, match=f"port {port} is in use"),
+                server.serving("127.0.0.1", port),
+            ):
+                pass
+            assert LivePage(f"http://127.0.0.1:{port}/").hello["source"] == "bus"
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", port))
+    assert "pages" not in {thread.name for thread in threading.enumerate()}
 
 
 def test_a_port_in_use_is_an_error_with_the_next_step(

@@ -20,6 +20,7 @@ import lcm
 import PIL.Image
 import pytest
 from fixtures.typist import Typist
+from fixtures.window import LivePage
 
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from tests.fixtures.says import assert_line
@@ -137,13 +138,11 @@ def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one st
 
     environment = {"LCM_DEFAULT_URL": bus_url, "TERM": "xterm", "COLORTERM": "truecolor"}
     with subprocess.Popen(
-        [lcmtools_path, "run", "kinect_viewer"],
+        [lcmtools_path, "run", "kinect_viewer", "--terminal"],
         stdin=end, stdout=end, stderr=end, env={**os.environ, **environment},
         start_new_session=True,
     ) as viewer:  # fmt: skip
         try:
-            wait_until(lambda: shows(b"\x1b[c"))  # it asks for graphics
-            os.write(screen, b"\x1b[?62;22c")
             wait_until(lambda: shows(b"near 1 m  far 1.5 m") and shows(b"8 x 6 16UC1"))
             assert b"\x1b[?25l" in written
             assert "\u2580".encode() in written
@@ -164,12 +163,44 @@ def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one st
     os.close(end)
 
 
-@pytest.mark.parametrize("shown", ["\x1b[c", "\x1b[H"])
 def test_a_terminal_that_is_closed_ends_a_viewer_as_its_signal_does(
-    shown: str, bus_url: str, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
+    bus_url: str, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    with closing(Typist(lcmtools_path, "run", "image_view")) as person:
-        person.wait_for(shown)
-        person.hang_up()
-        assert person.process.wait(40) == 0
+    with closing(Typist(lcmtools_path, "run", "image_view", "--terminal")) as user:
+        user.wait_for("\x1b[H")
+        user.hang_up()
+        assert user.process.wait(40) == 0
+
+
+@pytest.mark.parametrize("display", ["", ":0"])
+def test_a_viewer_serves_the_image_panel_and_opens_it_where_there_is_a_display(
+    display: str,
+    bus_url: str,
+    lcmtools_path: str,
+    start: Callable[..., Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opened, browser = tmp_path / "opened", tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {opened}\n')
+    browser.chmod(0o755)
+    environment = {"LCM_DEFAULT_URL": bus_url, "DISPLAY": display, "WAYLAND_DISPLAY": ""}
+    for name, value in {**environment, "BROWSER": f"{browser} %s"}.items():
+        monkeypatch.setenv(name, value)
+    words = ("image_view", f"image:={TOPIC}", "--far", "4", *([] if display else ["--window"]))
+    with closing(Typist(lcmtools_path, "run", *words)) as user:
+        user.wait_for("; Ctrl-C ends it")
+        address = user.written.decode().partition(" is shown at ")[2].partition(";")[0]
+        with LivePage(address) as page:
+            settings = {"topic": TOPIC, "map": "warm", "near": 0.0, "far": 4.0}
+            assert page.hello["view"] == {"panel": "image", "settings": settings}
+            assert page.hello["rights"] == ["watch"]
+            page.open(1, "image", topic=TOPIC)
+            values = "{encoding: mono8, width: 1, height: 1, step: 1, data: [7]}"
+            start(lcmtools_path, "pub", "-r", "20", TOPIC, "sensor_msgs/Image", values)
+            assert page.until(lambda frame: "payload" in frame)["payload"] == b"\7"
+            user.process.send_signal(signal.SIGINT)
+            assert user.end() == 0
+    assert opened.exists() == bool(display)
+    assert not display or opened.read_text() == f"{address}\n"

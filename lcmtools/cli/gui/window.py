@@ -2,7 +2,6 @@
 
 import os
 import socket
-import sys
 import webbrowser
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -85,6 +84,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
     with needing_extra("web", "gui needs"):
         from lcmtools.gui.server import Server
     from lcmtools.gui.access import access_for
+    from lcmtools.gui.browser import has_display
 
     access = access_for(choice.host, [socket.gethostname()], is_read_only=choice.read_only)
     view: dict[str, Json] = {"panel": panel, "settings": settings} if panel else {}
@@ -92,7 +92,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
     def say(port: int) -> None:
         addresses = access.addresses(_reached_at(choice.host), port)
         _tell(addresses, as_json=choice.as_json)
-        if _has_display() if choice.opens is None else choice.opens:
+        if has_display(os.environ) if choice.opens is None else choice.opens:
             webbrowser.open([*addresses.values()][-1])
 
     with _opened_source() as source:
@@ -129,9 +129,3 @@ def _tell(addresses: Mapping[str, str], *, as_json: bool) -> None:
 def _reached_at(host: str | None) -> str:
     """The address that others reach a server at: this computer's own for 0.0.0.0."""
     return socket.gethostname() if host in ("0.0.0.0", "::") else host or "127.0.0.1"  # noqa: S104
-
-
-def _has_display() -> bool:
-    if sys.platform in ("win32", "darwin"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -23,6 +23,7 @@ from lcmtools.wire.packet import Packet
 
 _FASTEST = 30e6  # [bytes/s] of one stream's images; larger ones are sent less often
 _FEWEST = 1000  # pixels that a page can request
+_LOWEST_RATE = 1e-3  # [Hz]
 _MOST_NAMED = 3  # topics of images in a hint
 TYPES = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
 _PNG_HEADER = struct.Struct(">16xIIBB")  # width, height, bits per number, and colour type
@@ -30,7 +31,10 @@ _PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
 
 
 class NewestImage(PageStream):
-    """The newest image of ``topic``; of raw ones every n-th pixel, so that ``pixels`` remain."""
+    """The newest image of ``topic``; of raw ones every n-th pixel, so that ``pixels`` remain.
+
+    ``rate`` is the highest number of images a second.
+    """
 
     period = 0.03
     is_shared = True
@@ -43,6 +47,7 @@ class NewestImage(PageStream):
         self._not_before = 0.0
         self._mistake = ""
         self._pixels = parameters.number("pixels", MOST_PIXELS, _FEWEST)
+        self._shortest = 1 / parameters.number("rate", 1 / self.period, _LOWEST_RATE)  # [s]
         self.follow(parameters.text("topic"), self._receive)
 
     def update(self) -> Update | None:
@@ -60,7 +65,9 @@ class NewestImage(PageStream):
             self._mistake = str(error)
             return None
         self._mistake = ""
-        self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST
+        self._not_before = time.monotonic() + max(
+            self._shortest, len(found.payload or b"") / _FASTEST
+        )
         about: dict[str, Json] = {"topic": self._topic, "count": count, "bytes": packet.size}
         return Update({**found.data, **about, "time": packet.time / 1e9}, found.payload)
 

@@ -1,1 +1,1 @@
-"""The checks of students' programs: the test bench they run on, and what each measures."""
+"""The checks of students' programs, and the test bench that runs the programs."""

@@ -1,7 +1,7 @@
-"""A look at the check's own bus: what it shows of the program under check, and what wtf finds.
+"""The program under check as seen on the check's bus, and the findings of wtf about it.
 
-Only findings about this program are of use to a person, with the remedies at its own end, and no
-command: from another terminal it would look at another bus.
+Only findings about this program help its author, with remedies that change the program. Commands
+are left out: in another terminal, they would use another bus.
 """
 
 import os
@@ -30,12 +30,12 @@ _OBSERVER = re.compile(r"/_lcmtools_lab_\d+")
 
 
 def look_at_bus(url: str, group: int) -> BusLook:
-    """Look at a bus for a second, for the programs of one process group."""
+    """Observe the programs of one process group on a bus for a second."""
     return program_on(collect(parse_url(url), os.environ, _LISTEN), group)
 
 
 def program_on(evidence: Evidence, group: int) -> BusLook:
-    """Return what evidence shows of the programs of one process group."""
+    """Return the state of the programs of one process group according to evidence."""
     nodes = [node for node in evidence.graph.nodes if _is_of(node.pid, group)]
     names = {node.name for node in nodes}
     ends = [end for node in nodes for end in node.endpoints]
@@ -56,9 +56,9 @@ def program_on(evidence: Evidence, group: int) -> BusLook:
         ],
         runs_callbacks=any(node.busy > 0 for node in nodes) or any(end.calls for end in ends),
         failures=[
-            Failure(one.exception, one.message, one.place, one.count, one.callback)
+            Failure(error.exception, error.message, error.place, error.count, error.callback)
             for node in nodes
-            for one in node.errors
+            for error in node.errors
         ],
         findings=list(_texts(examine(evidence), nodes, group)),
     )
@@ -72,7 +72,7 @@ def _is_of(pid: int, group: int) -> bool:
 
 
 def _is_own_affair(topic: str) -> bool:
-    """Return True for what every node has."""
+    """Return True for endpoints that every node has."""
     return topic in OF_EVERY_NODE or "/_" in topic
 
 
@@ -82,24 +82,28 @@ def _wire(end: Endpoint, offered: str = "") -> Wire:
 
 
 def _offered(end: Endpoint, topic: Topic, names: Collection[str]) -> str:
-    """Return the type that other nodes publish, where a subscription cannot take it."""
-    others = (one for node, one in topic.publishers if node.name not in names)
-    odd = (one.type for one in others if not {*one.fingerprints} & {*end.fingerprints})
+    """Return the type that other nodes publish if the subscription cannot decode it."""
+    others = (endpoint for node, endpoint in topic.publishers if node.name not in names)
+    odd = (
+        endpoint.type for endpoint in others if not {*endpoint.fingerprints} & {*end.fingerprints}
+    )
     return next(odd, "")
 
 
 def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> Iterator[str]:
-    """Return the findings about these nodes, each in one line with its remedies."""
+    """Format the findings about these nodes, each with its remedies in one line."""
     names = {node.name for node in nodes}
 
     def is_about(statement: Statement) -> bool:
         return any(
-            one.name in names or (one.pid is not None and _is_of(one.pid, group))
-            for one in statement.subjects()
+            subject.name in names or (subject.pid is not None and _is_of(subject.pid, group))
+            for subject in statement.subjects()
         )
 
     def is_at_this_end(remedy: Statement) -> bool:
-        others = {one.name for one in remedy.subjects() if one.kind in ("node", "process")}
+        others = {
+            subject.name for subject in remedy.subjects() if subject.kind in ("node", "process")
+        }
         return others <= names and remedy.kind not in _ELSEWHERE
 
     for finding in findings:

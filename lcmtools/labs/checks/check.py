@@ -1,4 +1,4 @@
-"""Checking a lab: the check of each program, on a test bench of its own."""
+"""The check of a lab: each program runs on its own test bench."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -36,20 +36,20 @@ _NOTHING_SAID = "it printed nothing"
 class Run:
     """A program to be checked."""
 
-    program: LabProgram  # which one of the lab it is
+    program: LabProgram  # the lab's program that it implements
     command: Sequence[str]  # its command line
-    is_answer: bool = False  # it is the model answer of lcmtools
+    is_answer: bool = False  # True for the model answer of lcmtools
 
 
 def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
-    """Return the programs to be checked; the lab's names are added to commands that have none.
+    """Return the programs to check. The lab's names are added to commands without names.
 
-    ``programs`` are the student's command lines by option; of none, the nodes of the workspace that
-    have the names of the lab's are checked or, if there are none, the model answers.
+    ``programs`` are the student's command lines by option. Without any, the workspace's nodes with
+    the names of the lab's programs are checked, or the model answers if there are no such nodes.
 
     Raises:
-        UsageError: A program is of another lab, a command line is wrong, or a file of the workspace
-            is not declared as a node.
+        UsageError: A program belongs to another lab, a command line is wrong, or a file of the
+            workspace is not declared as a node.
     """
     known = {program.option: program for program in lab.programs}
     may_be_answer = any(text.startswith("lcmtools run") for text in programs.values())
@@ -57,7 +57,7 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
     if not programs and not nodes:
         return [Run(p, [*p.answer, *p.arguments], is_answer=True) for p in lab.programs]
     chosen = []
-    programs = programs or {one: f"lcmtools run {node}" for one, node in nodes.items()}
+    programs = programs or {option: f"lcmtools run {node}" for option, node in nodes.items()}
     for option, text in programs.items():
         if option not in known:
             hint = ", ".join(f"--{name}" for name in known)
@@ -71,7 +71,7 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
 
 
 def _workspace_nodes(lab: Lab) -> dict[str, str]:
-    """Return the nodes of the current workspace that have the names of a lab's, by option."""
+    """Return the workspace's nodes with the names of a lab's programs, by option."""
     found = {}
     known, here = runnables(Path.cwd()), Path.cwd()
     for program in lab.programs:
@@ -88,10 +88,10 @@ def check(
     time_limit: float = float("inf"),
     show: Callable[[CheckResult], object] = lambda _: None,
 ) -> tuple[Report, Mapping[str, Any]]:
-    """Check a program on a test bench of its own; return the report, and the world file's content.
+    """Check a program on its own test bench; return the report and the content of the world file.
 
-    It runs at ``rate`` simulated seconds per second, or at what suits it, and may take
-    ``time_limit`` [s] of real time in all. ``show`` is called with each result as it comes.
+    It runs at ``rate`` simulated seconds per second (None: a suitable one), for at most
+    ``time_limit`` [s] of real time. ``show`` is called with each result at once.
 
     Raises:
         UsageError: The program cannot be started.
@@ -133,7 +133,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
 
 
 def _exception(bench: TestBench) -> CheckResult | None:
-    """Return the row of an exception in the program; None if it has printed none."""
+    """Return a row for an exception that the program has printed; None if there is none."""
     assert bench.program is not None
     if failure := last_failure(bench.program.printed()):
         cause = raised(bench.observe()) or Cause(RAISED, str(failure))
@@ -153,14 +153,14 @@ def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[Chec
 
 @dataclass
 class Explanation:
-    """The causes of the rows that are not ok: each is given once, at the first of its rows."""
+    """Explains failed rows: each cause is named once, in the first row that it affects."""
 
     observe: Callable[[], Observations]
     _first: dict[str, str] = field(default_factory=dict)
     _last: str = ""
 
     def of(self, result: CheckResult) -> CheckResult:
-        """Return a row with its cause, or with the row that it follows from."""
+        """Return a row with its cause, or with an earlier row of the same cause."""
         if result.is_ok:
             return replace(result, hint="", cause="")
         observed = self.observe()

@@ -1,7 +1,7 @@
-"""Programs that are checked, whatever their language.
+"""Programs under check, in any language.
 
-A program runs on the test bench's bus and is certain to end; what it prints goes into a file, and
-keys reach it through a terminal of its own.
+A program runs on the test bench's bus and always ends with it. Its output goes to a file, and keys
+reach it through its own terminal.
 """
 
 import re
@@ -24,7 +24,7 @@ _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not f
 
 
 class CheckedProgram(ChildProcess):
-    """A program whose output goes into a file; ``guard`` ends it with this process.
+    """A process with its output in a file; ``guard`` ends it together with this process.
 
     With ``has_keys`` it has a terminal to read keys from.
 
@@ -58,7 +58,7 @@ class CheckedProgram(ChildProcess):
             raise UsageError(f"cannot run '{command[0]}': {error.strerror}", hint) from None
 
     def printed(self) -> str:
-        """Return what it has printed, the end of it where it is long."""
+        """Return its output, or the end of it if it is long."""
         return _ESCAPE.sub("", self.output(_TAIL_BYTES))
 
     def ends_on_interrupt(self) -> bool:
@@ -73,7 +73,7 @@ class CheckedProgram(ChildProcess):
         return self.wait(_TIMEOUTS.interrupt)
 
     def check_ctrl_c(self, *, may_have_ended: bool = False) -> CheckResult:
-        """Check that Ctrl-C ends it; it has ended afterwards."""
+        """Check that Ctrl-C ends it, and end it in any case."""
         what, wanted = "ends on Ctrl-C", "within 4 s"
         if may_have_ended and self.code == 0 and not self.was_interrupted:
             return CheckResult(what, wanted, "it has ended by itself", is_ok=True)
@@ -96,11 +96,11 @@ class CheckedProgram(ChildProcess):
         return Cause("goes-on", text)
 
     def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
-        """Return the failure of a program that has ended while it was needed."""
+        """Return the failed row of a program that ended too early."""
         return CheckResult(what, wanted, "it has ended", is_ok=False, cause=DIED)
 
     def nothing_within(self, seconds: float, what: str, wanted: str, hint: str) -> CheckResult:
-        """Return the failure of a program from which nothing has come in time."""
+        """Return the failed row of a program that sent nothing in time."""
         if self.code is not None:
             return self.early_end(what, wanted)
         measured = f"none within {seconds:g} s"
@@ -110,14 +110,14 @@ class CheckedProgram(ChildProcess):
 def own_command() -> list[str]:
     """Return the command line of the lcmtools that runs now.
 
-    Its script where there is one: with -m, files of the working directory are taken for modules.
+    The script is preferred: with -m, files in the working directory would be imported as modules.
     """
     script = Path(sys.executable).with_name("lcmtools")
     return [str(script)] if script.exists() else [sys.executable, "-m", "lcmtools"]
 
 
 def split_command(text: str) -> list[str]:
-    """Return the words of a command line, split as a shell does.
+    """Split a command line like a shell.
 
     Raises:
         UsageError: It is empty, or a quotation mark is missing.

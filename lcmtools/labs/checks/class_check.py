@@ -1,7 +1,7 @@
-"""The check of a class: several submissions at a time, each program by a process of its own.
+"""The check of a class: several submissions at a time, each program in its own process.
 
-Each runs ``lcmtools lab check`` in a folder that holds a copy of its submission; here its report is
-read. Whatever ends this, all of them are ended politely, so that they leave nothing behind.
+Each process runs ``lcmtools lab check`` in a folder with a copy of the submission, and its report
+is read here. However the check ends, these processes are terminated and can clean up.
 """
 
 import json
@@ -38,8 +38,8 @@ class _Job:
 class ClassCheck:
     """Checks the submissions in a folder, ``jobs`` programs at a time.
 
-    ``commands`` are those of ``programs_of``, with {program} in them; ``arguments`` are further
-    ones of ``lab check``. The names of submission and program are added to the path ``plot``.
+    ``commands`` contain {program}, see ``programs_of``; ``arguments`` are passed to ``lab check``.
+    The names of submission and program are added to the path ``plot``.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class ClassCheck:
     def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:
         """Check each file or folder; return the reports by the submissions' names.
 
-        ``show`` is called with a submission's name and the report of a program of it, as it comes.
+        ``show`` is called with the name of a submission and each report of its programs.
 
         Raises:
             UsageError: The folder has no submissions, or a command line is wrong.
@@ -95,7 +95,7 @@ class ClassCheck:
         return [_Job(submission, option, text) for option, text in programs.items()]
 
     def _check(self, job: _Job, guard: ProcessGuard) -> Report:
-        """Check a program in a process and a folder of its own."""
+        """Check a program in its own process and folder."""
         words = [*own_command(), "lab", "check", self._lab.name, "--json"]
         words += [f"--{job.option}", job.command, *self._arguments]
         if self._plot:
@@ -111,7 +111,7 @@ class ClassCheck:
         return _failed(job.option, _reason(errors))
 
     def _lines(self, child: ChildProcess) -> tuple[list[str], list[str]]:
-        """Return the lines of standard output and error, until its end or the end of all."""
+        """Return the lines of output and errors, until the process or the whole check ends."""
         output: list[str] = []
         errors: list[str] = []
         while child.streams and not self._is_over.is_set():
@@ -122,7 +122,7 @@ class ClassCheck:
 
 
 def _reason(errors: Sequence[str]) -> str:
-    """Return the error of a check that has no report, which its last line is."""
+    """Return the error of a check without a report: its last line."""
     last = errors[-1] if errors else "its check was ended"
     try:
         error = json.loads(last)

@@ -1,7 +1,7 @@
-"""Diagnosis: from what was observed of a program to the cause of a row that is not ok.
+"""Diagnosis: the cause of a failed row, from the observations of the program.
 
-Pure functions of the record. What is common to all labs is here; a lab's own values are judged
-beside its checks.
+Pure functions of the record, for all labs. Values that are specific to a lab are judged in the
+modules of its checks.
 """
 
 import math
@@ -46,7 +46,7 @@ _NO_SPIN = "does it call lcmtools.spin(node), or spin_once often?"
 
 
 def cause_of(result: CheckResult, observed: Observations) -> Cause:
-    """Return the cause of a row that is not ok."""
+    """Return the cause of a failed row."""
     given = Cause(result.cause or result.what, result.hint)
     if result.cause == DIED or (observed.code not in (None, 0)):
         return died(observed)
@@ -61,7 +61,7 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
 
 
 def died(observed: Observations) -> Cause:
-    """Return the cause of a program that has ended while it was needed."""
+    """Return the cause if the program has ended too early."""
     words = last_words(observed.printed) or "it printed nothing"
     code = observed.code or 0
     how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
@@ -72,13 +72,13 @@ def died(observed: Observations) -> Cause:
 
 
 def _missing_module(words: str) -> str:
-    """Return what takes the place of a module of ROS that is missing."""
+    """Return the replacement for a missing module of ROS."""
     own = in_place_of_ros(match[1]) if (match := _MISSING.search(words)) else ""
     return f"; {own}" if own else ""
 
 
 def misled(observed: Observations, result: CheckResult) -> Cause | None:
-    """Return the wrong topic of its input, if its callback of that raises, or the row is of it."""
+    """Return the wrong input topic if the callback for it raises, or if the row is about it."""
     look, wanted = observed.look, observed.program.subscribes
     found = _not_hearing(look, wanted) if look else None
     if look is None or found is None or found.key != SUBSCRIPTION:
@@ -89,10 +89,10 @@ def misled(observed: Observations, result: CheckResult) -> Cause | None:
 
 
 def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | None:
-    """Return the exception that its callbacks raise, if they do.
+    """Return the exception that its callbacks raise, if any.
 
-    ``frequent_only`` is for one that can be why the robot does not do as it should: of a callback
-    that raises most of the time, not now and then.
+    With ``frequent_only``, only callbacks that raise most of the time count: a rare exception does
+    not explain wrong motion.
     """
     failures = list(observed.look.failures) if observed.look else []
     if not failures and (printed := last_failure(observed.printed)):
@@ -101,21 +101,21 @@ def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | No
         failures = [failure for failure in failures if not _is_rare(failure, observed)]
     if not failures:
         return None
-    failure = max(failures, key=lambda one: one.count)
+    failure = max(failures, key=lambda failure: failure.count)
     times = f" {failure.count} times" if failure.count > 1 else ""
     where = f"its callback of {failure.callback}" if failure.callback else "it"
     return Cause(RAISED, f"{where} raised{times} {failure}")
 
 
 def _is_rare(failure: Failure, observed: Observations) -> bool:
-    """Return True if most calls of the callback raise nothing, by their number or the commands'."""
+    """Return True if most calls of the callback succeed, by the numbers of calls or of commands."""
     inputs = observed.look.subscriptions if observed.look else ()
-    calls = next((one.calls for one in inputs if one.topic == failure.callback), 0)
+    calls = next((wire.calls for wire in inputs if wire.topic == failure.callback), 0)
     return _RARE * failure.count < (calls or len(observed.commands))
 
 
 def ignored(observed: Observations) -> Cause | None:
-    """Return why the simulator ignores its commands, if it does."""
+    """Return the reason why the simulator ignores its commands, if it does."""
     for text in observed.warnings:
         topic, found, reason = text.partition(": command ignored: ")
         if found:
@@ -125,16 +125,16 @@ def ignored(observed: Observations) -> Cause | None:
 
 def busy(observed: Observations) -> Cause | None:
     """Return the callback that does not return at once, if there is one."""
-    for one in observed.look.subscriptions if observed.look else ():
-        mean = one.busy / one.calls if one.calls else 0.0
-        if one.longest > _LONG_CALL or mean > _LONG_MEAN:
-            text = f"its callback of {one.topic} runs for {one.longest:.1f} s: it must return at"
+    for wire in observed.look.subscriptions if observed.look else ():
+        mean = wire.busy / wire.calls if wire.calls else 0.0
+        if wire.longest > _LONG_CALL or mean > _LONG_MEAN:
+            text = f"its callback of {wire.topic} runs for {wire.longest:.1f} s: it must return at"
             return Cause("busy", f"{text} once, without a sleep or a loop that waits")
     return None
 
 
 def disconnected(observed: Observations, hint: str = "") -> Cause | None:
-    """Return why nothing comes of a program that runs, as far as the bus shows it; else a hint."""
+    """Return the reason why a running program sends nothing, if the bus shows it; else a hint."""
     look, program = observed.look, observed.program
     if look is None:
         return None
@@ -178,7 +178,7 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
 
 
 def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
-    """Return the topic that it does not hear; plain LCM programs announce none."""
+    """Return the topic that it does not subscribe to, unless it is a plain LCM program."""
     odd = next((wire for wire in look.subscriptions if wire.offered), None)
     if odd:
         return Cause(
@@ -221,7 +221,7 @@ def _is_near(topic: str, wanted: Sequence[str]) -> bool:
 
 
 def _renaming(look: BusLook, old: str, new: str) -> str:
-    """Return the remedy at the program's end of the wire."""
+    """Return the remedy for a topic that the program names wrongly."""
     spaces = {namespace_of(name) for name in look.nodes}
     if spaces == {namespace_of(old)} == {namespace_of(new)}:
         old, new = base_name_of(old), base_name_of(new)
@@ -229,7 +229,7 @@ def _renaming(look: BusLook, old: str, new: str) -> str:
 
 
 def misplaced(twist: Twist) -> Cause | None:
-    """Return the fields of a Twist that a robot on wheels does not obey, if some are set."""
+    """Return a cause if fields of a Twist are set that a wheeled robot ignores."""
     values = {
         f"{part}.{axis}": getattr(getattr(twist, part), axis)
         for part in ("linear", "angular")
@@ -248,6 +248,6 @@ def velocity_of(message: Message | None) -> tuple[float, float] | None:
 
 
 def explain_number(measured: float, formulas: Mapping[str, float]) -> str:
-    """Return the formula whose value is nearest to what was measured; "" if none is near."""
-    name = min(formulas, key=lambda one: abs(formulas[one] - measured))
+    """Return the formula whose value is closest to the measured one; "" if none is close."""
+    name = min(formulas, key=lambda name: abs(formulas[name] - measured))
     return name if math.isclose(measured, formulas[name], rel_tol=0.02) else ""

@@ -54,7 +54,7 @@ def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResul
 
 
 def rate_row(times: Sequence[float], now: float) -> CheckResult:
-    """Return the row of the rate of commands, by their times until now [s]."""
+    """Return the row for the rate of commands, given their times until now [s]."""
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
     cause = rate_cause(len(times), rate, now - times[-1])
@@ -64,7 +64,7 @@ def rate_row(times: Sequence[float], now: float) -> CheckResult:
 
 
 def rate_cause(count: int, rate: float, silent: float) -> Cause:
-    """Return why commands do not come at their rate, by count, rate [Hz] and last silence [s]."""
+    """Return the cause of a wrong rate, from the count, the rate [Hz] and the last silence [s]."""
     timer = "a timer of 0.5 s that publishes once each time"
     if count == 1:
         text = f"one command came, and no other for {silent:.1f} s: publish in the timer's callback"
@@ -76,7 +76,7 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
 
 
 def velocity_row(twist: Twist) -> CheckResult:
-    """Return the row of the velocity of a command."""
+    """Return the row for the velocity of a command."""
     forward, turn_rate = twist.linear.x, twist.angular.z
     is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
     is_ok, cause = is_alike and not misplaced(twist), velocity_cause(twist)
@@ -86,7 +86,7 @@ def velocity_row(twist: Twist) -> CheckResult:
 
 
 def velocity_cause(twist: Twist) -> Cause:
-    """Return why the velocity commanded is wrong."""
+    """Return the cause of a wrong velocity."""
     forward, turn_rate = twist.linear.x, twist.angular.z
     if odd := misplaced(twist):
         return odd
@@ -102,7 +102,7 @@ def velocity_cause(twist: Twist) -> Cause:
 
 
 def circle_row(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist) -> CheckResult:
-    """Return the row of the circle that a robot has driven."""
+    """Return the row for the circle that a robot has driven."""
     radius = fit_radius([(place.x, place.y) for place in path])
     cause = circle_cause(radius, touches, twist)
     stuck = f", stuck on {touches[0]}" if touches else ""
@@ -113,7 +113,7 @@ def circle_row(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist
 
 
 def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -> Cause:
-    """Return why the circle is wrong; the velocity commanded may explain it."""
+    """Return the cause of a wrong circle; the commanded velocity may explain it."""
     velocity = velocity_cause(twist)
     commanded = twist.linear.x / twist.angular.z if twist.angular.z else math.inf
     if not is_within(commanded, _RADIUS):
@@ -127,7 +127,7 @@ def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -
 
 
 def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
-    """Check a program that prints what the laser measures, with a robot at rest."""
+    """Check a program that prints the measurements of the laser, with a robot at rest."""
     scans = bench.recorder.record(LaserScan, _SCAN)
     program = bench.start(command)
     bench.wait(lambda: _lines(program) > 1 or program.code is not None, _FIRST)
@@ -149,7 +149,7 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
 
 
 def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
-    """Return the numbers in a text that are ranges of a scan [m], but for rounding and noise."""
+    """Return the numbers in a text that equal ranges of a scan [m], but for rounding and noise."""
     measured = [value for value in ranges if math.isfinite(value)]
     found = set()
     for number, decimals in ((match[0], match[1]) for match in _NUMBER.finditer(text)):
@@ -160,7 +160,7 @@ def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
 
 
 def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) -> Cause:
-    """Return why a program's output has no ranges, or one line of them only."""
+    """Return the reason why a program's output has no ranges, or only one line of them."""
     if found:
         return Cause("once", "it prints only once: print in the callback, for each message")
     numbers = _ANY_NUMBER.findall(printed)[-_NEWEST:]

@@ -1,43 +1,56 @@
-"""Keys that drive: what each is to do, and why its command is wrong. Pure."""
+"""The keys that drive: their meanings, and the causes of wrong commands. Pure."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
 from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.nodes.driving.motion import DIRECTIONS, SPEED_CHANGES
 from lcmtools.types.geometry_msgs import Twist
 
 _TOLERANCE = 0.01
 _FASTEST_TURN = 10.0  # [rad/s]; a Pioneer turns at 5.2 rad/s at most
 
-DIRECTIONS = {
-    "i": "forward",
-    ",": "backward",
-    "j": "left on the spot",
-    "l": "right on the spot",
-    "u": "forward to the left",
-    "o": "forward to the right",
-    "m": "backward, clockwise",
-    ".": "backward, counter-clockwise",
-    "k": "stop",
+_DRIVING_MEANINGS = {
+    (1, 0): "forward",
+    (-1, 0): "backward",
+    (0, 1): "left on the spot",
+    (0, -1): "right on the spot",
+    (1, 1): "forward to the left",
+    (1, -1): "forward to the right",
+    (-1, -1): "backward, clockwise",
+    (-1, 1): "backward, counter-clockwise",
+    (0, 0): "stop",
 }
+_SPEED_MEANINGS = {
+    (1.1, 1.1): "both 10 % more",
+    (0.9, 0.9): "both 10 % less",
+    (1.1, 1.0): "speed 10 % more",
+    (0.9, 1.0): "speed 10 % less",
+    (1.0, 1.1): "turning 10 % more",
+    (1.0, 0.9): "turning 10 % less",
+}
+_MotionT = TypeVar("_MotionT", tuple[int, int], tuple[float, float])
+
+
+def _meanings(keys: Mapping[str, _MotionT], words: Mapping[_MotionT, str]) -> dict[str, str]:
+    """Return the meaning of each letter and sign, in the order of the meanings."""
+    letters = {motion: key for key, motion in keys.items() if len(key) == 1}
+    return {letters[motion]: meaning for motion, meaning in words.items()}
+
+
+DRIVING_KEYS = _meanings(DIRECTIONS, _DRIVING_MEANINGS)
 """Meanings of the keys that drive, which are those of teleop_twist_keyboard."""
-SPEED_CHANGES = {
-    "q": "both 10 % more",
-    "z": "both 10 % less",
-    "w": "speed 10 % more",
-    "x": "speed 10 % less",
-    "e": "turning 10 % more",
-    "c": "turning 10 % less",
-}
+SPEED_KEYS = _meanings(SPEED_CHANGES, _SPEED_MEANINGS)
 """Meanings of the keys that change a speed."""
 
 Velocity = tuple[float, float]  # forward speed [m/s] and turn rate [rad/s], positive to the left
 
 
 def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
-    """Return True if both are the same, but for rounding."""
+    """Return True if both are equal except for rounding."""
     return velocity is not None and all(
         math.isclose(value, target, rel_tol=_TOLERANCE, abs_tol=1e-6)
         for value, target in zip(velocity, wanted, strict=True)
@@ -46,7 +59,7 @@ def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class KeyPress:
-    """A key that was pressed, the command that it is to bring, and the one that came, if any."""
+    """A pressed key, the expected command, and the command that came, if any."""
 
     key: str
     wanted: Velocity
@@ -54,7 +67,7 @@ class KeyPress:
 
 
 def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
-    """Return why a key brought the wrong command, by what the keys that drive brought."""
+    """Return the cause of a key's wrong command, from the commands of all driving keys."""
     key, wanted, got = press.key, press.wanted, velocity_of(press.twist)
     if press.twist is None or got is None:
         text = f"nothing is published for '{key}': is each key read at once, and is it known?"
@@ -65,24 +78,24 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
         if _is_reversed(drives, index) and is_alike(got, _reversed(wanted, index)):
             side = ("forward is linear.x above 0", "left is angular.z above 0")[index]
             return Cause(f"{name}-sign", f"wrong sign of {name}: {side}")
-    other = next((k for k, one in drives.items() if k != key and is_alike(got, one.wanted)), "")
+    other = next((k for k, drive in drives.items() if k != key and is_alike(got, drive.wanted)), "")
     if not any(got):
         text = f"'{key}' stops the robot: is it in the program's table of keys?"
         return Cause(f"key-{key}", text)
     if other:
         pair = "".join(sorted((key, other)))
-        text = f"'{key}' does what '{other}' should do ({DIRECTIONS[other]})"
+        text = f"'{key}' does what '{other}' should do ({DRIVING_KEYS[other]})"
         return Cause(f"key-{pair}", f"{text}: the keys are mixed up")
     return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
 
 
 def _is_reversed(drives: Mapping[str, KeyPress], index: int) -> bool:
-    """Return True if most keys bring the opposite of what they should, in speed or in turn."""
-    moving = [one for one in drives.values() if one.wanted[index]]
+    """Return True if most keys command the opposite speed or turn rate."""
+    moving = [drive for drive in drives.values() if drive.wanted[index]]
     wrong = [
-        one
-        for one in moving
-        if one.twist and (velocity_of(one.twist) or (0, 0))[index] * one.wanted[index] < 0
+        drive
+        for drive in moving
+        if drive.twist and (velocity_of(drive.twist) or (0, 0))[index] * drive.wanted[index] < 0
     ]
     return len(wrong) > len(moving) / 2
 
@@ -92,7 +105,7 @@ def _reversed(velocity: Velocity, index: int) -> Velocity:
 
 
 def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the row of the directions of the two basic keys."""
+    """Return the row for the directions of the two basic keys."""
     i, j = (velocity_of(drives[key].twist) or (0.0, 0.0) for key in "ij")
     speeds = i[0], j[1]
     cause = key_cause(drives["i" if speeds[0] <= 0 else "j"], drives)
@@ -104,7 +117,7 @@ def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
 
 
 def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the row of a key that drives."""
+    """Return the row for a driving key."""
     got = velocity_of(press.twist)
     is_ok = is_alike(got, press.wanted) and not (press.twist and misplaced(press.twist))
     cause = key_cause(press, drives)
@@ -113,7 +126,7 @@ def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> Ch
 
 
 def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
-    """Return the result of 'u' after a key that changes a speed; 'u' itself may be wrong."""
+    """Return the row for 'u' after a key that changes a speed; 'u' itself may be wrong."""
     result = key_result(press, what, drives)
     before = drives["u"]
     if result.is_ok or not is_alike(velocity_of(before.twist), before.wanted):
@@ -123,5 +136,5 @@ def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) ->
 
 
 def text_of(velocity: Velocity) -> str:
-    """Return a velocity with its units."""
+    """Format a velocity with its units."""
     return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)

@@ -44,11 +44,11 @@ class _Robot:
         self._first_command, self._start = 0, 0.0
         self._desired = Twist()
         self._repeats = 0
-        bench.node.create_subscription(Odometry, f"{_ROBOT}/odometry", self._take_odometry, 1000)
+        bench.node.create_subscription(Odometry, f"{_ROBOT}/odometry", self._record_odometry, 1000)
         bench.node.create_timer(_REPEAT, self._repeat)
 
     def desire(self, step: Step) -> None:
-        """Publish a desired velocity, and forget what was measured before."""
+        """Publish a desired velocity and discard earlier measurements."""
         self._desired.linear.x, self._desired.angular.z = step.forward, step.turn_rate
         self._publisher.publish(self._desired)
         self._repeats = _TIMES
@@ -59,7 +59,7 @@ class _Robot:
         seen.desired.append(Desire(seen.time, step.forward, step.turn_rate))
 
     def run(self, step: Step) -> StepRun:
-        """Return what has been observed since the velocity was desired."""
+        """Return the observations since the velocity was desired."""
         seen = self._bench.recorder
         touches = [touch for touch in seen.touches if touch.time > self._start]
         return StepRun(
@@ -67,7 +67,7 @@ class _Robot:
         )
 
     def prepare(self, step: Step) -> None:
-        """Put the robot at rest, or drive it if it is to stop."""
+        """Bring the robot to rest, or to a speed if the step is a stop."""
         if step == REST:
             self._settle(FASTEST, lambda: self._samples[-1].forward > FASTEST.forward / 2)
         else:
@@ -76,7 +76,7 @@ class _Robot:
             self._bench.wait(self._is_at_origin, _SOME_TIME)  # messages of before may still come
 
     def measure(self, step: Step) -> StepRun:
-        """Return what was observed of a step, for which the robot is prepared."""
+        """Measure a step; the robot must be prepared for it."""
         self.desire(step)
         self._bench.wait(lambda: self.run(step).is_over(), 2 * LONGEST / self._bench.rate + 5.0)
         return self.run(step)
@@ -89,14 +89,11 @@ class _Robot:
         self.desire(step)
         self._bench.wait(lambda: self._samples and is_settled(), LONGEST / 2 / self._bench.rate)
 
-    def _take_odometry(self, odometry: Odometry) -> None:
+    def _record_odometry(self, odometry: Odometry) -> None:
         self._samples.append(TrueState.by(odometry))
 
     def _repeat(self) -> None:
-        """Publish it some times: a program does not get one whenever it has odometry.
-
-        Until a first command comes, the program may not have started yet.
-        """
+        """Publish it several times, and until the first command: the program may start later."""
         self._repeats -= 1
         if self._repeats > 0 or not self._bench.recorder.commands:
             self._publisher.publish(self._desired)
@@ -131,10 +128,11 @@ def check_controller(bench: TestBench, command: Sequence[str]) -> Iterator[Check
 def _measured(
     bench: TestBench, robot: _Robot, step: Step, confirmed: set[str]
 ) -> tuple[StepRun, CheckResult]:
-    """Return a step's run and row, of a program that may go by the real clock.
+    """Return a step's run and row. The program may use the real clock.
 
-    The step is measured faster than real time first. A cause of failure counts once real time has
-    confirmed it, unless that has taken long; a program that is right then goes on in real time.
+    The step is first measured faster than real time. A failure counts when a measurement in real
+    time has confirmed it, unless these have taken long already. If that succeeds, the check goes on
+    in real time.
     """
     assert bench.program is not None
     robot.prepare(step)
@@ -204,15 +202,15 @@ def _error_result(what: str, measured: float, desired: Step, samples: int = 0) -
 
 
 def error_hint(cause: str, formula: str = "") -> str:
-    """Return the formula, of the error if not given, behind that in its place if it is known."""
+    """Return a hint: the formula of the error, and the one used in its place if known."""
     formula = formula or "the root of (v - desired v)^2 + (w - desired w)^2"
     return f"it is {cause}, and should be {formula}" if cause else formula
 
 
 def error_cause(measured: float, desired: Step, samples: int = 0) -> str:
-    """Return the formula that gives the error measured of a robot at rest; "" if none does.
+    """Return the formula that gives the measured error of a robot at rest; "" if none does.
 
-    ``samples`` is the number that an average is of.
+    ``samples`` is the number of samples in an average.
     """
     v, w = desired.forward, desired.turn_rate
     error = math.hypot(v, w)

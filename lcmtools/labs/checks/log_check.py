@@ -1,7 +1,7 @@
-"""The checks of a lab on a run that was recorded, as far as a log allows.
+"""The checks of a lab on a recorded run, as far as a log allows.
 
-A log has messages. What a program prints and saves, the keys that drive it, the way it ends, and a
-velocity that was never desired in it cannot be judged: that is said of each program.
+A log has only messages. Output, saved files, keys, the end of a program, and velocities that were
+never desired cannot be judged; they are listed for each program.
 """
 
 import math
@@ -29,14 +29,14 @@ _NEAR = 0.005  # [m/s] and [rad/s]
 
 @dataclass(frozen=True, slots=True)
 class NotJudged:
-    """A requirement that a log says nothing about, and why."""
+    """A requirement that the log does not cover, and the reason."""
 
     program: str
     what: str
     reason: str
 
     def __str__(self) -> str:
-        """Return it in one line."""
+        """Format it as one line."""
         return f"{self.program}, {self.what}: {self.reason}"
 
 
@@ -44,10 +44,10 @@ Rows = Iterator[CheckResult | NotJudged]
 
 
 def check_log(lab: Lab, log: Log) -> tuple[list[Report], list[NotJudged]]:
-    """Return the reports of a lab's programs, by a log, and what it does not allow to judge.
+    """Return the reports of a lab's programs in a log, and the requirements that were not judged.
 
     Raises:
-        LcmtoolsError: The log has nothing of the lab.
+        LcmtoolsError: The log has no topics of the lab.
     """
     run = read_run(lab, log)
     reports, others = [], list[NotJudged]()
@@ -75,12 +75,12 @@ def _controller(run: RecordedRun, program: LabProgram) -> Rows:
         return
     runs = list(_steps(run, program))
     for step in husky.STEPS:
-        found = [one for one in runs if one.step == step]
-        whole = [one for one in found if one.is_over()]
+        found = [step_run for step_run in runs if step_run.step == step]
+        whole = [step_run for step_run in found if step_run.is_over()]
         if whole:
             yield judge(whole[-1])
         elif found:
-            longest = max(one.duration for one in found)
+            longest = max(step_run.duration for step_run in found)
             reason = f"it was desired for only {longest:.1f} s"
             yield NotJudged(program.option, step.title, reason)
         else:
@@ -90,18 +90,18 @@ def _controller(run: RecordedRun, program: LabProgram) -> Rows:
 
 
 def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
-    """Yield the steps of the desired velocity that begin as the lab's do."""
+    """Yield the steps of the desired velocity that begin like the lab's steps."""
     motion, commands = run.motion("odometry"), run.commands(program)
     desired, pace = run.desired(), run.pace()
-    ends = [one.time for one in desired[1:]] + [math.inf]
-    for one, end in zip(desired, ends, strict=False):  # none where nothing was desired
-        step = Step(one.forward, one.turn_rate)
-        before = [state for state in motion if state.time <= one.time][-1:]
+    ends = [desire.time for desire in desired[1:]] + [math.inf]
+    for desire, end in zip(desired, ends, strict=False):  # none where nothing was desired
+        step = Step(desire.forward, desire.turn_rate)
+        before = [state for state in motion if state.time <= desire.time][-1:]
         if not (before[0].forward > husky.FASTEST.forward / 2 if before and step == REST
                 else is_at_rest(before)):  # fmt: skip
             continue
-        states = [state for state in motion if one.time < state.time < end]
-        own = [command for command in commands if one.time < command.time < end]
+        states = [state for state in motion if desire.time < state.time < end]
+        own = [command for command in commands if desire.time < command.time < end]
         for size in [*range(_EVERY, len(states), _EVERY), len(states)]:
             seen = states[:size]
             since = [command for command in own if seen and command.time <= seen[-1].time]
@@ -112,7 +112,7 @@ def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
 
 
 def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
-    stats = [one for _, one in run.messages(program.publishes[0], ControllerEvaluationStat)]
+    stats = [stat for _, stat in run.messages(program.publishes[0], ControllerEvaluationStat)]
     if not stats:
         yield _no_message(program, *program.publishes)
         return
@@ -129,7 +129,7 @@ def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
     errors = list(_errors(run, program.publishes[0]))
     right = [any(abs(stat.last_error - math.hypot(*e)) <= _NEAR for e in near)
              for stat, near in errors]  # fmt: skip
-    wrong = [one for one, is_right in zip(errors, right, strict=True) if not is_right]
+    wrong = [error for error, is_right in zip(errors, right, strict=True) if not is_right]
     cause = husky.error_cause(wrong[-1][0].last_error, Step(*wrong[-1][1][-1])) if wrong else ""
     yield CheckResult(
         "last_error",
@@ -147,17 +147,18 @@ def _errors(
     """Yield each sample, with the errors of the odometry and desired velocities just before it."""
     topics = (run.name("odometry"), run.name("desired_velocity"), topic)
     every = sorted(
-        (one for name in topics for one in run.topics.get(name, ())), key=lambda one: one.arrival
+        (recorded for name in topics for recorded in run.topics.get(name, ())),
+        key=lambda recorded: recorded.arrival,
     )
     velocities, desired = list[Twist](), list[Twist]()
-    for one in every:
-        if isinstance(one.message, Odometry):
-            velocities = [*velocities, one.message.twist.twist][-_RECENT:]
-        elif isinstance(one.message, Twist):
-            desired = [*desired, one.message][-2:]
-        elif isinstance(one.message, ControllerEvaluationStat) and velocities and desired:
+    for recorded in every:
+        if isinstance(recorded.message, Odometry):
+            velocities = [*velocities, recorded.message.twist.twist][-_RECENT:]
+        elif isinstance(recorded.message, Twist):
+            desired = [*desired, recorded.message][-2:]
+        elif isinstance(recorded.message, ControllerEvaluationStat) and velocities and desired:
             yield (
-                one.message,
+                recorded.message,
                 [
                     (want.linear.x - has.linear.x, want.angular.z - has.angular.z)
                     for want in desired
@@ -167,7 +168,7 @@ def _errors(
 
 
 def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
-    """The row of the average: the root of the mean square, or the mean, grows by the last error."""
+    """Return the row for the average, which must include each last error (as RMS or mean)."""
     pairs = [(a, b) for a, b in pairwise(stats) if b.samples == a.samples + 1]
     right = sum(
         any(
@@ -191,13 +192,17 @@ def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
 
 
 def _path(run: RecordedRun, program: LabProgram) -> Rows:
-    paths = [one for _, one in run.messages(PATH, Path) if len(one.poses) >= path.LEAST_POSES]
+    paths = [
+        message for _, message in run.messages(PATH, Path) if len(message.poses) >= path.LEAST_POSES
+    ]
     commands, motion = run.commands(program), run.motion("ground_truth", "odometry")
     if not (paths and commands and motion):
         topics = {PATH: paths, program.publishes[0]: commands, run.name("ground_truth"): motion}
         yield _no_message(program, *(name for name, found in topics.items() if not found))
         return
-    drive = path.DrivenPath([(one.pose.position.x, one.pose.position.y) for one in paths[0].poses])
+    drive = path.DrivenPath(
+        [(pose.pose.position.x, pose.pose.position.y) for pose in paths[0].poses]
+    )
     for state in motion:
         if state.time >= commands[0].time and not drive.is_over(state.time):
             drive.add(state)
@@ -212,16 +217,18 @@ def _path(run: RecordedRun, program: LabProgram) -> Rows:
 
 def _mover(run: RecordedRun, program: LabProgram) -> Rows:
     found = run.topics.get(dolly.VELOCITY, [])
-    twists = [one.message for one in found if isinstance(one.message, Twist)]
+    twists = [recorded.message for recorded in found if isinstance(recorded.message, Twist)]
     if not twists:
         yield _no_message(program, dolly.VELOCITY)
         return
     # a program that ended before the recording did is not silent
-    times = [one.arrival for one in found]
+    times = [recorded.arrival for recorded in found]
     yield dolly.rate_row(times, run.end)
     yield dolly.velocity_row(twists[-1])
     first, last = found[0].time, found[-1].time
-    states = [one for one in run.motion("ground_truth", "odometry") if first <= one.time <= last]
+    states = [
+        state for state in run.motion("ground_truth", "odometry") if first <= state.time <= last
+    ]
     circle = _last_part(states, dolly.ROUND)
     if circle:
         yield dolly.circle_row(circle, (), twists[-1])
@@ -233,10 +240,10 @@ def _mover(run: RecordedRun, program: LabProgram) -> Rows:
 
 
 def _last_part(states: Sequence[TrueState], seconds: float) -> list[TrueState]:
-    """Return the states of the last seconds; none where there are not so many."""
+    """Return the states of the last seconds; none if the run is shorter."""
     if not states or states[-1].time - states[0].time < seconds:
         return []
-    return [one for one in states if one.time >= states[-1].time - seconds]
+    return [state for state in states if state.time >= states[-1].time - seconds]
 
 
 def _nothing(_: RecordedRun, program: LabProgram) -> Rows:

@@ -24,9 +24,9 @@ class Response:
 
 
 def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
-    """Return the response in samples of (time since the step [s], value), in order of time.
+    """Measure the response in samples of (time since the step [s], value), ordered by time.
 
-    There is at least one; ``target``, what was wanted, is not 0.
+    There is at least one sample, and ``target``, the desired value, is not 0.
     """
     end = samples[-1][0]
     reached = statistics.fmean(value for time, value in samples if time >= end - _LAST)
@@ -35,7 +35,7 @@ def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
 
 
 def is_within(value: float, target: float) -> bool:
-    """Return whether a value is within the band around the target."""
+    """Return True if a value is within the band around the target."""
     return abs(value - target) <= BAND * abs(target)
 
 
@@ -50,7 +50,7 @@ def _settled_after(samples: Sequence[tuple[float, float]], target: float) -> flo
 
 
 def fit_radius(points: Sequence[Point]) -> float | None:
-    """Return the radius of the circle through points [m]; None for less than an arc.
+    """Return the radius of the circle through points [m]; None if they form no arc.
 
     Source: I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. Instrum. Meas.
     25 (1976): the circle is linear in its centre and in r^2 - |centre|^2, so that least squares is
@@ -75,7 +75,7 @@ def fit_radius(points: Sequence[Point]) -> float | None:
 
 
 def explained(depths: Sequence[int], colors: Sequence[Sequence[float]]) -> float:
-    """Return the part of the variance of the colours that the depths explain, from 0 to 1.
+    """Return the fraction of the colours' variance that the depths explain, from 0 to 1.
 
     The correlation ratio (eta squared; K. Pearson, 1905). Any colour map is as good as another:
     pixels of the same depth must look the same. A picture of something else, one upside down or one

@@ -1,4 +1,4 @@
-"""The record of one program's run: what it sent, how the robot moved, and what the program said.
+"""The record of one program's run: its messages, its output, and the motion of the robot.
 
 Plain values. The test bench fills them; diagnoses, reports and plots read nothing else.
 """
@@ -22,7 +22,7 @@ _LONGEST_LINE = 200
 
 @dataclass(frozen=True, slots=True)
 class CommandMessage:
-    """A message of the program on a topic that it is to publish, with its simulated time [s]."""
+    """A message of the program on a topic that it must publish, with its simulated time [s]."""
 
     time: float
     topic: str
@@ -45,7 +45,7 @@ class TrueState:
 
     @classmethod
     def by(cls, odometry: Odometry) -> "TrueState":
-        """Return the state that odometry gives."""
+        """Return the state in an odometry message."""
         place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
         time, twist = seconds(odometry.header.stamp), odometry.twist.twist
         heading = 2 * math.atan2(turn.z, turn.w)
@@ -54,7 +54,7 @@ class TrueState:
 
 @dataclass(frozen=True, slots=True)
 class Desire:
-    """A velocity that is desired from a simulated time on: [s], [m/s], [rad/s]."""
+    """A desired velocity and the simulated time of its start: [s], [m/s], [rad/s]."""
 
     time: float
     forward: float
@@ -63,7 +63,7 @@ class Desire:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """A contact of the robot: simulated time [s], what it touches, and where [m]."""
+    """A contact of the robot: simulated time [s], the touched body, and the place [m]."""
 
     time: float
     body: str
@@ -71,7 +71,7 @@ class Touch:
     y: float
 
     def __str__(self) -> str:
-        """Return the body and the place."""
+        """Format the body and the place."""
         return f"{self.body}, at ({round(self.x, 1) + 0.0:.1f}, {round(self.y, 1) + 0.0:.1f}) m"
 
 
@@ -79,7 +79,7 @@ class Touch:
 class Failure:
     """An exception of the program: its name, message, "file.py:35", and how often; 0 for unknown.
 
-    ``callback`` is what it was raised in: "/odometry", "timer 0.1 s"; "" where not known.
+    ``callback`` is the callback that raised it: "/odometry", "timer 0.1 s"; "" if unknown.
     """
 
     exception: str
@@ -89,7 +89,7 @@ class Failure:
     callback: str = ""
 
     def __str__(self) -> str:
-        """Return it in one line."""
+        """Format it as one line."""
         text = f"{self.exception}: {self.message}" if self.message else self.exception
         return f"{text} ({self.place})" if self.place else text
 
@@ -109,7 +109,7 @@ class Wire:
 
 @dataclass(frozen=True, slots=True)
 class BusLook:
-    """The program as a look at the bus shows it."""
+    """The program as seen on the bus."""
 
     nodes: Sequence[str] = ()  # the names of its nodes
     publications: Sequence[Wire] = ()  # the topics on which it publishes
@@ -121,32 +121,32 @@ class BusLook:
 
 @dataclass(frozen=True, slots=True)
 class Observations:
-    """Everything that was observed of one program's run."""
+    """All observations of one program's run."""
 
     program: LabProgram  # which program of the lab it is
-    commands: Sequence[CommandMessage] = ()  # messages on the topics that it is to publish
+    commands: Sequence[CommandMessage] = ()  # messages on the topics that it must publish
     desired: Sequence[Desire] = ()  # the velocities that were desired of it
     motion: Sequence[TrueState] = ()  # the robot's true motion
     touches: Sequence[Touch] = ()  # the robot's contacts
     warnings: Sequence[str] = ()  # what the simulator warned of
-    printed: str = ""  # what it printed, the end of it where it is long
+    printed: str = ""  # its output, or the end of it if it is long
     # Its exit code if it ended by itself, negative for a signal; None while it runs.
     code: int | None = None
-    look: BusLook | None = None  # what the bus shows of it; None before that was looked at
-    # The path that the robot is to follow [m]; empty where there is none.
+    look: BusLook | None = None  # its state on the bus; None before it was observed
+    # The path that the robot must follow [m]; empty if there is none.
     path: Sequence[tuple[float, float]] = ()
 
 
 def seconds(stamp: Time) -> float:
-    """Return a stamp's time [s]."""
+    """Convert a stamp to seconds."""
     return float(stamp.sec + stamp.nsec / 1e9)
 
 
 def last_failure(printed: str) -> Failure | None:
-    """Return the last exception of which a traceback was printed, but for that of Ctrl-C."""
+    """Return the last exception with a printed traceback, except for that of Ctrl-C."""
     tracebacks = printed.split(_TRACEBACK)[1:] or [f"\n{printed}"] * ("SyntaxError: " in printed)
     found = (failure for text in reversed(tracebacks) if (failure := _failure_in(text)))
-    return next((one for one in found if one.exception != "KeyboardInterrupt"), None)
+    return next((failure for failure in found if failure.exception != "KeyboardInterrupt"), None)
 
 
 def _failure_in(traceback: str) -> Failure | None:

@@ -1,4 +1,4 @@
-"""The Pioneer lab's path: how far a robot strays from it, and whether it drives all of it."""
+"""The check of the Pioneer lab's path: the robot's distance from it, and the part driven."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -34,7 +34,7 @@ Point = tuple[float, float]
 
 @dataclass
 class DrivenPath:
-    """A robot's way along a path."""
+    """The drive of a robot along a path."""
 
     points: Sequence[Point]  # (x, y) of the path, LEAST_POSES or more [m]
     # The distance along the path that the robot has come [m]; it never goes back.
@@ -51,7 +51,7 @@ class DrivenPath:
         self._progress = 0.0
 
     def add(self, sample: TrueState) -> None:
-        """Take the robot's next state."""
+        """Add the robot's next state."""
         if not self.offsets:
             self.last_progress = sample.time
         places = [
@@ -66,7 +66,7 @@ class DrivenPath:
             self._progress, self.last_progress = self.along, sample.time
 
     def is_over(self, now: float) -> bool:
-        """Return True at the path's end, far away from the path, or without progress."""
+        """Return True at the end of the path, far away from it, or without progress."""
         if not self.offsets:
             return False
         is_lost = abs(self.offsets[-1][1]) > _LOST or now - self.last_progress > _PATIENCE
@@ -75,7 +75,7 @@ class DrivenPath:
     @property
     def farthest(self) -> tuple[TrueState, float]:
         """The state that is farthest from the path, and its offset [m]."""
-        return max(self.offsets, key=lambda one: abs(one[1]))
+        return max(self.offsets, key=lambda offset: abs(offset[1]))
 
     @property
     def mean(self) -> float:
@@ -103,7 +103,7 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
         hint = "does the simulator still run?"
         yield CheckResult("finds a path", _PATH, measured, is_ok=False, hint=hint)
         return
-    bench.path = [(one.pose.position.x, one.pose.position.y) for one in paths[0].poses]
+    bench.path = [(pose.pose.position.x, pose.pose.position.y) for pose in paths[0].poses]
     program = bench.start(command)
     first = bench.first_command("does it publish on /RosAria/cmd_vel?")
     yield first
@@ -128,7 +128,7 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
 
 
 def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
-    """Return the rows of a drive from here."""
+    """Drive from here, and return the rows."""
     program, seen = bench.program, bench.recorder
     first, touch = len(seen.motion), len(seen.touches)
     assert program is not None
@@ -177,7 +177,7 @@ def judge(
 def drive_cause(
     drive: DrivenPath, touches: Sequence[Touch], commands: Sequence[CommandMessage] = ()
 ) -> Cause:
-    """Return why a robot does not follow the path, by where it went."""
+    """Return the cause of leaving the path, from the robot's motion."""
     last, offset = drive.offsets[-1]
     wrong_angle = steering_cause(drive.points, [state for state, _ in drive.offsets], commands)
     if touches:
@@ -202,13 +202,15 @@ def drive_cause(
 
 
 def _velocity_cause(drive: DrivenPath, commands: Sequence[CommandMessage]) -> Cause | None:
-    """Return the fault that the robot's velocities show."""
+    """Return the cause that the robot's velocities show."""
     first, (_, offset) = drive.offsets[0][0], drive.offsets[-1]
     if max(math.dist((s.x, s.y), (first.x, first.y)) for s, _ in drive.offsets) < _AHEAD / 10:
         return Cause("no-motion", "the robot does not move: linear.x is its speed [m/s]")
     if min(s.forward for s, _ in drive.offsets) < -_AT_REST:
         return Cause("speed-sign", "it drives backward: forward is linear.x above 0")
-    wanted = max((abs(v[1]) for one in commands if (v := velocity_of(one.message))), default=0.0)
+    wanted = max(
+        (abs(v[1]) for command in commands if (v := velocity_of(command.message))), default=0.0
+    )
     if wanted > _HURRY:
         return _too_fast(wanted)
     if wrapped := _turn_around([sample for sample, _ in drive.offsets]):
@@ -229,7 +231,7 @@ def _too_fast(turn_rate: float) -> Cause:
 
 
 def _turn_around(samples: Sequence[TrueState]) -> TrueState | None:
-    """Return where a robot that drove well till then turned all the way round; None if nowhere."""
+    """Return the place where a robot turned a full circle after driving well, or None."""
     turned, first = 0.0, samples[0]
     for before, now in pairwise(samples):
         if abs(now.turn_rate) < _BEND or now.turn_rate * before.turn_rate < 0:

@@ -1,7 +1,4 @@
-"""A run of a lab that was recorded: the robot's motion and the programs' messages in a log.
-
-It judges nothing.
-"""
+"""A recorded run of a lab: the robot's motion and the programs' messages in a log."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -31,7 +28,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 @dataclass(frozen=True, slots=True)
 class RecordedMessage:
-    """A message in a log: simulated time, the time of its recording [s], and what it is."""
+    """A message in a log, with its simulated time and the time of its recording [s]."""
 
     time: float
     arrival: float
@@ -52,19 +49,21 @@ class RecordedRun:
 
     def messages(self, topic: str, cls: type[MessageT]) -> Iterator[tuple[float, MessageT]]:
         """Yield the messages of a type on a topic, with their simulated times [s]."""
-        for one in self.topics.get(topic, ()):
-            if isinstance(one.message, cls):
-                yield one.time, one.message
+        for recorded in self.topics.get(topic, ()):
+            if isinstance(recorded.message, cls):
+                yield recorded.time, recorded.message
 
     def motion(self, *topics: str) -> list[TrueState]:
-        """Return the robot's motion by the first of its topics that is in the log."""
+        """Return the robot's motion from the first of these topics that is in the log."""
         for topic in topics:
-            if found := [TrueState.by(one) for _, one in self.messages(self.name(topic), Odometry)]:
+            if found := [
+                TrueState.by(odometry) for _, odometry in self.messages(self.name(topic), Odometry)
+            ]:
                 return found
         return []
 
     def desired(self) -> list[Desire]:
-        """Return the velocities that were desired, each once as long as it stays."""
+        """Return the desired velocities, without repetitions."""
         found: list[Desire] = []
         for time, twist in self.messages(self.name("desired_velocity"), Twist):
             forward, turn_rate = twist.linear.x, twist.angular.z
@@ -73,16 +72,16 @@ class RecordedRun:
         return found
 
     def commands(self, program: LabProgram) -> list[CommandMessage]:
-        """Return the messages on the topics that a program is to publish."""
+        """Return the messages on the topics that a program must publish."""
         found = [
-            CommandMessage(one.time, topic, one.message)
+            CommandMessage(recorded.time, topic, recorded.message)
             for topic in program.publishes
-            for one in self.topics.get(topic, ())
+            for recorded in self.topics.get(topic, ())
         ]
         return sorted(found, key=lambda command: command.time)
 
     def observations(self, program: LabProgram) -> Observations:
-        """Return what the log has of a program's run."""
+        """Return the observations of a program's run in the log."""
         logs = self.messages(LOG_TOPIC, LogMessage)
         return Observations(
             program,
@@ -90,14 +89,14 @@ class RecordedRun:
             self.desired(),
             self.motion("ground_truth", "odometry"),
             warnings=[
-                one.msg
-                for _, one in logs
-                if one.level >= LogMessage.WARN and one.name == self.lab.simulator
+                log.msg
+                for _, log in logs
+                if log.level >= LogMessage.WARN and log.name == self.lab.simulator
             ],
         )
 
     def pace(self) -> float:
-        """Return simulated seconds per second of the recording; 1 where that is not known."""
+        """Return simulated seconds per recorded second; 1 if unknown."""
         found = self.topics.get(self.name("odometry")) or self.topics.get(CLOCK_TOPIC) or []
         if len(found) < 2 or found[-1].arrival <= found[0].arrival:  # noqa: PLR2004 - no span
             return 1.0
@@ -106,7 +105,7 @@ class RecordedRun:
 
 
 def read_run(lab: Lab, log: Log) -> RecordedRun:
-    """Return a lab's run in a log; LcmtoolsError if none of the lab's topics is in it."""
+    """Read a lab's run from a log; LcmtoolsError if it has none of the lab's topics."""
     run = RecordedRun(lab, end=log.end / 1e9)
     known = [topic for topic in _topics(run) if topic in log.topics]
     if not {*known} - {CLOCK_TOPIC, LOG_TOPIC}:
@@ -127,7 +126,7 @@ def _topics(run: RecordedRun) -> Sequence[str]:
 
 
 def _simulated(message: Message, now: float) -> float:
-    """Return the simulated time that a message tells; it never goes back."""
+    """Return the simulated time given by a message, which never goes back."""
     if isinstance(message, Clock):
         return max(now, seconds(message.clock))
     return max(now, seconds(message.header.stamp)) if isinstance(message, Odometry) else now

@@ -1,6 +1,6 @@
 """The recorder of a check: a program's commands, the robot's motion, the simulator's warnings.
 
-It only listens, and judges nothing.
+It only listens, without any judgement.
 """
 
 from typing import TypeVar
@@ -21,7 +21,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 
 
 class Recorder:
-    """Records what happens on a check's bus, as long as its node, the observer, spins."""
+    """Records the events on a check's bus while its node, the observer, spins."""
 
     def __init__(self, node: Node, lab: Lab, program: LabProgram, rate: float) -> None:
         self.rate = rate  # simulated seconds per second, now
@@ -34,46 +34,46 @@ class Recorder:
         self.warnings: list[str] = []  # of the simulator
         self._node, self._program, self._simulator = node, program, lab.simulator
         robot = lab.robot.rstrip("/")
-        node.create_subscription(Clock, CLOCK_TOPIC, self._take_clock, DEPTH)
-        node.create_subscription(Odometry, f"{robot}/ground_truth", self._take_motion, DEPTH)
-        node.create_subscription(ContactsState, f"{robot}/{BUMPER}", self._take_contacts, DEPTH)
-        node.create_subscription(Log, "/rosout", self._take_log, DEPTH)
+        node.create_subscription(Clock, CLOCK_TOPIC, self._update_time, DEPTH)
+        node.create_subscription(Odometry, f"{robot}/ground_truth", self._record_motion, DEPTH)
+        node.create_subscription(ContactsState, f"{robot}/{BUMPER}", self._record_contacts, DEPTH)
+        node.create_subscription(Log, "/rosout", self._record_warning, DEPTH)
 
     def forget(self) -> None:
-        """Forget what the robot and the program have done."""
-        for one in (self.commands, self.desired, self.motion, self.touches, self.warnings):
-            one.clear()
+        """Discard everything recorded so far."""
+        for values in (self.commands, self.desired, self.motion, self.touches, self.warnings):
+            values.clear()
 
     def record(self, message_type: type[MessageT], topic: str) -> list[MessageT]:
-        """Return a list to which each message of a topic is appended."""
+        """Return a list that grows with each message on a topic."""
         messages: list[MessageT] = []
         self._node.create_subscription(message_type, topic, messages.append, DEPTH)
         return messages
 
     def record_command(self, *message_types: type[Message]) -> None:
-        """Record the messages on the topics that the program is to publish."""
+        """Record the messages on the topics that the program must publish."""
         for topic in self._program.publishes:
 
-            def take(message: Message, topic: str = topic) -> None:
+            def append(message: Message, topic: str = topic) -> None:
                 self.commands.append(CommandMessage(self.time, topic, message))
 
-            self._node.create_subscription(message_types, topic, take, DEPTH)
+            self._node.create_subscription(message_types, topic, append, DEPTH)
 
-    def _take_clock(self, clock: Clock) -> None:
+    def _update_time(self, clock: Clock) -> None:
         now = seconds(clock.clock)
         self.duration += max(0.0, now - self.time) / self.rate
         self.time = now
 
-    def _take_motion(self, odometry: Odometry) -> None:
+    def _record_motion(self, odometry: Odometry) -> None:
         self.motion.append(TrueState.by(odometry))
 
-    def _take_contacts(self, contacts: ContactsState) -> None:
+    def _record_contacts(self, contacts: ContactsState) -> None:
         place = self.motion[-1] if self.motion else TrueState(0.0, 0.0, 0.0, 0.0, 0.0)
         self.touches += [
             Touch(seconds(contacts.header.stamp), state.collision2_name, place.x, place.y)
             for state in contacts.states
         ]
 
-    def _take_log(self, log: Log) -> None:
+    def _record_warning(self, log: Log) -> None:
         if log.level >= Log.WARN and log.name == self._simulator:
             self.warnings.append(log.msg)

@@ -15,7 +15,7 @@ _BELOW = " " * 10
 def heading(
     program: str, command: Sequence[str], *, is_answer: bool = False, is_log: bool = False
 ) -> list[str]:
-    """Return the lines above a program's rows: whose program or log it is, and the columns."""
+    """Return the lines above a program's rows: the command or log, and the columns."""
     whose = "a recorded run" if is_log else "your program"
     whose = "the model answer of lcmtools" if is_answer else whose
     title = _LINE.format("", f"{program}:", "wanted", "measured")
@@ -23,7 +23,7 @@ def heading(
 
 
 def result_lines(result: CheckResult) -> list[str]:
-    """Return a row, and below one that is not ok its cause and what else is known."""
+    """Format a row, followed by its cause and further facts if it failed."""
     verdict = ("note" if result.findings else "ok") if result.is_ok else "NOT OK"
     rows = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
     if result.hint:
@@ -35,7 +35,7 @@ def result_lines(result: CheckResult) -> list[str]:
 
 
 def summary(reports: Sequence[Report]) -> list[str]:
-    """Return the number of rows that are ok, and the first cause of those that are not."""
+    """Summarize: the number of passed rows, and the cause of the first failure."""
     total = sum(len(report.results) for report in reports)
     rows = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
     first = next((report for report in reports if report.first_cause), None)
@@ -66,7 +66,7 @@ def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
 
 
 def read_record(plain: Mapping[str, Any]) -> list[Report]:
-    """Return the reports of a record; what was observed is not in it."""
+    """Return the reports in a record, which has no observations."""
 
     def result(row: Mapping[str, Any]) -> CheckResult:
         renamed = {**row, "is_ok": row["ok"], "findings": tuple(row["findings"])}
@@ -85,10 +85,10 @@ def read_record(plain: Mapping[str, Any]) -> list[Report]:
 
 
 def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
-    """Return JUnit's XML: a suite for each program of a submission, a case for each row.
+    """Format reports as JUnit's XML: a suite for each program, a case for each row.
 
-    Rows that follow from another one are skipped cases. Source of the format: the schema that
-    Jenkins and GitLab read.
+    Rows that follow from another row are skipped cases. Source of the format: the schema of Jenkins
+    and GitLab.
     """
     root = ET.Element("testsuites", name=f"lab {lab}")
     for name, reports in submissions.items():
@@ -120,7 +120,7 @@ def _add_case(suite: ET.Element, group: str, result: CheckResult) -> None:
 
 
 def _legal(text: str) -> str:
-    """Return a text without the characters that XML cannot contain."""
+    """Replace the characters that XML cannot contain."""
     return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
 
 
@@ -129,7 +129,7 @@ def _cause(report: Report) -> str:
 
 
 def table(submissions: Mapping[str, Sequence[Report]]) -> Iterator[str]:
-    """Return a line for each submission: rows that are ok of each program, and the first cause."""
+    """Return a line for each submission: the passed rows of each program, and the first cause."""
     programs = (r.program for reports in submissions.values() for r in reports if r.program)
     options = list(dict.fromkeys(programs))
     width = max(len("submission"), *map(len, submissions))

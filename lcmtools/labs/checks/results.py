@@ -8,7 +8,7 @@ from lcmtools.labs.checks.observations import Observations
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """The cause of a fault: rows of the same key have the same cause. The text names the remedy."""
+    """The cause of a failure, with its remedy. Rows with the same key have the same cause."""
 
     key: str
     text: str
@@ -44,15 +44,15 @@ class Report:
 
     @property
     def passed(self) -> int:
-        """The number of rows that are as specified."""
+        """The number of passed rows."""
         return sum(result.is_ok for result in self.results)
 
     @property
     def first_cause(self) -> str:
-        """The cause of the first row that is not ok; "" for none."""
+        """The cause of the first failed row; "" if all passed."""
         return next((r.hint or r.measured for r in self.results if not r.is_ok), "")
 
 
 def as_specified(reports: Sequence[Report]) -> bool:
-    """Return True if all rows are ok, and there are any."""
+    """Return True if there are rows and all passed."""
     return bool(reports) and all(r.results and r.passed == len(r.results) for r in reports)

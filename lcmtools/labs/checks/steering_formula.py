@@ -1,8 +1,8 @@
-"""The formula that a path follower turns by, told by its poses and commands: pure mathematics.
+"""The steering formula of a path follower, inferred from its poses and commands. Pure mathematics.
 
-The turn rates of a program are compared with the angle to the next point of the path, as the right
-formula and usual mistakes in it give that. A mistake is named only where it explains the commands
-well, and neither the right formula nor another mistake does.
+The turn rates of a program are compared with the angles to the next point of the path, as the right
+formula and common mistakes give them. A mistake is named only if it explains the commands well, and
+neither the right formula nor another mistake does.
 """
 
 import math
@@ -65,7 +65,7 @@ _EXCHANGED = "points whose x and y are exchanged: a point is at (position.x, pos
 def steering_cause(
     points: Sequence[Point], states: Sequence[TrueState], commands: Sequence[CommandMessage]
 ) -> Cause | None:
-    """Return the mistake in the angle that the robot is turned by; None if it is not clear."""
+    """Return the mistake in the steering angle; None if it is unclear."""
     moments = list(_moments(states, commands))
     if len(moments) < _LEAST:
         return None
@@ -91,10 +91,10 @@ def steering_cause(
 def _moments(
     states: Sequence[TrueState], commands: Sequence[CommandMessage]
 ) -> Iterator[tuple[TrueState, float]]:
-    """Yield some commands' turn rates [rad/s], each with the state that it was given in."""
+    """Yield turn rates of some commands [rad/s], each with the robot's state at that time."""
     times = [state.time for state in states]
     # a log may go on when the robot has long left the path
-    during = [one for one in commands if times and times[0] <= one.time <= times[-1]]
+    during = [command for command in commands if times and times[0] <= command.time <= times[-1]]
     for command in during[:: max(1, len(during) // _ENOUGH)]:
         state = states[bisect_right(times, command.time) - 1]
         velocity = velocity_of(command.message)
@@ -105,7 +105,7 @@ def _moments(
 def _ways(
     points: Sequence[Point], states: Iterable[TrueState], reach: float
 ) -> Iterator[tuple[float, float, float]]:
-    """Yield (dx, dy) to the first point that is not passed yet [m], and the heading [rad]."""
+    """Yield (dx, dy) to the first point ahead [m], and the heading [rad]."""
     number = 0
     for state in states:
         while number < len(points) - 1 and math.dist(points[number], (state.x, state.y)) < reach:
@@ -117,10 +117,10 @@ def _ways(
 def _agreement(
     formula: Formula, ways: Sequence[Sequence[tuple[float, float, float]]], turns: Sequence[float]
 ) -> float:
-    """Return how well turns go with a formula's angles, -1 to 1, by the reach that suits it.
+    """Return the agreement of turns with a formula's angles, -1 to 1, at the best reach.
 
-    A program may or may not keep the angle between -pi and pi. One that always turns the same way
-    tells nothing: hence the correlation beside the cosine of both.
+    A program may or may not wrap the angle to -pi and pi. Turning the same way all the time proves
+    nothing, so the correlation counts as well as the cosine.
     """
     best = -1.0
     for way in ways:

@@ -1,4 +1,4 @@
-"""Step responses of the Husky's speed: what a step asks for, and why it was not followed. Pure."""
+"""Step responses of the Husky's speed: requirements and causes of failure. Pure."""
 
 import math
 from collections.abc import Sequence
@@ -28,14 +28,14 @@ _MEASURED = (
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A desired velocity, from rest: forward speed [m/s] and turn rate [rad/s]; both 0 to stop."""
+    """A step from rest to a desired velocity: forward [m/s], turn rate [rad/s]; both 0 to stop."""
 
     forward: float
     turn_rate: float
 
     @property
     def target(self) -> float:
-        """The one of both that is not 0."""
+        """The component that is not 0."""
         return self.forward or self.turn_rate
 
     @property
@@ -65,7 +65,7 @@ REST = Step(0.0, 0.0)
 class StepRun:
     """The observations after a step of the desired velocity.
 
-    ``pace`` is that of the simulation: simulated seconds per second.
+    ``pace`` is the simulated seconds per second.
     """
 
     step: Step
@@ -80,20 +80,20 @@ class StepRun:
         return self.motion[-1].time - self.motion[0].time if self.motion else 0.0
 
     def values(self) -> list[tuple[float, float]]:
-        """Return the time since the step [s], and the velocity of the step's kind."""
+        """Return pairs of the time since the step [s] and the velocity component of the step."""
         start, turns = self.motion[0].time, self.step.turn_rate
         return [(s.time - start, s.turn_rate if turns else s.forward) for s in self.motion]
 
     def last_parts(self) -> list[float]:
-        """Return the velocities of the last second, as parts of a target that is not 0."""
+        """Return the velocities of the last second divided by the target, which is not 0."""
         return [v / self.step.target for time, v in self.values() if time > self.duration - _LAST]
 
     def response(self) -> Response:
-        """Return the measures of the response to a target that is not 0."""
+        """Measure the response to a target that is not 0."""
         return analyse(self.values(), self.step.target)
 
     def is_over(self) -> bool:
-        """Return True if nothing new can be seen."""
+        """Return True if further samples would change nothing."""
         if not self.motion:
             return False
         if not self.step.target:
@@ -114,17 +114,17 @@ class StepRun:
             return False
         if abs(speeds[-1]) > _SLOW:
             return True
-        efforts = [tuple(_efforts(one)) for one in self.commands if one.time > start]
+        efforts = [tuple(_efforts(command)) for command in self.commands if command.time > start]
         return all(effort == efforts[0] for effort in efforts)
 
 
 def is_at_rest(motion: Sequence[TrueState]) -> bool:
-    """Return True if the newest sample is of a robot that does not move."""
+    """Return True if the robot stands still in the newest sample."""
     return bool(motion) and max(abs(motion[-1].forward), abs(motion[-1].turn_rate)) < _SLOW
 
 
 def judge(run: StepRun) -> CheckResult:
-    """Return the row of a step."""
+    """Return the row for a step."""
     step = run.step
     if not run.motion:
         hint = "does the simulator still run?"
@@ -145,7 +145,9 @@ def _judge_stop(run: StepRun) -> CheckResult:
     measured = f"at rest after {run.duration:.1f} s" if is_ok else "still moves"
     cause = command_cause(run)
     start, now = abs(run.motion[0].forward), abs(run.motion[-1].forward)
-    before = next(abs(one.forward) for one in run.motion if one.time > run.motion[-1].time - _LAST)
+    before = next(
+        abs(state.forward) for state in run.motion if state.time > run.motion[-1].time - _LAST
+    )
     if cause is None and (now < start / 2 or before - now > BAND / 5 * start):
         cause = Cause(
             "slow", f"too slow, and still changing after {LONGEST:.0f} s: use a greater gain"
@@ -155,7 +157,7 @@ def _judge_stop(run: StepRun) -> CheckResult:
 
 
 def command_cause(run: StepRun) -> Cause | None:
-    """Return the fault of the commands themselves; None if they are as they should."""
+    """Return the fault in the commands; None if they are right."""
     if not run.commands:
         text = f"no command came in {run.duration:.1f} s: publish one for each odometry message"
         return Cause("stopped", text)
@@ -164,7 +166,7 @@ def command_cause(run: StepRun) -> Cause | None:
         text = f"commands come too seldom, {rate:.2g} a second: publish one for each odometry"
         times = len(run.motion) / run.duration * run.pace
         return Cause("seldom", f"{text} message, which come {times:.0f} times")
-    fastest = max((one.forward for one in run.motion), key=abs)
+    fastest = max((state.forward for state in run.motion), key=abs)
     if run.step.turn_rate and abs(fastest) > _RUN_AWAY:
         text = f"wrong sign of speed (it drives at {fastest:+.2f} m/s, and should not)"
         return Cause("speed-sign", text)
@@ -174,7 +176,7 @@ def command_cause(run: StepRun) -> Cause | None:
 
 
 def _effort_cause(states: Sequence[JointState]) -> Cause | None:
-    """Return what is missing in the commands of the wheels."""
+    """Return the fault in the efforts of the wheels."""
     if states and not any(state.effort for state in states):
         field = "velocity" if any(state.velocity for state in states) else "position"
         text = f"its commands are in {field}, and the wheels are driven by effort, from -1 to 1"
@@ -188,7 +190,7 @@ def _effort_cause(states: Sequence[JointState]) -> Cause | None:
 
 
 def _motion_cause(run: StepRun, response: Response) -> Cause:
-    """Return the fault that the motion shows, while commands come as they should."""
+    """Return the fault that the motion shows although commands arrive."""
     if wrong_way := _sign_cause(run, response):
         return wrong_way
     step, part = run.step, response.reached / run.step.target
@@ -206,7 +208,7 @@ def _motion_cause(run: StepRun, response: Response) -> Cause:
 
 
 def _sign_cause(run: StepRun, response: Response) -> Cause | None:
-    """Return why a robot drives or turns the wrong way."""
+    """Return the cause of driving or turning in the wrong direction."""
     step, part = run.step, response.reached / run.step.target
     spin = run.motion[-1].turn_rate
     is_spinning = bool(step.forward) and abs(spin) > _SPIN
@@ -224,9 +226,9 @@ def _sign_cause(run: StepRun, response: Response) -> Cause | None:
 
 
 def _offset_cause(run: StepRun, *, is_slow: bool) -> Cause:
-    """Return why the robot keeps a wrong speed in the right direction."""
+    """Return the cause of a steady wrong speed in the right direction."""
     key, way, verdict = ("slow", "grow", "low") if is_slow else ("fast", "shrink", "high")
-    efforts = [tuple(round(e, 6) for e in _efforts(one)) for one in run.commands]
+    efforts = [tuple(round(e, 6) for e in _efforts(command)) for command in run.commands]
     parts = run.last_parts()
     change = parts[-1] - parts[0]
     if len(set(efforts)) <= 2:  # noqa: PLR2004 - that before the step, and that since
@@ -242,7 +244,7 @@ def _offset_cause(run: StepRun, *, is_slow: bool) -> Cause:
 
 def _unmoved_cause(run: StepRun) -> Cause:
     field = "linear.x" if run.step.forward else "angular.z"
-    strongest = max((abs(e) for one in run.commands for e in _efforts(one)), default=0.0)
+    strongest = max((abs(e) for command in run.commands for e in _efforts(command)), default=0.0)
     if strongest < _SMALLEST:
         text = f"it does not move: its commands are all 0: is {field} of desired_velocity used?"
         return Cause("zero", text)
@@ -253,7 +255,7 @@ def _unmoved_cause(run: StepRun) -> Cause:
 
 
 def _efforts(command: CommandMessage) -> Sequence[float]:
-    """Return what a command makes of the two sides, in its own unit."""
+    """Return the efforts or speeds of the two sides, in the command's unit."""
     message = command.message
     if isinstance(message, JointState):
         return [*message.effort, *message.velocity]

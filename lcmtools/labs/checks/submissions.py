@@ -1,4 +1,4 @@
-"""A class's submissions: the programs in a folder, and the copy that each is run in."""
+"""The submissions of a class: programs in a folder, which run in copies."""
 
 import re
 import shlex
@@ -15,7 +15,7 @@ _MOST_BYTES = 1 << 20  # of a source that is searched for names of topics
 
 
 def submissions_in(folder: Path) -> list[Path]:
-    """Return the submissions in a folder: each file or folder in it is one.
+    """Return the submissions in a folder: its files and folders.
 
     Raises:
         UsageError: There is none.
@@ -28,7 +28,7 @@ def submissions_in(folder: Path) -> list[Path]:
 
 
 def copy_submission(submission: Path, folder: Path) -> None:
-    """Copy a submission, a file or what is in a folder, into a folder of its own."""
+    """Copy a submission (a file, or the content of a folder) into its own folder."""
     if submission.is_dir():
         shutil.copytree(submission, folder, symlinks=True, dirs_exist_ok=True)
     else:
@@ -36,11 +36,10 @@ def copy_submission(submission: Path, folder: Path) -> None:
 
 
 def programs_of(lab: Lab, folder: Path, commands: Mapping[str, str]) -> dict[str, str]:
-    """Return the command lines of a submission's programs by option, to be run in its folder.
+    """Return the command lines of a submission's programs by option, to run in its folder.
 
-    With command lines given, those, with the only file, or else the folder, in place of {program}.
-    Otherwise programs are found by name (simple_controller.py) or, where no name fits, by the
-    lab's topics in a source.
+    In given command lines, {program} becomes the only file, else the folder. Otherwise programs are
+    found by name (simple_controller.py) or, if no name fits, by the lab's topics in a source.
     """
     files = list(_files(folder))
     if commands:
@@ -68,7 +67,7 @@ def _command(path: Path, folder: Path) -> str:
 
 
 def _best(lab: Lab, program: LabProgram, files: list[Path]) -> Path | None:
-    """Return the program's file: by its name, else by the topics in its source."""
+    """Find the program's file: by its name, else by the topics in its source."""
     if named := [path for path in files if _named(lab, path) is program]:
         return min(named, key=lambda path: program.node not in path.stem.lower())
     unnamed = [path for path in files if _named(lab, path) is None]
@@ -84,7 +83,7 @@ def _named(lab: Lab, path: Path) -> LabProgram | None:
 
 
 def _likeliest(lab: Lab, path: Path) -> LabProgram | None:
-    """Return the program whose topics and types a source names most; None if it names none."""
+    """Return the program whose topics and types occur most in a source; None if none occur."""
     with path.open("rb") as stream:
         text = stream.read(_MOST_BYTES).decode(errors="replace")
 

@@ -1,4 +1,4 @@
-"""The check of a program that drives by keys: the command that each key brings."""
+"""The check of a program that drives by keys: the command for each key."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -6,8 +6,8 @@ from dataclasses import replace
 from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
 from lcmtools.labs.checks.driving_keys import (
-    DIRECTIONS,
-    SPEED_CHANGES,
+    DRIVING_KEYS,
+    SPEED_KEYS,
     KeyPress,
     Velocity,
     change_result,
@@ -45,13 +45,13 @@ class _Keyboard:
         return message if isinstance(message, Twist) else None
 
     def press(self, key: str) -> None:
-        """Press a key; what came before counts no longer."""
+        """Press a key and ignore earlier commands."""
         self._bench.wait(lambda: False, _TYPING)
         self._first = len(self._bench.recorder.commands)
         self.program.press(key)
 
     def is_answered(self, key: str) -> bool:
-        """Return True if pressing a key, again and again, brings a command that moves the robot."""
+        """Press a key repeatedly; return True when a command moves the robot."""
         for _ in range(round(_FIRST / _AGAIN)):
             self.program.press(key)
             if self._bench.wait(self._moves, _AGAIN) or self.program.code is not None:
@@ -59,14 +59,14 @@ class _Keyboard:
         return self._moves()
 
     def receives(self, wanted: Velocity) -> bool:
-        """Return True if the wanted command comes in time, or another one and not this."""
+        """Return True if the wanted command comes in time; False for none or another one."""
         if not self._bench.wait(self.last, self._patience):
             self._patience = _STALE  # for the other keys: there may be many that it does not know
             return False
         return self._bench.wait(lambda: is_alike(velocity_of(self.last()), wanted), _STALE)
 
     def settled(self, key: str) -> Velocity:
-        """Press a key of a direction; return its command, once no older command is under way."""
+        """Press a driving key; return its command when no older one can arrive."""
         for _ in range(_PRESSES):
             self.press(key)
         self._bench.wait(self.last, _NEXT)
@@ -95,16 +95,16 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     speed, turn = abs(keyboard.settled("i")[0]) or 0.5, abs(keyboard.settled("j")[1]) or 1.0
     motion = Motion(speed, turn)
     drives = {}
-    for key in DIRECTIONS:  # all are pressed before one is judged: the others show the cause
+    for key in DRIVING_KEYS:  # all are pressed before one is judged: the others show the cause
         motion = motion.after(key)
         drives[key] = _pressed(keyboard, key, motion)
     yield speeds_result(drives)
-    for key, meaning in DIRECTIONS.items():
+    for key, meaning in DRIVING_KEYS.items():
         yield key_result(drives[key], f"{key}  {meaning}", drives)
     if program.code is not None:
         yield program.early_end("answers to all keys")
         return
-    for key, meaning in SPEED_CHANGES.items():
+    for key, meaning in SPEED_KEYS.items():
         press, motion = _changed(bench, keyboard, key, motion)
         yield change_result(press, f"u  after {key}, {meaning}", drives)
         speed, turn = map(abs, velocity_of(press.twist) or (0.0, 0.0))
@@ -116,7 +116,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
 def _changed(
     bench: TestBench, keyboard: _Keyboard, key: str, motion: Motion
 ) -> tuple[KeyPress, Motion]:
-    """Press the key of a speed, and u; return that and the motion wanted."""
+    """Press a speed key and u; return the press of u and the expected motion."""
     before, wanted = motion.after("u"), motion.after(key).after("u")
     for _ in range(_PRESSES):
         keyboard.press(key)

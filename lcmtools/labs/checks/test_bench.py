@@ -1,7 +1,7 @@
-"""The test bench of a lab's check: a bus of its own, a simulator, and an observer that records.
+"""The test bench of a lab's check: its own bus, a simulator, and an observer that records.
 
-Nothing of it is left when it is over, however it ends: processes are in groups that their guard
-knows, and files in a folder that goes away.
+However it ends, nothing is left: a guard ends its process groups, and its files are in a temporary
+folder.
 """
 
 import contextlib
@@ -44,14 +44,14 @@ _EARLY = 3.0  # [s] after which a program that is silent is looked at
 
 
 class TimeLimitReached(Exception):  # noqa: N818 - no error: a result
-    """The time limit of a check is over."""
+    """The time limit of a check has passed."""
 
 
 class TestBench:
-    """A simulator with a lab's world, on a bus of its own.
+    """A simulator with a lab's world, on its own bus.
 
-    It runs at ``rate`` simulated seconds per second, or at what suits the program that is checked,
-    and may take ``time_limit`` [s] of real time in all.
+    It runs at ``rate`` simulated seconds per second (None: as suits the program), for at most
+    ``time_limit`` [s] of real time.
     """
 
     node: Node  # the observer, which also commands the robot
@@ -74,7 +74,7 @@ class TestBench:
         self._first_rate = rate or program.rate
         self._has_fixed_rate = rate is not None
         self._deadline = time.monotonic() + time_limit
-        self._look: BusLook | None = None
+        self._bus_look: BusLook | None = None
         self._url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
         self._owned = contextlib.ExitStack()
         self._programs = 0
@@ -84,7 +84,7 @@ class TestBench:
 
         Raises:
             MissingExtra: The simulator is not installed.
-            LcmtoolsError: It does not start, with its last line.
+            LcmtoolsError: It does not start; the error has its last line.
         """
         try:
             self._set_up()
@@ -108,9 +108,9 @@ class TestBench:
         return self.recorder.rate
 
     def start(self, command: Sequence[str], *, has_keys: bool = False) -> CheckedProgram:
-        """Start the program under check on this bus; it ends with the bench at the latest.
+        """Start the program under check on this bus, after ending an earlier one.
 
-        One that has been started before is ended, and forgotten.
+        It ends with the bench at the latest.
 
         Raises:
             UsageError: It cannot be started.
@@ -121,17 +121,17 @@ class TestBench:
         return self.program
 
     def first_command(self, hint: str) -> CheckResult:
-        """Wait for the program's first command; return the row of it, with a hint if none comes."""
+        """Wait for the program's first command; return its row, with a hint if none comes."""
         row = CheckResult("commands the robot", "messages that come", "they come", is_ok=True)
         return self.first(lambda: self.recorder.commands, _FIRST_MESSAGE, replace(row, hint=hint))
 
     def first(
         self, has_come: Callable[[], object], patience: float, row: CheckResult
     ) -> CheckResult:
-        """Wait for what is to come of the program first; return its row, or that of its failure.
+        """Wait for the program's first result; return ``row``, or the row of a failure.
 
-        It has ``patience`` [s]; a cause that time does not mend is reported earlier. ``row`` has
-        the hint of the failure.
+        The wait takes ``patience`` [s] at most, and is shorter if a cause of failure is certain.
+        ``row`` has the hint for the failure.
         """
         program, start = self.program, time.monotonic()
         assert program is not None
@@ -147,16 +147,16 @@ class TestBench:
             if cause_of(failure(), self.observe()).key in LASTING:
                 patience = 0.0
             else:
-                self._look = None  # a later one shows more
+                self._bus_look = None  # a later one shows more
             self.wait(is_over, max(_SPIN_TIME, start + patience - time.monotonic()))
         return row if has_come() else failure()
 
     def observe(self) -> Observations:
-        """Return what has been observed so far; the bus is looked at once, if it runs."""
+        """Return the observations so far; the bus is observed once while the program runs."""
         program, recorder = self.program, self.recorder
         assert program is not None
-        if self._look is None and program.code is None:
-            self._look = look_at_bus(self._url, program.pid)
+        if self._bus_look is None and program.code is None:
+            self._bus_look = look_at_bus(self._url, program.pid)
             lcmtools.spin_once(self.node)  # what came meanwhile, with the time
         return Observations(
             self._lab_program,
@@ -167,14 +167,14 @@ class TestBench:
             recorder.warnings,
             program.printed(),
             None if program.was_interrupted else program.code,
-            self._look,
+            self._bus_look,
             self.path,
         )
 
     def wait(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Call callbacks until a condition is true; return False if it was not in time [s].
+        """Call callbacks until a condition is true; return False after the timeout [s].
 
-        Once the program under check has ended, little time is left.
+        The timeout is short once the program under check has ended.
 
         Raises:
             TimeLimitReached: The time limit of the check is over.
@@ -194,7 +194,7 @@ class TestBench:
         return True
 
     def stop_at_end(self) -> CheckResult:
-        """End the program, if it runs, by Ctrl-C; return the row of its last command, a Twist."""
+        """End the program by Ctrl-C if it runs; return the row for its last command, a Twist."""
         program, commands = self.program, self.recorder.commands
         assert program is not None
         ends = program.code is not None or program.ends_on_interrupt()
@@ -206,17 +206,17 @@ class TestBench:
         return CheckResult(STOPS, wanted, measured, stops, cause.text, cause.key)
 
     def reset_pose(self) -> None:
-        """Put the robot at the origin, at rest; LcmtoolsError if the simulator does not do it."""
+        """Move the robot to the origin, at rest; LcmtoolsError if the simulator refuses."""
         request = SetPose.Request()
         request.robot = self.lab.robot
         request.pose.orientation.w = 1.0
         self._check(self._set_pose.call(request, _ANSWER_TIMEOUT))
 
     def start_again(self) -> None:
-        """End the program, and let the simulation begin again.
+        """End the program and restart the simulation.
 
         Raises:
-            LcmtoolsError: The simulator does not do it.
+            LcmtoolsError: The simulator refuses.
         """
         self._running.close()
         before = self.time
@@ -224,21 +224,21 @@ class TestBench:
         self.wait(lambda: self.time < before, _ANSWER_TIMEOUT)
 
     def set_rate(self, rate: float) -> None:
-        """Let time pass at another rate; LcmtoolsError if the simulator does not do it."""
+        """Change the rate of simulated time; LcmtoolsError if the simulator refuses."""
         request = SetRate.Request()
         request.rate = rate
         self._check(self._set_rate.call(request, _ANSWER_TIMEOUT))
         self.recorder.rate = rate
 
     def has_slowed_down(self) -> bool:
-        """Go on in real time; return False if it was real time, or a rate that the user chose."""
+        """Switch to real time; return False if it is so already, or the user chose the rate."""
         if self._has_fixed_rate or self.rate <= 1.0:
             return False
         self.set_rate(1.0)
         return True
 
     def speed_up(self) -> None:
-        """Go on at the rate of the beginning."""
+        """Return to the initial rate."""
         self.set_rate(self._first_rate)
 
     def _check(self, response: SetPose.Response | SetRate.Response | Trigger.Response) -> None:
@@ -278,7 +278,7 @@ class TestBench:
             raise error(f"the simulator did not start: {reason}")
 
     def _world_file(self) -> str:
-        """Write the lab's world with a bumper around the robot, which tells what it touches."""
+        """Write the lab's world with a bumper around the robot that reports contacts."""
         words = ("lcmtools", "run", "lcmtools", "sim", "--print-world", self.lab.world)
         printer = self._owned.enter_context(self._start(words))
         if not printer.wait(_SLOWEST_PRINT) or printer.code:

@@ -1,4 +1,4 @@
-"""The check of a viewer: the picture that it saves of a depth camera."""
+"""The check of a viewer: its saved picture of a depth camera."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -24,7 +24,7 @@ _NO_CONTRAST = "near and far hardly differ: scale some 5000 mm to 255, not to 65
 
 
 def viewer_command(words: Sequence[str], picture: str) -> list[str]:
-    """Return a viewer's command line, with the file that it is to save."""
+    """Return a viewer's command line with the file to save."""
     if any(PICTURE in word for word in words):
         return [word.replace(PICTURE, picture) for word in words]
     return [*words, "--save", picture]
@@ -74,7 +74,7 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
 
 
 def _read(file: Path) -> Picture | None:
-    """Return the picture; None while it is not there, or not whole."""
+    """Read the picture; None while it is missing or incomplete."""
     try:
         return read_file(file.read_bytes())
     except (OSError, DecodeError):
@@ -82,7 +82,7 @@ def _read(file: Path) -> Picture | None:
 
 
 def _likeness(truth: Image, picture: Picture) -> float:
-    """Return the part of the colours that the true depths explain, at points of a grid."""
+    """Return the fraction of the colours that the true depths explain, at points of a grid."""
     return explained(_sampled(read_picture(truth)).values(), _colors(picture))
 
 
@@ -122,7 +122,7 @@ _TURNED: Mapping[str, Callable[[PIL.Image.Image], PIL.Image.Image]] = {
 
 
 def picture_cause(truth: Image, picture: Picture) -> str:
-    """Return the way in which a picture is turned; "" if it is in no such way."""
+    """Return the way in which a picture is turned; "" if it is not."""
     if picture.image.getextrema() in ((0, 0), ((0, 0),) * 3):
         return "the picture is all black: is it the data of a message, and in a visible range?"
     if picture.image.size == (truth.height, truth.width) != (truth.width, truth.height):

@@ -1,6 +1,5 @@
 """``lcmtools lab check``."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -54,7 +53,7 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @option("--jobs", type=whole_number(1), help="Programs of a class to check at a time.", metavar="N")
 @option("--rate", type=rate, help="Multiple of real time (else 4, and 1 to confirm failures).")
 @option("--time-limit", type=duration, help="Limit of real time for each program.")
-@option("--plot", type=_FILE, help="Write a PNG of velocities and the path.")
+@option("--plot", type=_FILE, help="Draw velocities and the path: .png, .svg, .pdf.")
 @option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
 def command(
@@ -86,7 +85,6 @@ def command(
     lab needs them; checks that are not possible are listed.
     """
     with needing_extra("sim", "lab check needs"):
-        from lcmtools.labs.checks.class_check import ClassCheck
         from lcmtools.labs.commands import checking
 
     lab = find_lab(name)
@@ -96,14 +94,14 @@ def command(
         raise UsageError("--jobs is for --programs FOLDER", "leave it out")
     if log and (chosen or folder or rate or time_limit or plot):
         raise UsageError("--bag runs no program", "leave out the programs and how they are run")
+    picture = checking.picture_file(plot)
     if log:
         outcome = checking.check_recorded(lab, log, show)
     elif folder:
-        arguments = checking.class_arguments(rate, time_limit)
-        checker = ClassCheck(lab, chosen, arguments, plot, jobs or os.cpu_count() or 1)
+        checker = checking.class_checker(lab, chosen, rate, time_limit, picture, jobs)
         outcome = checking.check_class(lab, checker, folder, show)
     else:
-        outcome = checking.check_one(lab, chosen, rate, time_limit, plot, show)
+        outcome = checking.check_one(lab, chosen, rate, time_limit, picture, show)
     if junit:
         checking.write_junit(junit, lab, outcome)
     document(outcome.record) if as_json else lines(outcome.summary)

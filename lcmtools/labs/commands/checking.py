@@ -1,5 +1,6 @@
-"""Checks of one person's programs, or of a class: their rows shown as they come."""
+"""Checks of a user's programs, of a recorded run or of a class, with their rows printed at once."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -8,20 +9,40 @@ from typing import NamedTuple
 from lcmtools.bag.log import Log
 from lcmtools.cli.output import talk
 from lcmtools.cli.status_line import StatusLine
+from lcmtools.errors import MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
+from lcmtools.labs.checks.plot import draw_check
 from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
 from lcmtools.labs.checks.results import CheckResult, Report
+from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
 Show = Callable[[Sequence[str]], object]
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
 
 
+def picture_file(plot: Path | None) -> Path | None:
+    """Return the file of a picture; None where it needs an extra that is missing, and say so.
+
+    Raises:
+        UsageError: The file's suffix is not one of a picture.
+    """
+    if plot is None:
+        return None
+    check_suffix(plot)
+    try:
+        empty_figure(1, 1)
+    except MissingExtra as error:
+        talk(f"lcmtools lab check: {error}; checking without a picture")
+        return None
+    return plot
+
+
 class Outcome(NamedTuple):
-    """The outcome of a check: reports by submission, all of it for JSON, the last lines."""
+    """The outcome of a check: reports by submission, the record for JSON, the last lines."""
 
     submissions: Mapping[str, list[Report]]
     record: object
@@ -36,7 +57,7 @@ def check_one(
     plot: Path | None,
     show: Show,
 ) -> Outcome:
-    """Check the programs of one person, and show each row as it comes."""
+    """Check a user's programs, and show each row at once."""
     reports: list[Report] = []
     world: Mapping[str, object] = {}
     with StatusLine("lcmtools lab check") as waiting:
@@ -55,33 +76,39 @@ def check_one(
             waiting.clear()
             reports.append(report)
     if plot:
-        from lcmtools.labs.checks.plot import plot as plotted
-
-        write_whole(plot, plotted(world, reports))
+        draw_check(world, reports, plot)
         talk(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
 
 def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
-    """Judge a recorded run, and show its rows; and what its log does not allow to judge."""
+    """Check a recorded run, and show its rows and the requirements that were not judged."""
     with Log(path) as log:
         reports, others = check_log(lab, log)
     for report in reports:
         rows = [row for result in report.results for row in result_lines(result)]
         show([*heading(report.program, report.command, is_log=True), *rows])
-    show(["", "not judged:", *(f"  {one}" for one in others), ""] if others else [])
+    show(["", "not judged:", *(f"  {requirement}" for requirement in others), ""] if others else [])
     extra = {"bag": path, "not_judged": list(map(asdict, others))}
     return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
 
 
-def class_arguments(rate: float | None, time_limit: float | None) -> list[str]:
-    """Return the arguments of the check of each program of a class."""
+def class_checker(
+    lab: Lab,
+    programs: Mapping[str, str],
+    rate: float | None,
+    time_limit: float | None,
+    plot: Path | None,
+    jobs: int | None,
+) -> ClassCheck:
+    """Return the check of a class: ``jobs`` programs at a time, or one for each processor."""
     arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
-    return [*arguments, "--rate", f"{rate:g}"] if rate else arguments
+    arguments += ["--rate", f"{rate:g}"] if rate else []
+    return ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
 
 
 def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
-    """Check each submission in a folder, and show the rows of each program once it is done."""
+    """Check each submission in a folder, and show the rows of each finished program."""
     with StatusLine("lcmtools lab check") as waiting:
 
         def show_report(name: str, report: Report) -> None:
@@ -94,7 +121,7 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()
-    records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
+    records = [{"submission": name, **record(lab.name, reports)} for name, reports in found.items()]
     return Outcome(found, records, ["", *table(found)])
 
 

@@ -6,21 +6,21 @@ from lcmtools.cli.completion.situation import Candidate, Situation
 
 
 def labs(_: Situation) -> Iterator[Candidate]:
-    """The labs by name."""
+    """Complete the names of the labs."""
     from lcmtools.labs.catalogue import LABS
 
     yield from (Candidate(lab.name, lab.title) for lab in LABS.values())
 
 
 def skeletons(_: Situation) -> Iterator[Candidate]:
-    """The nodes that are there to be filled in."""
+    """Complete the names of the skeletons."""
     from lcmtools.labs.skeletons import NAMES
 
     yield from map(Candidate, NAMES)
 
 
 def simulator_arguments(situation: Situation) -> Iterator[Candidate]:
-    """The simulator's own arguments; the lab decides on its world."""
+    """Complete the simulator's arguments, except for the world, which the lab defines."""
     from lcmtools.cli.completion.runnables import arguments
 
     before = ("--world", situation.last("name"), *situation.all("arguments"))

@@ -1,4 +1,4 @@
-"""The labs' nodes, one file each: the model answers, in the shortest form that is good.
+"""The labs' nodes, one file each: the model answers, as short as possible.
 
 They use the public node API only and know nothing of the command line ``lcmtools``, so that they
 can be copied and changed. A file's docstring is also what its ``--help`` prints.
@@ -22,13 +22,13 @@ Every node also takes:
 
 
 def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
-    """Check the command line of a node that has no arguments of its own, before there is a bus.
+    """Check the command line of a node without own arguments, before a bus is opened.
 
     Returns:
-        True if the node is to run; False if ``--help`` was given, and the help printed.
+        True if the node should run; False if ``--help`` was given and printed.
 
     Raises:
-        UsageError: An argument is wrong, or one that no node takes.
+        UsageError: An argument is wrong or unknown.
     """
     unknown = own_arguments(args, help_text)
     if unknown:
@@ -37,7 +37,7 @@ def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
 
 
 def own_arguments(args: Sequence[str] | None, help_text: str) -> list[str] | None:
-    """Return the arguments that are not for every node; None if ``--help`` was one, and answered.
+    """Return the node's own arguments; None if ``--help`` was given and printed.
 
     ``args`` is the command line without the program's name, else that of ``sys.argv``;
     ``help_text`` the node's own help: its purpose, its topics, an example.
@@ -55,7 +55,7 @@ def own_arguments(args: Sequence[str] | None, help_text: str) -> list[str] | Non
 def unknown_argument(
     args: Sequence[str] | None, word: str, flags: Sequence[str] = ()
 ) -> UsageError:
-    """Return the error of an argument that a node with these flags does not take."""
+    """Return the error for an argument that is unknown to a node with these flags."""
     words = sys.argv[1:] if args is None else args
     hint = misspelt(words, word) or did_you_mean(word, flags) or "--help shows what this node takes"
     return UsageError(f"unknown argument '{word}'", hint)

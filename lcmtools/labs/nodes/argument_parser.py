@@ -1,4 +1,4 @@
-"""The command lines of nodes that have arguments of their own, read before there is a bus."""
+"""The command lines of nodes with own arguments, parsed before a bus is opened."""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -22,9 +22,9 @@ class NodeParser(argparse.ArgumentParser):
 def read_command_line(
     args: Sequence[str] | None, help_text: str, parser: argparse.ArgumentParser
 ) -> argparse.Namespace | None:
-    """Return a node's own arguments; None if ``--help`` was given, and the help printed.
+    """Parse a node's own arguments; None if ``--help`` was given and printed.
 
-    The other arguments are those of ``check_command_line``.
+    ``args`` and ``help_text`` are as in ``own_arguments``.
 
     Raises:
         UsageError: An argument is wrong.
@@ -40,7 +40,7 @@ def read_command_line(
 
 
 def one_of(choices: Sequence[str]) -> Callable[[str], str]:
-    """Return a reader of one of some words."""
+    """Return a parser that accepts one of some words."""
 
     def read(text: str) -> str:
         if text not in choices:
@@ -51,7 +51,7 @@ def one_of(choices: Sequence[str]) -> Callable[[str], str]:
 
 
 def at_least(minimum: float, wanted: str) -> Callable[[str], float]:
-    """Return a reader of a number that is at least so large; ``wanted`` describes it."""
+    """Return a parser of a number from ``minimum`` on; ``wanted`` describes it in errors."""
 
     def read(text: str) -> float:
         try:

@@ -1,4 +1,4 @@
-"""Signals that let a node that shows or drives something end in its own time."""
+"""Signals that end a node in an orderly way, if it drives a robot or uses the terminal."""
 
 import contextlib
 import signal
@@ -12,10 +12,9 @@ _ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 @contextlib.contextmanager
 def ended_by_signals(node: Node) -> Iterator[None]:
-    """Let every signal that ends a program stop the node's context, and nothing else.
+    """Let signals that end a program only stop the node's context.
 
-    A second signal interrupts nothing: what a program does to end, as stopping its robot, is done
-    in full. It takes a moment only.
+    A second signal interrupts nothing, so that a robot is stopped in any case.
     """
 
     def end(_number: int, _frame: FrameType | None) -> None:

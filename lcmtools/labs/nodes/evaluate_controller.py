@@ -37,13 +37,13 @@ class EvaluateController(Node):
         self._desired: Twist | None = None
         self._stat = self.create_publisher(ControllerEvaluationStat, "evaluation_stat")
         # a deep queue: each message is one sample, also when the computer is busy for a second
-        self.create_subscription(Odometry, "odometry", self._take_odometry, 100)
-        self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
+        self.create_subscription(Odometry, "odometry", self._odometry_callback, 100)
+        self.create_subscription(Twist, "desired_velocity", self._desired_velocity_callback, 1)
 
-    def _take_desired_velocity(self, twist: Twist) -> None:
+    def _desired_velocity_callback(self, twist: Twist) -> None:
         self._desired = twist
 
-    def _take_odometry(self, odometry: Odometry) -> None:
+    def _odometry_callback(self, odometry: Odometry) -> None:
         if self._desired is None:
             return
         measured, desired = odometry.twist.twist, self._desired

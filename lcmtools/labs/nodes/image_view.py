@@ -1,11 +1,12 @@
-"""Show the pictures of any topic, live in the terminal.
+"""Show the pictures of any topic, live in the browser or in the terminal.
 
 Subscribes:
     image   sensor_msgs/Image             depth (16UC1, 32FC1), grey (mono8, mono16) or colour
                                           (rgb8, bgr8, rgba8, bgra8)
             sensor_msgs/CompressedImage   the same as a PNG file
 
-Of depth, near is light, far is dark, and black is no reading. q, Escape and Ctrl-C end.
+Of depth, near is light, far is dark, and black is no reading.
+Ctrl-C ends it, in the terminal also q.
 
 Example:
     lcmtools run image_view image:=/camera/depth/image_raw

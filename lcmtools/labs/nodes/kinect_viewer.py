@@ -1,10 +1,10 @@
-"""Show the Kinect's pictures, live in the terminal.
+"""Show the Kinect's pictures, live in the browser or in the terminal.
 
 Subscribes:
     /camera/depth/image_raw   sensor_msgs/Image             depth (16UC1, 32FC1), grey or colour
                               sensor_msgs/CompressedImage   the same as a PNG file
 
-Near is light, far is dark, and black is no reading. q, Escape and Ctrl-C end.
+Near is light, far is dark, and black is no reading. Ctrl-C ends it, in the terminal also q.
 
 Example:
     lcmtools run sim --world pioneer

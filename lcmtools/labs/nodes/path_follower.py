@@ -44,7 +44,7 @@ class Pursuit:
         self.nearest = 0  # the number of the nearest point, also of those added; it never goes back
 
     def advance(self, place: Point) -> None:
-        """Go on to the point that is nearest to the robot's place."""
+        """Advance to the point closest to the robot."""
         near, length = self.nearest, 0.0
         for number in range(self.nearest + 1, len(self._points)):
             length += math.dist(self._points[number - 1], self._points[number])
@@ -68,7 +68,7 @@ class Pursuit:
 
 
 def _piece(start: Point, end: Point) -> Iterator[Point]:
-    """Points from the start to before the end, each near the next, at most a thousand."""
+    """Interpolate from the start to before the end, with at most a thousand points."""
     count = math.ceil(max(1.0, min(1000.0, math.dist(start, end) / SPACING)))
     for number in range(count):
         part = number / count
@@ -82,20 +82,20 @@ class PathFollower(Node):
         super().__init__("path_follower")
         self._pursuit: Pursuit | None = None
         self._velocity = self.create_publisher(Twist, "/RosAria/cmd_vel")
-        self.create_subscription(Path, "/path", self._take_path, 1)
-        self.create_subscription(Odometry, "/ground_truth", self._take_odometry, 1)
+        self.create_subscription(Path, "/path", self._path_callback, 1)
+        self.create_subscription(Odometry, "/ground_truth", self._odometry_callback, 1)
 
     def stop(self) -> None:
         """Stop the robot: it would go on with its last command."""
         self._velocity.publish(Twist())
 
-    def _take_path(self, path: Path) -> None:
+    def _path_callback(self, path: Path) -> None:
         if path.poses and self._pursuit is None:  # it may be repeated for others
-            points = [(one.pose.position.x, one.pose.position.y) for one in path.poses]
+            points = [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses]
             self._pursuit = Pursuit(points)
             self.get_logger().info(f"following a path of {len(points)} points")
 
-    def _take_odometry(self, odometry: Odometry) -> None:
+    def _odometry_callback(self, odometry: Odometry) -> None:
         if self._pursuit is None or self._pursuit.is_over:
             return
         position, turn = odometry.pose.pose.position, odometry.pose.pose.orientation

@@ -18,33 +18,24 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools.labs.nodes import check_command_line
-from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
+from lcmtools.labs.nodes.driving.driver import TwistDriver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import MOTION_HELP, Motion
-from lcmtools.types.geometry_msgs import Twist
 
 SPEED_LIMIT = 1.2  # largest speed of a Pioneer 3-DX [m/s]
 TURN_LIMIT = 5.2  # largest turn rate of a Pioneer 3-DX [rad/s]
 
 
-class PioneerManualController(Driver):
-    """Publishes the velocity that the keys set; Driver calls send for each command."""
+class PioneerManualController(TwistDriver):
+    """Publishes the velocity that the keys set."""
 
     key_help = MOTION_HELP
 
     def __init__(self) -> None:
-        super().__init__("pioneer_manual_controller")
-        self._publisher = self.create_publisher(Twist, "/RosAria/cmd_vel")
+        super().__init__("pioneer_manual_controller", "/RosAria/cmd_vel")
         speed = self.declare_parameter("speed", 0.5, "at the start [m/s]", minimum=0.0)
         turn = self.declare_parameter("turn", 1.0, "at the start [rad/s]", minimum=0.0)
         limits = Motion(speed_limit=SPEED_LIMIT, turn_limit=TURN_LIMIT)
         self.motion = limits.with_speeds(speed.value, turn.value)
-
-    def send(self, forward: float, turn_rate: float) -> None:
-        """Publish one command; what is not set is 0."""
-        twist = Twist()
-        twist.linear.x = forward
-        twist.angular.z = turn_rate
-        self._publisher.publish(twist)
 
 
 def main(args: Sequence[str] | None = None) -> None:

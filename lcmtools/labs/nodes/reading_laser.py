@@ -70,7 +70,7 @@ def _metres(scan: LaserScan, beam: int) -> str:
 
 
 def _is_valid(scan: LaserScan, beam: int) -> bool:
-    """Return whether a range was measured: outside its limits it was not (REP-117)."""
+    """Return True if a range is within the limits, that is, measured (REP-117)."""
     return scan.range_min <= scan.ranges[beam] <= scan.range_max
 
 

@@ -49,15 +49,15 @@ class SimpleController(Node):
         self._time = 0
         self._effort = self.create_publisher(JointState, "controlled_velocity")
         # of both only the newest counts: an old one that waited would act too late
-        self.create_subscription(Odometry, "odometry", self._take_odometry, 1)
-        self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
+        self.create_subscription(Odometry, "odometry", self._odometry_callback, 1)
+        self.create_subscription(Twist, "desired_velocity", self._desired_velocity_callback, 1)
 
     def stop(self) -> None:
         """Stop the robot, if it has been driven: it would go on with the last effort."""
         if self._desired and self._measured:
             self._publish(0.0, 0.0)
 
-    def _take_odometry(self, odometry: Odometry) -> None:
+    def _odometry_callback(self, odometry: Odometry) -> None:
         twist, stamp = odometry.twist.twist, odometry.header.stamp
         measured = Velocity(twist.linear.x, twist.angular.z)
         if not measured.is_finite():
@@ -68,7 +68,7 @@ class SimpleController(Node):
         self._time = stamp.sec * 10**9 + stamp.nsec or self.get_clock().now()
         self._update()
 
-    def _take_desired_velocity(self, twist: Twist) -> None:
+    def _desired_velocity_callback(self, twist: Twist) -> None:
         desired = Velocity(twist.linear.x, twist.angular.z)
         if not desired.is_finite():
             self.get_logger().warning(f"desired_velocity ignored: {desired}", once=True)

@@ -17,30 +17,21 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools.labs.nodes.argument_parser import NodeParser, read_command_line
-from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
+from lcmtools.labs.nodes.driving.driver import TwistDriver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import SLIDERS_HELP, Sliders
-from lcmtools.types.geometry_msgs import Twist
 
 
-class Steering(Driver):
+class Steering(TwistDriver):
     """Publishes the velocity that two sliders set."""
 
     key_help = SLIDERS_HELP
 
     def __init__(self, topic: str = "cmd_vel") -> None:
-        super().__init__("steering")
-        self._publisher = self.create_publisher(Twist, topic)
+        super().__init__("steering", topic)
         self.motion = Sliders(
             most_forward=self._limit("max_linear", 1.0, "largest speed [m/s]"),
             most_turn_rate=self._limit("max_angular", 3.0, "largest turn rate [rad/s]"),
         )
-
-    def send(self, forward: float, turn_rate: float) -> None:
-        """Publish one command; what is not set is 0."""
-        twist = Twist()
-        twist.linear.x = forward
-        twist.angular.z = turn_rate
-        self._publisher.publish(twist)
 
     def _limit(self, name: str, default: float, about: str) -> float:
         return self.declare_parameter(name, default, about, minimum=0.01).value

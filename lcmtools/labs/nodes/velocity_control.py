@@ -1,6 +1,6 @@
 """The control law of simple_controller: from velocities to wheel efforts, as plain mathematics.
 
-It imports no node, message or clock: velocities and the time come in, efforts go out.
+It imports no node, message or clock: velocities and the time are inputs, efforts are outputs.
 """
 
 import math
@@ -27,7 +27,7 @@ class Velocity:
         return f"linear.x {self.forward} m/s, angular.z {self.turn_rate} rad/s"
 
     def is_finite(self) -> bool:
-        """Return whether both are numbers that one can calculate with."""
+        """Return True if both numbers are finite."""
         return math.isfinite(self.forward) and math.isfinite(self.turn_rate)
 
     def side_speeds(self) -> tuple[float, float]:
@@ -36,7 +36,7 @@ class Velocity:
         return self.forward - half_difference, self.forward + half_difference
 
     def within_reach(self) -> "Velocity":
-        """Return the same curve, slower where a side would have to be faster than it can."""
+        """Return the same curve at a speed that both sides can reach."""
         fastest_side = abs(self.forward) + abs(self.turn_rate) * TRACK / 2
         excess = max(1.0, fastest_side / MAX_SPEED)
         return Velocity(self.forward / excess, self.turn_rate / excess)

@@ -15,7 +15,7 @@ NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
 
 
 def skeleton_text(name: str) -> str:
-    """Return a node's skeleton; UsageError if there is none of that name."""
+    """Return a node's skeleton, or raise UsageError if there is none with this name."""
     if name not in NAMES:
         hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
         raise UsageError(f"there is no skeleton of '{name}'", hint)
@@ -23,7 +23,7 @@ def skeleton_text(name: str) -> str:
 
 
 def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
-    """Write a node's skeleton into a folder, which is made if it is missing; return the file.
+    """Write a node's skeleton into a folder, created if missing; return the file.
 
     Raises:
         UsageError: There is no skeleton of that name, or the file already exists.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path as FilePath
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError, UsageError, needing_extra
@@ -21,6 +21,10 @@ from lcmtools.observe.reading.arrivals import ArrivalStream, SelectedPacket, tak
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.selection import select_topics
+
+if TYPE_CHECKING:  # only pictures need matplotlib
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 PICTURES = (".png", ".svg", ".pdf")  # the endings of pictures
 _MOST_CURVES = 20  # from one path: more cannot be told apart
@@ -163,31 +167,65 @@ def _common_start(curves: Sequence[Curve]) -> float:
     return min((curve.times[0] for curve in curves if curve.times), default=0.0)
 
 
-def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
-    """Draw curves over seconds since their first value into a file: PNG, SVG or PDF, by its suffix.
+def check_suffix(path: FilePath) -> None:
+    """Check that a file's suffix is one of a picture.
 
     Raises:
-        MissingExtra: matplotlib is missing.
-        UsageError: The suffix is another one.
-        LcmtoolsError: The file cannot be written.
+        UsageError: It is another one.
     """
     if path.suffix not in PICTURES:
         raise UsageError(f"{path} is not a picture", f"use a suffix ({', '.join(PICTURES)})")
+
+
+def empty_figure(width: float, height: float) -> "Figure":
+    """Return a figure of this size [inches] to draw curves in.
+
+    Raises:
+        MissingExtra: matplotlib is missing.
+    """
     with needing_extra("plot", "pictures of curves need"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
-    figure = Figure(figsize=(10, 5), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    return figure
+
+
+def draw_curves(axes: "Axes", curves: Sequence[Curve]) -> None:
+    """Draw curves over seconds since their first value."""
     start = _common_start(curves)
     for curve in curves:
         axes.plot([time - start for time in curve.times], curve.values, label=curve.label)
     axes.set_xlabel("time [s]")
     axes.grid(visible=True, alpha=0.3)
     axes.legend(loc="best")
+
+
+def write_figure(figure: "Figure", path: FilePath) -> None:
+    """Write a figure into a file: PNG, SVG or PDF, by its suffix.
+
+    Raises:
+        UsageError: The suffix is another one.
+        LcmtoolsError: The file cannot be written.
+    """
+    check_suffix(path)
     picture = BytesIO()
     figure.savefig(picture, dpi=120, format=path.suffix[1:])
     write_whole(path, picture.getvalue())
+
+
+def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
+    """Draw curves into a picture.
+
+    Raises:
+        MissingExtra: matplotlib is missing.
+        UsageError: The file's suffix is not one of a picture.
+        LcmtoolsError: The file cannot be written.
+    """
+    check_suffix(path)
+    figure = empty_figure(10, 5)
+    draw_curves(figure.add_subplot(), curves)
+    write_figure(figure, path)
 
 
 def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool) -> str:

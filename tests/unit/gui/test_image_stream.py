@@ -51,6 +51,22 @@ def test_the_newest_image_comes_once() -> None:
     assert stream.update() is None
 
 
+def test_no_more_images_come_than_the_rate_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 100.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    source = FakeSource()
+    stream, other = _open(source, rate=2.0), _open(source)
+    source.put("/camera", _image("mono8", 2, 1, b"ab"))
+    assert stream.update()
+    assert other.update()
+    source.put("/camera", _image("mono8", 2, 1, b"cd"))
+    now = 100.4
+    assert stream.update() is None
+    assert other.update()
+    now = 100.5
+    assert stream.update()
+
+
 def test_depth_comes_with_its_unit_and_its_numbers() -> None:
     source = FakeSource()
     stream = _open(source)

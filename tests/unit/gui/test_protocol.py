@@ -13,6 +13,9 @@ from lcmtools.gui.protocol import (
     read_request,
     text_frame,
 )
+from lcmtools.gui.requests import ACTIONS, ASKS, answer
+from lcmtools.gui.streams import STREAMS, stream_class
+from lcmtools.gui.streams.base import PageStream
 
 
 @pytest.mark.parametrize(
@@ -70,3 +73,16 @@ def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
     assert (4 + length) % 8 == 0
     assert json.loads(frame[4 : 4 + length]) == {"id": 7, "name": name}
     assert frame[4 + length :] == b"\1\2\3"
+
+
+@pytest.mark.parametrize("table", [ASKS, ACTIONS])
+def test_each_request_has_its_function(table: dict[str, str]) -> None:
+    for name in table:
+        assert callable(answer(name, table))
+    with pytest.raises(MalformedRequest, match="there is no request 'x'"):
+        answer("x", table)
+
+
+@pytest.mark.parametrize("name", STREAMS)
+def test_each_stream_has_its_class(name: str) -> None:
+    assert issubclass(stream_class(name), PageStream)

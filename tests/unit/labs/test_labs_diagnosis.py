@@ -10,7 +10,7 @@ import pytest
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import dolly, husky
 from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of, misplaced
-from lcmtools.labs.checks.driving_keys import DIRECTIONS, KeyPress, key_cause
+from lcmtools.labs.checks.driving_keys import DRIVING_KEYS, KeyPress, key_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
     CommandMessage,
@@ -412,7 +412,7 @@ def test_the_formula_of_a_wrong_error_is_recognised(measured: float, words: str)
 
 def presses(change: Any) -> dict[str, KeyPress]:
     motion, found = Motion(0.5, 1.0), {}
-    for key in DIRECTIONS:
+    for key in DRIVING_KEYS:
         motion = motion.after(key)
         wanted = motion.forward, motion.turn_rate
         found[key] = KeyPress(key, wanted, change(key, *wanted))

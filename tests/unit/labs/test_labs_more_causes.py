@@ -13,7 +13,7 @@ import pytest
 from lcmtools.labs.checks import dolly, husky
 from lcmtools.labs.checks.diagnosis import explain_number
 from lcmtools.labs.checks.driving_keys import (
-    DIRECTIONS,
+    DRIVING_KEYS,
     KeyPress,
     change_result,
     key_cause,
@@ -68,7 +68,7 @@ def twist(forward: float, turn_rate: float) -> Twist:
 
 def presses(change: Callable[[str, float, float], Twist | None]) -> dict[str, KeyPress]:
     motion, found = Motion(0.5, 1.0), {}
-    for key in DIRECTIONS:
+    for key in DRIVING_KEYS:
         motion = motion.after(key)
         wanted = motion.forward, motion.turn_rate
         found[key] = KeyPress(key, wanted, change(key, *wanted))

@@ -11,10 +11,9 @@ from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.check import CHECKS, choose
 from lcmtools.labs.checks.dolly import ranges_in
-from lcmtools.labs.checks.driving_keys import DIRECTIONS, SPEED_CHANGES, is_alike
+from lcmtools.labs.checks.driving_keys import DRIVING_KEYS, SPEED_KEYS, is_alike
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
 from lcmtools.labs.checks.viewer import viewer_command
-from lcmtools.labs.nodes.driving import motion
 from lcmtools.packages.create import NewPackage, create
 
 
@@ -52,10 +51,14 @@ def test_points_on_no_circle_have_no_radius(points: list[tuple[float, float]]) -
     assert fit_radius(points) is None
 
 
-def test_each_key_of_the_lab_is_checked_and_known_to_the_model_answer() -> None:
-    arrows = {"up", "down", "left", "right"}
-    assert {*DIRECTIONS} == {*motion.DIRECTIONS} - arrows
-    assert {*SPEED_CHANGES} == {*motion.SPEED_CHANGES}
+def test_keys_have_the_meanings_of_the_model_answer_and_a_fixed_order() -> None:
+    assert [*DRIVING_KEYS] == [*"i,jluom.k"]
+    assert (DRIVING_KEYS["m"], DRIVING_KEYS["."]) == (
+        "backward, clockwise",
+        "backward, counter-clockwise",
+    )
+    assert [*SPEED_KEYS] == [*"qzwxec"]
+    assert (SPEED_KEYS["z"], SPEED_KEYS["e"]) == ("both 10 % less", "turning 10 % more")
 
 
 def test_a_rounded_command_is_like_and_a_wrong_one_is_not() -> None:

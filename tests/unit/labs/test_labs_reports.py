@@ -1,7 +1,7 @@
 """The reports of checks: text, JSON, JUnit, the table of a class, and the picture."""
 
-import io
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -12,8 +12,14 @@ import pytest
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks.class_check import ClassCheck
-from lcmtools.labs.checks.observations import Desire, Observations, Touch, TrueState
-from lcmtools.labs.checks.plot import plot, series
+from lcmtools.labs.checks.observations import (
+    CommandMessage,
+    Desire,
+    Observations,
+    Touch,
+    TrueState,
+)
+from lcmtools.labs.checks.plot import draw_check, velocity_curves
 from lcmtools.labs.checks.reporters import (
     heading,
     junit,
@@ -25,6 +31,9 @@ from lcmtools.labs.checks.reporters import (
 )
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
+from lcmtools.labs.commands.checking import picture_file
+from lcmtools.observe.measuring.curves import Curve
+from lcmtools.types.geometry_msgs import Twist
 
 OK = CheckResult("commands the robot", "messages that come", "they come", is_ok=True)
 WRONG = CheckResult(
@@ -140,14 +149,40 @@ def test_a_class_gets_a_table_with_each_submission_s_first_cause() -> None:
     ]
 
 
-def test_the_picture_shows_steps_of_what_was_desired_and_finite_measurements() -> None:
-    desired, measured = series(OBSERVED, 0)
-    assert desired == [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (3.9, 0.5)]
-    assert measured[0] == (0.0, 0.5)
-    picture = PIL.Image.open(io.BytesIO(plot(WORLD, [REPORT, REPORT])))
-    assert (picture.format, picture.size) == ("PNG", (1520, 840))
-    assert len(picture.getcolors(1 << 16) or ()) > 5
-    assert plot({}, [Report("controller", (), [], Observations(CONTROLLER))]).startswith(b"\x89PNG")
+def test_the_picture_shows_steps_of_what_was_desired_and_measurements() -> None:
+    desired, measured = velocity_curves(OBSERVED, 0)
+    assert desired == Curve("desired", [0.0, 1.0, 1.0, 3.9], [0.0, 0.0, 0.5, 0.5])
+    assert (measured.label, measured.times[0], measured.values[0]) == ("measured", 0.0, 0.5)
+    commands = [CommandMessage(2.0, "/cmd_vel", Twist())]
+    commanded, nothing = velocity_curves(Observations(CONTROLLER, commands), 1)
+    assert commanded == Curve("commanded", [2.0, 0.0], [0.0, 0.0])
+    assert nothing == Curve("measured")
+
+
+def test_a_picture_has_a_row_for_each_program_that_was_observed(tmp_path: Path) -> None:
+    one, two = tmp_path / "one.png", tmp_path / "two.svg"
+    draw_check(WORLD, [REPORT, REPORT, Report("evaluator", (), [])], one)
+    with PIL.Image.open(one) as picture:
+        assert (picture.format, picture.size) == ("PNG", (1560, 960))
+        colors = {color for _, color in picture.convert("RGB").getcolors(1 << 24) or ()}
+    assert {(191, 175, 150), (214, 39, 40), (44, 160, 44)} <= colors  # things, desired, the start
+    draw_check({}, [Report("controller", (), [], Observations(CONTROLLER))], two)
+    assert b"</svg>" in two.read_bytes()
+    draw_check(WORLD, [Report("", (), [])], one)  # nothing ran
+
+
+def test_a_check_goes_on_where_its_picture_cannot_be_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "a.png"
+    assert (picture_file(None), picture_file(file)) == (None, file)
+    with pytest.raises(UsageError, match=r"a is not a picture; use a suffix \(\.png"):
+        picture_file(tmp_path / "a")
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    assert picture_file(file) is None
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("lcmtools lab check: pictures of curves need the extra 'plot'")
+    assert line.endswith("checking without a picture")
 
 
 def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(

@@ -28,6 +28,8 @@ export default class ImagePanel {
     /** The limits of a fixed scale [m, or grey]; null if it adapts to each picture. */
     /** @type {{near: number, far: number} | null} */
     this.fixed = readScale(settings.near, settings.far);
+    /** The highest rate of pictures [Hz]; undefined for as many as can be shown. @type {number | undefined} */
+    this.rate = Number.isFinite(settings.rate) && settings.rate > 0 ? Number(settings.rate) : undefined;
     /** @type {Record<string, number[][]>} */
     this.maps = { warm: [[255, 255, 255], [0, 0, 0]] };
     /** @type {Picture | null} */
@@ -86,7 +88,7 @@ export default class ImagePanel {
   }
 
   settings() {
-    return { topic: this.topic, map: this.map, ...this.fixed };
+    return { topic: this.topic, map: this.map, rate: this.rate, ...this.fixed };
   }
 
   close() {
@@ -139,7 +141,7 @@ export default class ImagePanel {
     const step = Math.max(1, Math.floor(1 / this.viewport.view.scale));
     const room = this.viewport.room();
     this.pixels = width ? Math.ceil((width * height) / step ** 2) : room;
-    return { topic: this.topic, pixels: Math.max(1000, this.pixels) };
+    return { topic: this.topic, pixels: Math.max(1000, this.pixels), rate: this.rate };
   }
 
   askForPixels() {

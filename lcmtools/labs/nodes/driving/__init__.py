@@ -1,1 +1,1 @@
-"""Driving a robot by keys: their sources, their meaning, and a loop that stops the robot."""
+"""Driving a robot by keys: sources of keys, their meaning, and a loop that stops the robot."""

@@ -1,4 +1,4 @@
-"""A node that drives a robot by keys and stops it at the end; the loop that runs it.
+"""Nodes that drive a robot by keys and stop it at the end, and the loop that runs them.
 
 It commands at once for each key, ten times a second while the robot moves, and 0 at the end.
 """
@@ -15,6 +15,7 @@ from lcmtools.labs.nodes.driving.keyboard import Keyboard, open_keyboard
 from lcmtools.labs.nodes.driving.motion import Motion, Sliders
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.terminal import is_terminal, write_screen
+from lcmtools.types.geometry_msgs import Twist
 
 PERIOD = 0.1  # seconds between two commands while the robot moves
 STOPS = 3  # number of zero commands that stop a robot: any one of them may be lost
@@ -71,12 +72,27 @@ class Driver(Node, ABC):
         self._status = status
 
     def _repeat(self) -> None:
-        """Repeat a command that moves the robot; a stop a few times only."""
+        """Repeat a command that moves the robot, and a stop a few times."""
         if self.motion.forward or self.motion.turn_rate:
             self.send(self.motion.forward, self.motion.turn_rate)
         elif self._stops_to_send > 0:
             self._stops_to_send -= 1
             self.send(0.0, 0.0)
+
+
+class TwistDriver(Driver):
+    """A driver whose commands are Twists on a topic."""
+
+    def __init__(self, name: str, topic: str) -> None:
+        super().__init__(name)
+        self._publisher = self.create_publisher(Twist, topic)
+
+    def send(self, forward: float, turn_rate: float) -> None:
+        """Publish a command; the other velocities are 0."""
+        twist = Twist()
+        twist.linear.x = forward
+        twist.angular.z = turn_rate
+        self._publisher.publish(twist)
 
 
 def keys_help(help_text: str, keys: str) -> str:
@@ -86,7 +102,7 @@ def keys_help(help_text: str, keys: str) -> str:
 
 
 def drive(driver: Driver) -> None:
-    """Drive by keys until they end or the program does, and stop the robot.
+    """Drive by keys until the input or the program ends, and stop the robot.
 
     Ctrl-C, SIGTERM, a closed terminal, the end of the input and any error end it.
     """

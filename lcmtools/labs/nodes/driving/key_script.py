@@ -1,4 +1,4 @@
-"""Scripts of keys that a pipe or a file holds.
+"""Scripts of keys from a pipe or a file.
 
 ``i 2 j 1.5 k`` is key i, 2 seconds, key j, 1.5 seconds, key k. Spaces may be left out (``iik``),
 arrows are the words up, down, left and right, the space bar is space, and ``#`` begins a comment.
@@ -22,7 +22,7 @@ _LONGEST_WAIT = 1e6  # [s]
 
 
 class KeyScript:
-    """A script of keys that comes piece by piece, and is played in time."""
+    """A script of keys that arrives in pieces and is played in time."""
 
     def __init__(self) -> None:
         self._steps: deque[str | float] = deque()
@@ -31,7 +31,7 @@ class KeyScript:
         self._is_ended = False
 
     def feed(self, data: bytes, *, is_last: bool = False) -> None:
-        """Take the next piece."""
+        """Add the next piece of the script."""
         text = self._rest + data.decode("utf-8", "replace")
         unfinished = None if is_last else _UNFINISHED_WORD.search(text)
         self._rest = unfinished.group() if unfinished else ""

@@ -1,6 +1,6 @@
 """The sources of keys: a terminal, or a script on standard input.
 
-What they mean is not known here.
+Their meaning is defined in ``motion``.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from lcmtools.terminal import Terminal, TerminalKeys, is_readable, is_terminal, 
 
 @contextlib.contextmanager
 def open_keyboard(on_suspend: Callable[[], object]) -> "Iterator[Keyboard]":
-    """Yield the keyboard of standard input's terminal, or the script that is piped in."""
+    """Yield the keys of standard input: a terminal's, or those of a piped script."""
     if not is_terminal(sys.stdin):
         yield PipedKeys()
         return
@@ -24,7 +24,7 @@ def open_keyboard(on_suspend: Callable[[], object]) -> "Iterator[Keyboard]":
 
 
 class PipedKeys:
-    """Keys by a script, in its time."""
+    """The keys of a piped script, when they are due."""
 
     def __init__(self) -> None:
         self.is_over = False
@@ -32,7 +32,7 @@ class PipedKeys:
         self._has_ended = False
 
     def read(self, seconds: float) -> list[str]:
-        """Return the keys that have come; wait for the first one at most so long."""
+        """Return the keys that have come, after waiting ``seconds`` at most for the first."""
         if self._has_ended:
             time.sleep(0 if self._script.is_over(time.monotonic()) else seconds)
         elif is_readable(seconds):

@@ -1,4 +1,4 @@
-"""The velocities that keys set, as plain values: of teleoperation, and of two sliders."""
+"""The velocities that keys set, as plain values: for teleoperation and for two sliders."""
 
 from dataclasses import dataclass, replace
 
@@ -42,9 +42,9 @@ Ctrl-C         stop and end"""
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The present motion of a robot that is driven as by teleop_twist_keyboard.
+    """The current motion of a robot, driven like teleop_twist_keyboard does.
 
-    A key sets the direction of driving, or changes how fast. Capitals mean the same.
+    A key sets the direction, or changes a speed. Capitals mean the same.
     """
 
     speed: float = 0.5  # forward speed that is set [m/s]
@@ -95,10 +95,9 @@ def _with_limit(value: float, limit: float) -> str:
 
 
 class HeldKey:
-    """A key that is held down, as far as a terminal reports it.
+    """A key that is held down, inferred from its repetitions: terminals report no release.
 
-    No terminal reports a release. A held key comes again: the second time after a quarter to two
-    thirds of a second, as the system is configured, then many times a second.
+    A held key is repeated after a quarter to two thirds of a second, then many times a second.
     """
 
     FIRST_TIME, NEXT_TIME = 0.7, 0.2
@@ -109,13 +108,13 @@ class HeldKey:
         self._until = 0
 
     def press(self, key: str, now: int) -> None:
-        """Take a key that came at ``now`` [ns]."""
+        """Handle a key that came at ``now`` [ns]."""
         is_repeated = key == self._key and now < self._until
         self._until = now + round((self.NEXT_TIME if is_repeated else self.FIRST_TIME) * 1e9)
         self._key = key
 
     def is_over(self, now: int) -> bool:
-        """Return whether it must have been released before ``now`` [ns]."""
+        """Return True if it must have been released before ``now`` [ns]."""
         return now >= self._until
 
 

@@ -1,7 +1,8 @@
-"""Showing a camera's pictures: in a terminal, in a window, in files, by Pillow and textual-image.
+"""A camera's pictures, shown in the browser, in a terminal and in files.
 
 ``pixels`` reads a message, ``colors`` gives depth its colours and describes a picture, ``display``
-writes lines and files, ``screen`` and ``window`` show it, and ``viewer`` decides when.
+writes lines and files, ``screen`` draws on a terminal by the characters of ``blocks``, ``browser``
+serves a page, and ``viewer`` chooses among them.
 """
 
 from lcmtools.errors import needing_extra

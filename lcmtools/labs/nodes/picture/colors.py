@@ -22,7 +22,7 @@ class ColorOptions:
     """The colours of depth.
 
     Raises:
-        UsageError: The ends are exchanged.
+        UsageError: ``near`` is not below ``far``.
     """
 
     color_map: Sequence[Color]  # its colours from near to far
@@ -51,7 +51,7 @@ class ColoredPicture:
 
 
 def colored(picture: Picture, options: ColorOptions) -> ColoredPicture:
-    """Return the colours of a picture, in its own size."""
+    """Color a picture, at its own size."""
     if picture.kind is Kind.COLOR or picture.image.mode == "L":
         return ColoredPicture(picture.image.convert("RGB"))
     values = picture.values()
@@ -67,7 +67,7 @@ def colored(picture: Picture, options: ColorOptions) -> ColoredPicture:
 
 
 def mix(colors: Sequence[Color], position: float) -> Color:
-    """Return the colour at a position from 0 to 1 in a row of colours that are evenly apart."""
+    """Interpolate between evenly spaced colours at a position from 0 to 1."""
     place = position * (len(colors) - 1)
     index = min(int(place), len(colors) - 2)
     share = place - index
@@ -94,7 +94,7 @@ def facts(picture: Picture) -> dict[str, object]:
 
 
 def sentence(known: Mapping[str, object]) -> str:
-    """Return the facts in one line."""
+    """Format the facts as one line."""
     size = f"{known['width']} x {known['height']} {known['encoding']}"
     if "min" not in known:
         return size

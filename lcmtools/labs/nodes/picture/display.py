@@ -10,6 +10,7 @@ from pathlib import Path
 
 import PIL.Image
 
+from lcmtools import Node
 from lcmtools.folders import write_whole
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
@@ -20,26 +21,30 @@ _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several t
 
 
 class Display(ABC):
-    """Something that shows one picture after the other."""
+    """A display that shows one picture after another."""
 
-    is_over = False  # True once the person has closed it
+    is_over = False  # True once the user has closed it
+    needs_pictures = True  # False if it reads the topic itself
+    _text = ""  # the last text
 
-    def open(self, title: str) -> None:  # noqa: B027 - not every display needs it
-        """Get ready; the title is the topic."""
+    def open(self, node: Node, topic: str) -> None:  # noqa: B027 - not every display needs it
+        """Get ready for the pictures that a node receives on a topic."""
 
     @abstractmethod
     def show(self, picture: Picture) -> None:
         """Show a picture in place of the one before."""
 
-    @abstractmethod
     def show_text(self, text: str) -> None:
-        """Show a reason in place of a picture."""
+        """Write a text on standard error, unless it was the last one."""
+        if text != self._text:
+            print(text, file=sys.stderr, flush=True)  # noqa: T201 - a node's own output
+        self._text = text
 
     def attend(self) -> None:  # noqa: B027
         """Handle keys and a change of size; called many times a second."""
 
     def close(self) -> None:  # noqa: B027
-        """Leave everything as it was."""
+        """Restore the previous state."""
 
 
 class LineDisplay(Display):
@@ -55,7 +60,6 @@ class LineDisplay(Display):
         self._as_values = as_values
         self._as_json = as_json
         self._count = 0
-        self._text = ""
 
     def show(self, picture: Picture) -> None:
         """Write the file, and print size, encoding, nearest, farthest and middle."""
@@ -70,15 +74,9 @@ class LineDisplay(Display):
             known, line = {"file": path, **known}, f"saved {path}  {line}"
         print(json.dumps(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
 
-    def show_text(self, text: str) -> None:
-        """Print it on standard error, unless it was the last text."""
-        if text != self._text:
-            print(text, file=sys.stderr, flush=True)  # noqa: T201 - a node's own output
-        self._text = text
-
 
 def numbered(file: str, number: int) -> str:
-    """Return a file's name with a number in place of its %d."""
+    """Replace %d in a file's name by a number."""
     return _NUMBER.sub(lambda match: f"{number:{match[1]}d}", file)
 
 

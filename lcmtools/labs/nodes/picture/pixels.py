@@ -29,10 +29,10 @@ class Picture:
     kind: Kind
 
     def fitted(self, width: int, height: int) -> "Picture":
-        """Return the picture in its own proportions, as large as a room [pixels] allows.
+        """Scale the picture to fit into a size [pixels], with its aspect ratio.
 
-        The nearest pixel is taken: a mean of depths would show what is not there, between a thing
-        and the background.
+        Nearest pixels are used: averages of depths between an object and the background would show
+        something that does not exist.
         """
         scale = min(width / self.image.width, height / self.image.height)
         size = max(1, round(self.image.width * scale)), max(1, round(self.image.height * scale))

@@ -1,14 +1,17 @@
 """Pictures: read from messages and files, coloured, and shown in terminals and files."""
 
 import io
+import re
 import struct
+import sys
 import zlib
 from array import array
 
 import PIL.Image
 import pytest
 
-from lcmtools.errors import DecodeError, UsageError
+from lcmtools.errors import DecodeError, MissingExtra, UsageError
+from lcmtools.labs.nodes.picture.blocks import TerminalColors, blocks, terminal_colors
 from lcmtools.labs.nodes.picture.colors import (
     ColorOptions,
     colored,
@@ -18,7 +21,8 @@ from lcmtools.labs.nodes.picture.colors import (
 )
 from lcmtools.labs.nodes.picture.display import numbered, values_of
 from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
-from lcmtools.labs.nodes.picture.screen import ScreenDisplay, graphics_in
+from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+from lcmtools.labs.nodes.picture.viewer import choose_display, panel_settings, viewer_parser
 from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
@@ -167,34 +171,133 @@ def test_picture_keeps_its_proportions(room: tuple[int, int], size: tuple[int, i
 
 
 @pytest.mark.parametrize(
-    ("answer", "graphics"),
+    ("environment", "wants_color", "colors"),
     [
-        (b"\x1b_Gi=31;OK\x1b\\\x1b[6;20;10t\x1b[?62;4c", "kitty"),
-        (b"\x1b[?62;4;22c", "sixel"),
-        (b"\x1b[?64;14;22c", "blocks"),
-        (b"", "blocks"),
+        ({"COLORTERM": "truecolor"}, True, TerminalColors.FULL),
+        ({"COLORTERM": "24bit"}, True, TerminalColors.FULL),
+        ({"TERM": "xterm-256color"}, True, TerminalColors.INDEXED),
+        ({"COLORTERM": "truecolor"}, False, TerminalColors.NONE),
     ],
 )
-def test_graphics_are_what_the_terminal_answers(answer: bytes, graphics: str) -> None:
-    assert graphics_in(answer) == graphics
-
-
-@pytest.mark.filterwarnings("ignore:Image.Image.getdata is deprecated")  # textual-image's business
-@pytest.mark.parametrize("graphics", ["blocks", "sixel", "kitty"])
-def test_a_terminal_gets_the_chosen_graphics(
-    graphics: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_colors_are_those_of_the_terminal(
+    environment: dict[str, str],
+    wants_color: bool,  # noqa: FBT001
+    colors: TerminalColors,
 ) -> None:
-    written = io.StringIO()
-    monkeypatch.setattr("sys.__stdout__", written)  # where textual-image sends what is no text
+    assert terminal_colors(environment, wants_color=wants_color) is colors
+
+
+# two columns of three rows: red, white; red, white; (8, 8, 9), blue
+SIX_PIXELS = PIL.Image.frombytes(
+    "RGB", (2, 3), bytes([255, 0, 0, 255, 255, 255] * 2 + [8, 8, 9, 0, 0, 255])
+)
+
+
+@pytest.mark.parametrize(
+    ("colors", "lines"),
+    [
+        (
+            TerminalColors.FULL,
+            [
+                "\x1b[38;2;255;0;0;48;2;255;0;0m▀\x1b[38;2;255;255;255;48;2;255;255;255m▀\x1b[0m",
+                "\x1b[38;2;8;8;9;48;2;0;0;0m▀\x1b[38;2;0;0;255;48;2;0;0;0m▀\x1b[0m",
+            ],
+        ),
+        (
+            TerminalColors.INDEXED,
+            [
+                "\x1b[38;5;196;48;5;196m▀\x1b[38;5;231;48;5;231m▀\x1b[0m",
+                "\x1b[38;5;232;48;5;16m▀\x1b[38;5;21;48;5;16m▀\x1b[0m",
+            ],
+        ),
+        (TerminalColors.NONE, ["░█", "  "]),
+    ],
+)
+def test_a_character_has_the_colors_of_two_pixels(colors: TerminalColors, lines: list[str]) -> None:
+    assert blocks(SIX_PIXELS, colors) == lines
+
+
+def test_a_color_is_written_once_for_a_row_of_equal_pixels() -> None:
+    (line,) = blocks(PIL.Image.new("RGB", (50, 2)), TerminalColors.FULL)
+    assert line == f"\x1b[38;2;0;0;0;48;2;0;0;0m{'▀' * 50}\x1b[0m"
+
+
+@pytest.mark.parametrize("columns", [1, 20, 64, 80])
+def test_no_line_is_longer_than_the_terminal_is_wide(
+    columns: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setenv("FORCE_COLOR", "1")
-    display = ScreenDisplay(WARM, graphics, is_single=True)
-    display.open("/depth")
-    display.show(read_picture(depth(2, 2, 1000, 2000, 1500, 0)))
-    text = capsys.readouterr().out
-    assert "near 1 m" in text
-    assert "2 x 2 16UC1" in text
-    expected = {"blocks": "\u2580", "sixel": "\x1bP", "kitty": "\U0010eeee"}
-    assert expected[graphics] in text
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("LINES", "20")
+    display = ScreenDisplay(WARM, is_single=True)
+    display.show(read_picture(depth(2, 1, 1000, 2000)))
+    rows = capsys.readouterr().out.splitlines()
+    assert len(rows) <= 20
+    assert max(len(re.sub(r"\x1b\[[0-9;]*[mK]", "", row)) for row in rows) <= columns
+    # a clear at the end of a full line would take its last character
+    assert rows[0].endswith("\x1b[K") == (columns > 72)
+    assert any("near 1 m" in row for row in rows) == (columns > 1)
+    assert any("2 x 1 16UC1" in row for row in rows) == (columns > 1)
+
+
+@pytest.mark.parametrize(
+    ("words", "display", "environment"),
+    [
+        ("", "BrowserDisplay", {"DISPLAY": ":0"}),
+        ("", "BrowserDisplay", {"WAYLAND_DISPLAY": "wayland-0"}),
+        ("", "ScreenDisplay", {}),
+        ("--terminal", "ScreenDisplay", {"DISPLAY": ":0"}),
+        ("--once", "ScreenDisplay", {"DISPLAY": ":0"}),
+        ("--json", "LineDisplay", {"DISPLAY": ":0"}),
+        ("--save a.png", "LineDisplay", {"DISPLAY": ":0"}),
+        ("", "LineDisplay", {"DISPLAY": ":0", "TERM": "dumb"}),
+        ("--window", "BrowserDisplay", {}),
+        ("--window", "BrowserDisplay", {"TERM": "dumb"}),
+    ],
+)
+def test_pictures_are_shown_where_they_can_be_seen(
+    words: str, display: str, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name, value in (
+        {"DISPLAY": "", "WAYLAND_DISPLAY": "", "TERM": "xterm"} | environment
+    ).items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    assert type(choose_display(viewer_parser().parse_args(words.split()))).__name__ == display
+
+
+@pytest.mark.parametrize(
+    ("words", "settings"),
+    [
+        ("", {"map": "warm"}),
+        ("--colors grey --rate 5", {"map": "grey", "rate": 5.0}),
+        ("--near 1 --far 2", {"map": "warm", "near": 1.0, "far": 2.0}),
+        ("--far 2", {"map": "warm", "near": 0.0, "far": 2.0}),
+    ],
+)
+def test_the_panel_has_the_settings_of_the_command_line(
+    words: str, settings: dict[str, object]
+) -> None:
+    options = viewer_parser().parse_args(["--window", *words.split()])
+    assert panel_settings(options) == settings
+
+
+def test_without_the_extra_a_line_says_so_and_the_terminal_is_used(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, value in {"DISPLAY": ":0", "TERM": "xterm"}.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.delitem(sys.modules, "lcmtools.gui.server", raising=False)
+    monkeypatch.delitem(sys.modules, "lcmtools.labs.nodes.picture.browser", raising=False)
+    monkeypatch.setitem(sys.modules, "websockets.asyncio.server", None)
+    assert isinstance(choose_display(viewer_parser().parse_args([])), ScreenDisplay)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("pictures in the browser need the extra 'web' (")
+    assert line.endswith("'lcmtools-robotics[web]'; shown in the terminal")
+    with pytest.raises(MissingExtra):
+        choose_display(viewer_parser().parse_args(["--window"]))
 
 
 def test_picture_is_described_in_words() -> None:
