@@ -175,9 +175,8 @@ def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
     ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.out) == (128 + number, "")
     assert ending.seconds < 1.0
-    assert set(ending.error.splitlines()) <= {
-        "lcmtools pub: no node subscribes to /a yet; publishing anyway"
-    }
+    for line in ending.error.splitlines():
+        assert_says(line, "lcmtools pub: no node", "/a", "; publishing anyway")
 
 
 @pytest.mark.parametrize("number", SIGNALS)

@@ -106,7 +106,7 @@ def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any
     begin()
     client = Node("client").create_client(Trigger, "/nobody")
     watch = stopwatch()
-    with pytest.raises(ServiceError, match=r"/nobody did not answer within 0\.1 s") as caught:
+    with pytest.raises(ServiceError, match=r"/nobody .* 0\.1 s") as caught:
         client.call(Trigger.Request(), timeout=0.1)
     assert watch.seconds() < 0.5
     assert "lcmtools node list" in caught.value.hint

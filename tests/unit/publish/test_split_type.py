@@ -51,6 +51,6 @@ def test_another_type_than_the_services_is_refused() -> None:
 
 
 def test_a_type_that_is_not_known_here_is_named() -> None:
-    with pytest.raises(LcmtoolsError, match="/it: unknown service type 'theirs/Thing'") as caught:
+    with pytest.raises(LcmtoolsError, match=r"/it: .*'theirs/Thing'") as caught:
         split_type(_offered("theirs/Thing"), ["true"])
     assert caught.value.exit_code == 1
