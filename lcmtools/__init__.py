@@ -32,27 +32,6 @@ _HOMES = {
     **dict.fromkeys(("spin", "spin_once"), "lcmtools.node.spinning"),
 }
 
-_ROS_SPELLINGS = {
-    **dict.fromkeys(("init_node", "create_node"), "lcmtools.init(), then lcmtools.Node('name')"),
-    "Publisher": "node.create_publisher(Type, 'topic')",
-    "Subscriber": "node.create_subscription(Type, 'topic', callback)",
-    "Service": "node.create_service(Type, 'name', callback)",
-    "ServiceProxy": "node.create_client(Type, 'name')",
-    "Timer": "node.create_timer(seconds, callback)",
-    **dict.fromkeys(("Rate", "sleep"), "rate = node.create_rate(10), then rate.sleep()"),
-    "is_shutdown": "not lcmtools.ok()",
-    **dict.fromkeys(("signal_shutdown", "on_shutdown"), "lcmtools.shutdown() after spin"),
-    "get_param": "node.declare_parameter('name', default).value",
-    "set_param": "node.set_parameters([lcmtools.Parameter('name', value)])",
-    "wait_for_message": "next(lcmtools.observe.messages('/topic'))",
-    "wait_for_service": "client.call(request, timeout), which waits",
-    "spin_until_future_complete": "client.call(request, timeout), which waits",
-    **dict.fromkeys(("logdebug", "loginfo"), "node.get_logger().info(text)"),
-    "logwarn": "node.get_logger().warning(text)",
-    **dict.fromkeys(("logerr", "logfatal"), "node.get_logger().error(text)"),
-}
-"""Names of rospy and rclpy that newcomers type, and their replacements."""
-
 __all__ = [
     "LcmtoolsError",
     "Node",
@@ -77,10 +56,12 @@ def __getattr__(name: str) -> object:
     if name in ("observe", "publish"):
         return import_module(f"lcmtools.{name}")
     if name not in _HOMES:
-        if name in _ROS_SPELLINGS:  # "from lcmtools import ..." would hide an AttributeError
+        from lcmtools.ros_words.python_names import FUNCTIONS
+
+        if name in FUNCTIONS:  # "from lcmtools import ..." would hide an AttributeError
             from lcmtools.errors import UsageError
 
-            raise UsageError(f"lcmtools has no '{name}'", f"write {_ROS_SPELLINGS[name]}")
+            raise UsageError(f"lcmtools has no '{name}'", f"write {FUNCTIONS[name]}")
         raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
     value = globals()[name] = getattr(import_module(_HOMES[name]), name)  # found at once next time
     return value

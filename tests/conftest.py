@@ -268,20 +268,6 @@ def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
 
 
 @pytest.fixture(scope="session")
-def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """``lcmtools("list", "-v", stdin="", **environment)``: ``cli`` in older tests' words."""
-
-    def run(
-        *arguments: str, stdin: str = "", timeout: float = 40.0, **environment: str
-    ) -> subprocess.CompletedProcess[str]:
-        del timeout
-        result = call(*arguments, input=stdin, env=environment)
-        return subprocess.CompletedProcess(arguments, result.code, result.out, result.err)
-
-    return run
-
-
-@pytest.fixture(scope="session")
 def lcmtools_process() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``lcmtools_process("list", "-v", **environment)``: the installed command, in a process."""
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lcmtools.bag.columns import TIME, require_columns, table, with_times
 from lcmtools.errors import DecodeError, UsageError, needing_extra
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.fields import stamp
-from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
+from lcmtools.messages.plain import Plain, cells, to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import as_utf_8
 from lcmtools.observe.formatter import CsvTable
@@ -112,7 +113,7 @@ class JsonLines(AbstractContextManager["JsonLines"]):
         row: dict[str, Plain] = {"topic": packet.channel, "time": packet.time}
         row |= {"sender": sender} if sender else {}
         row |= {"type": type_name(message), "message": to_plain(message)}
-        self._file.write(f"{plain_json(row)}\n")
+        self._file.write(f"{write_json(row)}\n")
 
 
 class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):

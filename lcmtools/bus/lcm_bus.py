@@ -139,7 +139,7 @@ class LcmBus(ReceivingBus):
         if not self._connection.filter.passes(channel):
             self._connection.filter.let_pass({*self._subscriptions, channel})
         with self._sending:
-            subscription = instance.subscribe(re.escape(channel), self._dispatch_now)
+            subscription = instance.subscribe(re.escape(channel), self._dispatch)
         if subscription is None:
             raise BusError(f"LCM cannot subscribe to '{channel}'")
         subscription.set_queue_capacity(QUEUE_CAPACITY)
@@ -151,9 +151,6 @@ class LcmBus(ReceivingBus):
             with self._sending:
                 self._instance().unsubscribe(self._subscriptions.pop(channel))
             self._connection.filter.let_pass(self._subscriptions)
-
-    def _dispatch_now(self, channel: str, payload: bytes) -> None:
-        self._dispatch(channel, payload, time.time_ns())
 
     def _descriptors(self) -> Sequence[int]:
         instance = self._connection.instance
@@ -169,16 +166,16 @@ class LcmBus(ReceivingBus):
         self._subscriptions.clear()
         self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
-    def _wait_for_messages(self, events: Sequence[WakeupEvent], timeout: float | None) -> bool:
+    def _wait_for_messages(self, event: WakeupEvent | None, timeout: float | None) -> bool:
         """Wait for messages, requests or an event; of a stream, for its next message only."""
-        instance, self._wait_began = self._connection.instance, time.monotonic()
-        if self._is_streaming and instance is not None:
-            is_awake = any(event.is_set for event in events)
-            is_short = timeout is not None and timeout < _GAP / 1000
-            if not is_awake and not is_short and self._receive_next(instance):
-                return True
-            self._wait_began = time.monotonic()
-        return super()._wait_for_messages(events, timeout)
+        if self._is_streaming and self._may_wait_in_liblcm(event, timeout) and self._receive_next():
+            return True
+        self._wait_began = time.monotonic()
+        return super()._wait_for_messages(event, timeout)
+
+    def _may_wait_in_liblcm(self, event: WakeupEvent | None, timeout: float | None) -> bool:
+        is_awake = self._right.wakeup.is_set or (event is not None and event.is_set)
+        return not is_awake and (timeout is None or timeout >= _GAP / 1000)
 
     def _handle_messages(self) -> None:
         """Handle a single message that was waited for, without a look for more."""
@@ -191,7 +188,7 @@ class LcmBus(ReceivingBus):
         else:
             super()._handle_messages()
 
-    def _receive_next(self, instance: Instance) -> bool:
+    def _receive_next(self) -> bool:
         """Wait for the next message of a stream within liblcm, where no event can wake this thread.
 
         This saves one system call before the callback, an eighth of the latency between processes.
@@ -200,8 +197,8 @@ class LcmBus(ReceivingBus):
         """
         start = time.monotonic()
         try:
-            has_come = instance.handle_timeout(_GAP) > 0
-        except OSError:  # a signal came; its handler runs before the next wait
+            has_come = self._instance().handle_timeout(_GAP) > 0
+        except (BusError, OSError):  # a signal came; its handler runs before the next wait
             has_come = False
         self._is_streaming = has_come and time.monotonic() - start > _AT_ONCE
         return has_come

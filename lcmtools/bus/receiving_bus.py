@@ -8,6 +8,7 @@ take turns, forks, requests and the end are the same for all.
 import queue
 import select
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
@@ -57,7 +58,7 @@ class ReceivingBus(ABC):
             wakeup.wait(timeout)
         elif self._right.lead():  # if not, work for this thread may just have come
             try:
-                has_received = self._wait_for_messages([self._right.wakeup, wakeup], timeout)
+                has_received = self._wait_for_messages(wakeup, timeout)
                 if has_received and not self._right.is_lendable:
                     self.on_received()
             finally:
@@ -105,7 +106,9 @@ class ReceivingBus(ABC):
         else:
             self._handlers.pop(channel, None)
 
-    def _dispatch(self, channel: str, payload: bytes, arrival: int) -> None:
+    def _dispatch(self, channel: str, payload: bytes, arrival: int | None = None) -> None:
+        """Call a channel's handlers; the message arrived now unless its time is known [ns]."""
+        arrival = time.time_ns() if arrival is None else arrival
         for handler in self._handlers.get(channel, ()):
             handler(payload, arrival)
 
@@ -151,23 +154,30 @@ class ReceivingBus(ABC):
 
     def _receive_on_own_thread(self) -> None:
         """Wait once for messages or requests, and handle them."""
-        if self._wait_for_messages([self._right.wakeup], None):
+        if self._wait_for_messages(None, None):
             self.on_received()
 
-    def _wait_for_messages(self, events: Sequence[WakeupEvent], timeout: float | None) -> bool:
-        """Wait for messages or events, and handle them; return True if there were messages."""
+    def _wait_for_messages(self, event: WakeupEvent | None, timeout: float | None) -> bool:
+        """Wait for messages, requests or an event; return True if messages were handled."""
+        own, event_number = self._right.wakeup, -1
         try:
-            by_number = {event.fileno(): event for event in events}
-            readable = select.select([*by_number, *self._descriptors()], [], [], timeout)[0]
+            own_number = own.fileno()
+            descriptors = [own_number, *self._descriptors()]
+            if event is not None:
+                event_number = event.fileno()
+                descriptors.append(event_number)
+            readable = select.select(descriptors, (), (), timeout)[0]
         except (OSError, ValueError):  # a signal handler has closed the bus
             return False
-        set_events = [by_number[number] for number in readable if number in by_number]
-        has_messages = len(readable) > len(set_events)
+        is_own_set, is_event_set = own_number in readable, event_number in readable
+        has_messages = len(readable) > is_own_set + is_event_set
         if has_messages:
             self._handle_messages()
-        for event in set_events:
+        if is_own_set:
+            own.clear()
+            self._serve_requests()
+        if event is not None and is_event_set:
             event.clear()
-        self._serve_requests()
         return has_messages
 
     def _handle_messages(self) -> None:

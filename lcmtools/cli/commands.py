@@ -22,7 +22,7 @@ def _entries(table: str) -> Mapping[str, Entry]:
     return {name: Entry(home, said.removeprefix("= "), said[0] == "=") for name, home, said in rows}
 
 
-_TOPIC = _entries("""\
+TOPIC_VERBS = _entries("""\
 list   cli.topic.list:command          List the topics on the bus.
 info   cli.topic.info:command          Show a topic's type, publishers and subscribers.
 echo   cli.topic.echo:command          Print the messages of a topic.
@@ -33,7 +33,7 @@ delay  cli.topic.hz_bw_delay:delay     Measure the delay of a topic's messages.
 type   cli.topic.type_find:print_type  Print a topic's type.
 find   cli.topic.type_find:find        List the topics of a type.
 """)
-topic = _group("topic", "Look at topics and publish on them.", _TOPIC, "list", "echo /chatter")
+topic = _group("topic", "Look at topics and publish on them.", TOPIC_VERBS, "list", "echo /chatter")
 _NODE = _entries("""\
 list     cli.node.list:list_nodes  List the nodes on the bus.
 info     cli.node.info:command     Show a node's publications and more.
@@ -187,12 +187,12 @@ lab = _group(
     'check husky --controller "python my_controller.py"',
 )
 COMMANDS = {
-    **_TOPIC,
+    **TOPIC_VERBS,
     **_entries("""\
 spy         cli.spy.spy:command                Watch all channels of the bus, live.
 plot        cli.plot:command                   Draw fields of messages over time, live.
 bag         cli.commands:bag                   Record, play and inspect logs.
-relay       cli.relay.relay:command            Carry messages between buses; serve tcpq.
+relay       cli.relay:command                  Carry messages between buses; serve tcpq.
 foxglove    cli.foxglove:command               Serve the bus to Foxglove and Lichtblick.
 node        cli.commands:node                  Query nodes: list, info, ping and more.
 msg         cli.commands:msg                   Show message types: list, show, proto and more.
@@ -200,12 +200,12 @@ service     cli.commands:service               List and call services.
 param       cli.commands:param                 Read and set parameters of nodes.
 srv         cli.commands:srv                   Show service types: list, show.
 gui         cli.commands:gui                   Open a window in the browser: topics and more.
-graph       cli.graph.graph:command            Draw the graph of nodes and topics.
+graph       cli.graph:command                  Draw the graph of nodes and topics.
 wtf         cli.wtf:command                    Report faults and how to fix them.
 sim         cli.commands:sim                   Control a simulator: pause, reset, set-pose and more.
 run         cli.run:command                    Run a node, or the simulator.
 lab         cli.commands:lab                   Work on the labs: list, start, check and more.
-launch      cli.launch.launch:command          Run the nodes of a launch file.
+launch      cli.launch:command                 Run the nodes of a launch file.
 pkg         cli.commands:pkg                   Create and find packages: create, list, build.
 config      cli.config:command                 Show the settings and their sources.
 completion  cli.completion.completion:command  Complete words with TAB.

@@ -7,8 +7,9 @@ import click
 from lcmtools.bus.url import choose_url
 from lcmtools.cli.declare import examples, subcommand
 from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
-from lcmtools.cli.output import columns, show
+from lcmtools.cli.output import show
 from lcmtools.settings import SETTINGS, lookup, read_user_file
+from lcmtools.text_table import text_table
 
 
 @subcommand("config", json_option, bus_options)
@@ -43,7 +44,7 @@ def command(*, as_json: bool) -> None:
         ],
     }
     rows = [(name, value.value or "-", value.source) for name, value in values.items()]
-    table = columns([*rows, ("bus", str(url), source)])
+    table = text_table([*rows, ("bus", str(url), source)])
     state = "" if file_exists else " (there is none)"
     place = f"file: {file.path or 'no home, no file'}{state}"
     show(record, [*table, place], as_json=as_json)

@@ -86,6 +86,11 @@ option = partial(click.option, cls=_Option)
 flag = partial(option, is_flag=True)  # adds an option that takes no value
 
 
+def accepted_for_ros(*names: str) -> Callable[[CommandT], CommandT]:
+    """Accept a flag of ROS that has no effect here, so that a line copied from there runs."""
+    return flag(*names, expose_value=False, hidden=True)
+
+
 def duration(value: str | float) -> float:
     """Parse a time span into seconds: ``2``, ``500ms``, ``1m`` or ``1h``; for ``type=``."""
     try:

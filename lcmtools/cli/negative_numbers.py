@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import click
 
-from lcmtools.cli.dashes import bare, shielded
+from lcmtools.cli.completion.line import is_value
 
 WITHOUT_END = "forever"  # the value of an option of ``may_stand_alone`` that is given alone
 
@@ -68,12 +68,12 @@ class CommandWithOnce(CommandWithWords):
         options = self._options_with_value()
         free = [word for before, word in pairwise(["", *words]) if before not in options]
         plain = [word for word in free if word == "-1" or not word.startswith("-")]
-        is_value = (
+        one_is_value = (
             len(plain) == _ONE_VALUE and plain[-1] == "-1" and not _EXCLUDE_ONE.isdisjoint(free)
         )
         for before, word in pairwise(["", *words]):
-            if before in options or (word == "-1" and not is_value):
-                is_value = is_value or before not in options
+            if before in options or (word == "-1" and not one_is_value):
+                one_is_value = one_is_value or before not in options
                 yield word
             else:
                 yield self._shield(word)
@@ -104,6 +104,16 @@ class CommandWithDeps(click.Command):
         if option and args[-1] == option:
             spread.append(option)  # click says that its value is missing
         return super().parse_args(ctx, spread)
+
+
+def shielded(word: str) -> str:
+    """Put a blank before a word that click would take for an option although it is a value."""
+    return f" {word}" if is_value(word) else word
+
+
+def bare(word: str) -> str:
+    """Remove the blank that ``shielded`` has put before a word."""
+    return word[1:] if word.startswith(" ") and is_value(word[1:]) else word
 
 
 def ends_in_one() -> bool:

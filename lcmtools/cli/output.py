@@ -5,7 +5,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
@@ -13,7 +13,6 @@ from lcmtools.errors import LcmtoolsError
 # Anybody can put a channel on the bus whose name would clear or recolour the terminal, begin a line
 # of its own or turn the direction of what follows.
 _ODD = (*range(0x7F, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A))
-_ESCAPES_IN_JSON = {code: f"\\u{code:04x}" for code in _ODD}  # of what json.dumps leaves
 _ESCAPES = {
     code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
     for code in (*range(0x20), *_ODD)
@@ -42,9 +41,9 @@ def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
 
 def document(value: object) -> None:
     """Print one JSON document."""
-    import json
+    from lcmtools.formats.strict_json import write_json
 
-    data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
+    data(write_json(value, indent=2))
 
 
 def show(
@@ -59,14 +58,6 @@ def show(
     document(value) if as_json else lines(rows, decorate)
     if none and not value:
         talk(none)
-
-
-def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table, its columns aligned and two blanks apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-        yield "  ".join(cells).rstrip()
 
 
 @contextlib.contextmanager
@@ -102,10 +93,10 @@ def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> No
     """Print an error in one line; as JSON where the data are JSON."""
     what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
     if as_json:
-        import json
+        from lcmtools.formats.strict_json import write_json
 
         record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
-        talk(json.dumps(record, ensure_ascii=False))
+        talk(write_json(record))
     else:
         talk(f"{what}; {hint}" if hint else what, command)
 

@@ -1,6 +1,5 @@
 """``lcmtools wtf``."""
 
-import json
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -27,6 +26,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
+from lcmtools.formats.strict_json import write_json
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
@@ -101,7 +101,7 @@ def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool
             data("No errors or warnings")
         for change, finding in changes:
             if as_json:
-                data(json.dumps({"change": change, **report.record(finding)}))
+                data(write_json({"change": change, **report.record(finding)}))
             else:
                 lines([*report.change_text(change, finding), ""], _decoration())
 

@@ -10,7 +10,8 @@ A page sends JSON texts with an ``op``, and the server answers with the same ``i
 
 Other values of ``op`` are in ``page``. The server sends JSON texts, and for many numbers binary
 frames: the length of a JSON header (uint32), the header, padded with blanks so that the payload
-begins at a multiple of eight bytes, and the payload. All numbers are little-endian.
+begins at a multiple of eight bytes, and the payload. All numbers are little-endian. Numbers that
+JSON lacks are the texts "nan", "inf" and "-inf", as in ``--json``; null is a missing value.
 
 Sans-I/O. Must not know the content of streams.
 """
@@ -23,6 +24,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias, cast
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.formats.strict_json import write_json
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 Frame: TypeAlias = str | bytes
@@ -137,22 +139,8 @@ def _refuse(constant: str) -> None:
 
 
 def text_frame(values: Mapping[str, Json]) -> str:
-    """Return a text for a page; numbers that JSON does not have become null."""
-    try:
-        return json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    except ValueError:
-        return json.dumps(finite(values), allow_nan=False, separators=(",", ":"))
-
-
-def finite(value: Json) -> Json:
-    """Return a value with null for each number that JSON does not have."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {name: finite(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(one) for one in value]
-    return value
+    """Return a text for a page."""
+    return write_json(values)
 
 
 def binary_frame(header: Mapping[str, Json], payload: bytes | memoryview) -> bytes:

@@ -21,6 +21,7 @@ from lcmtools.formats.strict_xml import Element
 from lcmtools.formats.strict_yaml import Node, read_file
 from lcmtools.messages.setting import write_setting
 from lcmtools.names import did_you_mean
+from lcmtools.ros_words.launch_keys import KEYS
 
 _Parts: TypeAlias = Mapping[str, Callable[[Node], list[Element]]]
 """For each key, the function that converts its value to elements."""
@@ -31,16 +32,6 @@ _NODE = (
 )
 _GROUP = ("ns", "if", "unless")
 _INCLUDE = ("file", "ns", "pass_all_args", "if", "unless")
-_OF_ROS = {
-    **dict.fromkeys(("pkg", "package", "type", "executable"), "run: PACKAGE NODE"),
-    "arguments": "args",
-    "environment": "env",
-    "launch": "nodes",
-    "namespace": "ns",
-    "parameters": "param",
-    "remappings": "remap",
-}
-"""The words for the same in ROS's launch files."""
 _EXAMPLES = {"a node": "run: talker", "remap": "chatter: news", "param": "kp: 0.5"}
 _FIRST = ("args", "remap", "param", "env")
 """The keys that apply to the others wherever they stand."""
@@ -77,7 +68,7 @@ class _Reader:
             else:
                 known = {*attributes, *parts} - {"group"}
                 listed = f"there are {', '.join(sorted(known))}"
-                meant = _OF_ROS.get(name, "")
+                meant = KEYS.get(name, "")
                 hint = f"did you mean {meant}?" if meant.partition(":")[0] in known else ""
                 hint = hint or did_you_mean(name, known) or listed
                 raise self._error(value.key_line, f"there is no key '{name}' in {what}", hint)

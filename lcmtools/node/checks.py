@@ -16,19 +16,6 @@ from lcmtools.messages.layout import is_generated
 from lcmtools.messages.registry import Message, message_class, service_class, type_name
 from lcmtools.messages.scalars import given
 
-_ROS_SPELLINGS = {
-    **dict.fromkeys(("get_name", "get_fully_qualified_name"), "node.name"),
-    "get_namespace": "node.namespace",
-    "advertise": "node.create_publisher(Type, 'topic')",
-    "subscribe": "node.create_subscription(Type, 'topic', callback)",
-    "create_wall_timer": "node.create_timer(seconds, callback)",
-    "spin": "lcmtools.spin(node)",
-    "declare_parameters": "node.declare_parameter('name', default) for each",
-    "get_param": "node.get_parameter('name').value",
-    "set_parameter": "node.set_parameters([lcmtools.Parameter('name', value)])",
-    **dict.fromkeys(("get_topic_names_and_types", "get_node_names"), "node.graph()"),
-}
-"""Methods of ROS nodes that a newcomer may call, and their replacements here."""
 _LONGEST_USUAL_PERIOD = 60.0  # [s]; a longer one is more often meant in milliseconds
 
 
@@ -137,11 +124,13 @@ def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatc
 
 def missing_attribute(node: object, name: str) -> Exception:
     """Return the error for an attribute that a node does not have."""
+    from lcmtools.ros_words.python_names import METHODS
+
     cls = type(node).__name__
     if name.startswith(("_Node__", "_Parametric__", "_Factory__")) or name in ("name", "namespace"):
         first = f"begin it with: super().__init__('{cls.lower()}')"
         return UsageError(f"{cls}.__init__ has not called that of Node before", first)
-    hint = f"; write {_ROS_SPELLINGS[name]}" if name in _ROS_SPELLINGS else ""
+    hint = f"; write {METHODS[name]}" if name in METHODS else ""
     return AttributeError(f"'{cls}' object has no attribute '{name}'{hint}", name=name, obj=node)
 
 

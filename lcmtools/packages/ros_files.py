@@ -17,6 +17,7 @@ from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.workspace import ROS_FOLDERS, package_name
+from lcmtools.ros_words.field_types import MEANT, PRIMITIVES
 
 _PARTS = {
     ".msg": ("",),
@@ -26,29 +27,6 @@ _PARTS = {
 """The name suffixes of the structs in a file."""
 SUFFIXES = tuple(_PARTS)
 
-_PRIMITIVES = {
-    "bool": "boolean",
-    **dict.fromkeys(("uint8", "char"), "byte"),
-    "byte": "int8_t",
-    **{f"{sign}int{bits}": f"int{bits}_t" for sign in ("", "u") for bits in (16, 32, 64)},
-    "int8": "int8_t",
-    "float32": "float",
-    "float64": "double",
-    **dict.fromkeys(("string", "wstring"), "string"),
-    "time": "std_msgs.Time",
-    "duration": "std_msgs.Duration",
-    "Header": "std_msgs.Header",
-}
-_MEANT = {
-    **dict.fromkeys(("double", "float64_t"), "float64"),
-    **dict.fromkeys(("float", "float32_t"), "float32"),
-    **dict.fromkeys(("int", "integer", "long"), "int32 or int64"),
-    **dict.fromkeys(("uint", "unsigned"), "uint32"),
-    **dict.fromkeys(("boolean", "Bool"), "bool"),
-    **dict.fromkeys(("str", "String"), "string"),
-    **{f"{sign}int{bits}_t": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)},
-}
-"""Type names of other languages and of ROS."""
 _RANGES = {
     **INTEGERS,
     **{f"uint{bits}": (0, (1 << bits) - 1) for bits in (16, 32, 64)},
@@ -165,11 +143,11 @@ def _names(path: Path, package: str) -> Iterator[Problem]:
 
 
 def _lcm_type(kind: str) -> str:
-    if kind in _MEANT:
-        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {_MEANT[kind]}?")
-    if kind not in _PRIMITIVES and kind.islower() and (near := closest(kind, _PRIMITIVES)):
+    if kind in MEANT:
+        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {MEANT[kind]}?")
+    if kind not in PRIMITIVES and kind.islower() and (near := closest(kind, PRIMITIVES)):
         raise InvalidFile(f"unknown type '{kind}'", f"did you mean {near[0]}?")
-    return _PRIMITIVES.get(kind, re.sub(r"/(?:(?:msg|srv)/)?", ".", kind))
+    return PRIMITIVES.get(kind, re.sub(r"/(?:(?:msg|srv)/)?", ".", kind))
 
 
 def _constant(kind: str, name: str, text: str) -> str:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.packages.type_files import GROUPS
 from lcmtools.packages.workspace import Package, read_project, table, workspace
+from lcmtools.ros_words import python_names
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -131,7 +132,7 @@ class Runnable:
 def in_place_of_ros(module: str) -> str:
     """Return a hint about the replacement for a ROS module; "" for other modules."""
     name = module.removeprefix("lcmtools.types.").partition(".")[0]
-    if name in ("rospy", "rclpy"):
+    if name in python_names.MODULES:
         return "here it is lcmtools: import lcmtools"
     if module != f"lcmtools.types.{name}" and find_spec(f"lcmtools.types.{name}"):
         return f"here it is lcmtools.types.{name}"

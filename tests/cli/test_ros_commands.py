@@ -1,5 +1,6 @@
 """Commands of ROS and catkin, typed behind lcmtools, do what is meant and say how it is typed."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,8 +10,14 @@ from click import Command
 
 from lcmtools.cli.bag.play import command as play
 from lcmtools.cli.bag.record import command as record
+from lcmtools.cli.completion.line import locate
+from lcmtools.cli.completion.tree import describe
+from lcmtools.cli.node.list import cleanup
+from lcmtools.cli.param.read import get
 from lcmtools.cli.ros import instead
+from lcmtools.cli.topic.pub import command as pub
 from lcmtools.errors import UsageError
+from lcmtools.ros_words.commands import COMMANDS, OPTIONS
 
 Run = Callable[..., Any]
 
@@ -113,3 +120,38 @@ def test_options_of_rosbag_have_its_meaning(
     command: Command, typed: str, read: dict[str, object]
 ) -> None:
     assert read.items() <= command.make_context("", typed.split()).params.items()
+
+
+@pytest.mark.parametrize("option", ["-y", "--yes", "-s", "--substitute-keywords", "--hide-type"])
+def test_an_option_without_effect_is_accepted_and_not_shown(option: str) -> None:
+    command, typed, path = {
+        "y": (cleanup, "", "node cleanup"),
+        "s": (pub, "/chatter std_msgs/String", "topic pub"),
+        "h": (get, "talker rate", "param get"),
+    }[option.strip("-")[0]]
+    plain = command.make_context("", typed.split())
+    assert command.make_context("", [*typed.split(), option]).params == plain.params
+    assert option not in command.get_help(plain).split()
+    place = locate(path.split(), "-", describe)
+    assert place
+    assert option in {name for one in place.command.options for name in one.names}
+    assert option not in {name for one in place.unused_options() for name in one.names}
+
+
+HINTS = [*COMMANDS.values(), *OPTIONS.values()]
+
+
+@pytest.mark.parametrize("words", sorted({hint for hint in HINTS if isinstance(hint, tuple)}))
+def test_the_words_in_place_of_a_command_of_ros_are_a_command(words: tuple[str, ...]) -> None:
+    assert describe(words[:1]) is not None
+
+
+@pytest.mark.parametrize("hint", sorted({hint for hint in HINTS if isinstance(hint, str)}))
+def test_a_hint_names_commands_that_exist(hint: str) -> None:
+    for words in re.findall(
+        r"lcmtools ((?!finds)[a-z][a-z-]*(?: (?!opens)[a-z][a-z0-9-]*)?)", hint
+    ):
+        group, *verb = words.split()
+        command = describe([group])
+        assert command is not None, words
+        assert not command.commands or set(verb) <= command.commands.keys(), words

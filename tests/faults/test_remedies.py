@@ -435,6 +435,8 @@ NEED_MORE = {  # than a network on a Linux computer
     "mirrored-network": "Windows",
     "set-clocks": "a computer with a clock of its own",
     "subscribe-to-pattern": "nothing: the warning stays for other programs",
+    "update-here": "nodes of another version of lcmtools",
+    "update-there": "nodes of another version of lcmtools",
     "use-server": "a container",
     "use-sim-time": "a clock of the past",
     "use-ttl-0": "Wi-Fi",

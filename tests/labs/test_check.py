@@ -3,20 +3,20 @@
 import json
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
+from fixtures.command import Result
 from fixtures.typist import Typist
 
-from lcmtools.labs.checks import dolly, programs, test_bench
+from lcmtools.labs.checks import checked_programs, dolly, test_bench
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
-Lcmtools = Callable[..., "subprocess.CompletedProcess[str]"]
+Run = Callable[..., Result]
 LeftOver = Callable[[], list[str]]
 
 TOO_SLOW = """
@@ -106,7 +106,7 @@ lcmtools.shutdown()
 
 @pytest.fixture
 def check(
-    lcmtools: Lcmtools, tmp_path: Path, left_over: LeftOver
+    cli: Run, tmp_path: Path, left_over: LeftOver
 ) -> Iterator[Callable[..., dict[str, dict[str, object]]]]:
     """``check("husky", "--controller", source)``: the rows by what they are about."""
 
@@ -116,12 +116,12 @@ def check(
         script = tmp_path / "program.py"
         script.write_text(source)
         own = [options[-1], f"{sys.executable} {script}{tail}"] if source else []
-        result = lcmtools(
-            "lab", "check", lab, *options[:-1], *own, "--json", timeout=200, TMPDIR=str(tmp_path)
+        result = cli(
+            "lab", "check", lab, *options[:-1], *own, "--json", env={"TMPDIR": str(tmp_path)}
         )
-        assert result.stdout, result.stderr
-        answer = json.loads(result.stdout)
-        assert result.returncode == (0 if answer["ok"] else 1), result.stderr
+        assert result.out, result.err
+        answer = json.loads(result.out)
+        assert result.code == (0 if answer["ok"] else 1), result.err
         return {row["what"]: row for row in answer["rows"]}
 
     yield run
@@ -230,7 +230,7 @@ def test_a_program_that_is_silent_and_ignores_signals_is_ended(
     check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
-    monkeypatch.setattr(programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
+    monkeypatch.setattr(checked_programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
         "import signal, subprocess, time\n"
         "for number in (signal.SIGINT, signal.SIGTERM): signal.signal(number, signal.SIG_IGN)\n"
@@ -281,24 +281,24 @@ def test_a_class_that_is_broken_off_leaves_no_process_and_no_file(
 
 
 def test_start_says_what_to_type_runs_the_simulator_and_refuses_a_second_one(
-    start: Callable[..., object], lcmtools: Lcmtools, lcmtools_path: str, bus_url: str
+    start: Callable[..., object], cli: Run, lcmtools_path: str, bus_url: str
 ) -> None:
     bus = {"LCM_DEFAULT_URL": bus_url}
     program = start(lcmtools_path, "lab", "start", "dolly", "--rate", "2", **bus)
     program.wait_for("lcmtools run moving_robot")  # type: ignore[attr-defined]
     program.wait_for("simulating dolly", 30.0)  # type: ignore[attr-defined]
-    second = lcmtools("lab", "start", "dolly", **bus)
-    assert second.returncode == 1
-    assert "/gazebo is already running on this bus" in second.stderr
+    second = cli("lab", "start", "dolly", env=bus)
+    assert second.code == 1
+    assert "/gazebo is already running on this bus" in second.err
     program.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
     assert program.wait() == 0  # type: ignore[attr-defined]
 
 
-def test_list_shows_the_labs_and_their_programs(lcmtools: Lcmtools) -> None:
-    assert [row.split()[0] for row in lcmtools("lab", "list").stdout.splitlines()] == [
+def test_list_shows_the_labs_and_their_programs(cli: Run) -> None:
+    assert [row.split()[0] for row in cli("lab", "list").out.splitlines()] == [
         "husky",
         "pioneer",
         "dolly",
     ]
-    labs = json.loads(lcmtools("lab", "list", "--json").stdout)
+    labs = json.loads(cli("lab", "list", "--json").out)
     assert labs[2]["programs"]["mover"] == "lcmtools run moving_robot"

@@ -1,12 +1,12 @@
 """Programs that do what a lab asks for in another way than the model answers."""
 
 import json
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.command import Result
 
 SELECTING = """
 import select, sys, termios, tty
@@ -166,12 +166,12 @@ lcmtools.spin(Follower())
 def test_a_program_of_another_style_is_right(
     option: str,
     source: str,
-    lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
+    cli: Callable[..., Result],
     tmp_path: Path,
 ) -> None:
     script = tmp_path / "program.py"
     script.write_text(source)
     command = f"{sys.executable} {script}"
-    result = lcmtools("lab", "check", "pioneer", f"--{option}", command, "--json", timeout=100)
-    assert not [row for row in json.loads(result.stdout)["rows"] if not row["ok"]]
-    assert result.returncode == 0
+    result = cli("lab", "check", "pioneer", f"--{option}", command, "--json")
+    assert not [row for row in json.loads(result.out)["rows"] if not row["ok"]]
+    assert result.code == 0

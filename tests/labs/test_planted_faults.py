@@ -1,13 +1,13 @@
 """lab check of programs with a planted fault: the cause is named, within 30 s, and once."""
 
 import json
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_says
 
@@ -227,16 +227,16 @@ lcmtools.spin(Unstopped())
 
 
 @pytest.fixture
-def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path: Path) -> Check:
+def check(cli: Callable[..., Result], tmp_path: Path) -> Check:
     """``check("husky", "controller", source, "fault")``: the rows that are not ok."""
 
     def run(lab: str, program: str, source: str, fault: str) -> list[dict[str, Any]]:
         script = tmp_path / "program.py"
         script.write_text(source)
         command = f"{sys.executable} {script} {fault}"
-        result = lcmtools("lab", "check", lab, f"--{program}", command, "--json", timeout=100)
-        assert result.returncode == 1, result.stderr
-        answer = json.loads(result.stdout)
+        result = cli("lab", "check", lab, f"--{program}", command, "--json")
+        assert result.code == 1, result.err
+        answer = json.loads(result.out)
         assert answer["programs"][program]["duration"] < LONGEST
         return [row for row in answer["rows"] if not row["ok"]]
 
@@ -362,15 +362,15 @@ def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
 def test_a_program_is_right_that_goes_by_the_real_clock_or_has_what_wtf_notes(
     fault: str,
     findings: list[str],
-    lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
+    cli: Callable[..., Result],
     tmp_path: Path,
 ) -> None:
     script = tmp_path / "program.py"
     script.write_text(CONTROLLER)
     command = f"{sys.executable} {script} {fault}"
-    result = lcmtools("lab", "check", "husky", "--controller", command, "--json")
-    assert result.returncode == 0, result.stdout
-    noted = [one.partition(":")[0] for row in json.loads(result.stdout)["rows"]
+    result = cli("lab", "check", "husky", "--controller", command, "--json")
+    assert result.code == 0, result.out
+    noted = [one.partition(":")[0] for row in json.loads(result.out)["rows"]
              for one in row["findings"]]  # fmt: skip
     assert noted == findings
 
@@ -393,13 +393,13 @@ def class_folder(tmp_path: Path) -> Iterator[Path]:
 def test_a_class_is_checked_with_a_table_a_report_and_pictures(
     class_folder: Path,
     tmp_path: Path,
-    lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
+    cli: Callable[..., Result],
 ) -> None:
     files = ("--junit", str(tmp_path / "class.xml"), "--plot", str(tmp_path / "plot.png"))
     command = ("lab", "check", "dolly", "--programs", str(class_folder), "--jobs", "2", *files)
-    result = lcmtools(*command, timeout=200)
-    assert result.returncode == 1
-    table = [row.split(maxsplit=4) for row in result.stdout.splitlines()[-3:]]
+    result = cli(*command)
+    assert result.code == 1
+    table = [row.split(maxsplit=4) for row in result.out.splitlines()[-3:]]
     assert table[0] == ["anna", "4", "of", "4"]
     assert table[1][:4] == ["bo.py", "0", "of", "1"]
     assert "ValueError: /dolly/cmd_vel (bo.py:1)" in table[1][4]

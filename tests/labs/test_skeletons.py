@@ -1,6 +1,5 @@
 """Skeletons pass the check of their lab when their TODOs are filled in, and nothing else."""
 
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -8,8 +7,9 @@ from textwrap import dedent, indent
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
-Lcmtools = Callable[..., "subprocess.CompletedProcess[str]"]
+Run = Callable[..., Result]
 
 REMOVE = "# remove this line"
 FILLED = {
@@ -131,10 +131,10 @@ CHECKS = {
 }
 
 
-def fill(name: str, lcmtools: Lcmtools, folder: Path) -> Path:
+def fill(name: str, cli: Run, folder: Path) -> Path:
     """Copy a skeleton and fill it in."""
     path = folder / f"{name}.py"
-    assert lcmtools("lab", "skeleton", name, str(folder)).returncode == 0
+    assert cli("lab", "skeleton", name, str(folder)).code == 0
     lines = path.read_text().splitlines()
     for part, code in FILLED[name].items():
         (number,) = (number for number, line in enumerate(lines) if part in line)
@@ -146,26 +146,26 @@ def fill(name: str, lcmtools: Lcmtools, folder: Path) -> Path:
 @pytest.mark.usefixtures("quiet_network")
 @pytest.mark.parametrize("name", CHECKS)
 def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(
-    name: str, lcmtools: Lcmtools, tmp_path: Path
+    name: str, cli: Run, tmp_path: Path
 ) -> None:
-    path = fill(name, lcmtools, tmp_path)
+    path = fill(name, cli, tmp_path)
     lab, option = CHECKS[name]
 
-    checked = lcmtools("lab", "check", lab, f"--{option}", f"{sys.executable} {path}", timeout=120)
+    checked = cli("lab", "check", lab, f"--{option}", f"{sys.executable} {path}")
 
-    assert (checked.returncode, checked.stderr) == (0, ""), checked.stdout
+    assert (checked.code, checked.err) == (0, ""), checked.out
 
 
 def test_the_talker_is_heard_by_the_listener_when_both_are_filled(
-    lcmtools: Lcmtools,
+    cli: Run,
     start: Callable[..., Any],
     bus_url: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    listener = start(sys.executable, str(fill("listener", lcmtools, tmp_path)))
-    start(sys.executable, str(fill("talker", lcmtools, tmp_path)), "__name:=mine")
+    listener = start(sys.executable, str(fill("listener", cli, tmp_path)))
+    start(sys.executable, str(fill("talker", cli, tmp_path)), "__name:=mine")
 
     assert "[/listener]: hello world " in listener.wait_for("hello world")
-    assert lcmtools("node", "list").stdout == "/listener\n/mine\n"
+    assert cli("node", "list").out == "/listener\n/mine\n"

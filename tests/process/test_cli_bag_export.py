@@ -1,20 +1,20 @@
 """bag export and import: a log in other formats, and back."""
 
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import lcm
 import numpy as np
 import pytest
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 
 @pytest.fixture
@@ -33,19 +33,19 @@ def log(tmp_path: Path) -> str:
     return path
 
 
-def test_topics_and_times_are_chosen(log: str, tmp_path: Path, lcmtools: Run) -> None:
+def test_topics_and_times_are_chosen(log: str, tmp_path: Path, cli: Run) -> None:
     target = tmp_path / "a.npz"
     words = ("bag", "export", log, str(target), "-t", "/cmd", "-s", "2s", "-e", "end-2s")
-    assert lcmtools(*words).stdout == f"{target}: 6 messages\n"
+    assert cli(*words).out == f"{target}: 6 messages\n"
     assert np.load(target)["linear.x"].tolist() == [number / 4 for number in range(2, 8)]
 
 
 def test_hidden_topics_are_left_out_unless_they_are_named(
-    log: str, tmp_path: Path, lcmtools: Run
+    log: str, tmp_path: Path, cli: Run
 ) -> None:
     topics = []
     for name, choice in (("a.jsonl", ()), ("b.jsonl", ("-t", "/_hidden"))):
-        assert lcmtools("bag", "export", log, str(tmp_path / name), *choice).returncode == 0
+        assert cli("bag", "export", log, str(tmp_path / name), *choice).code == 0
         lines = (tmp_path / name).read_text().splitlines()
         topics.append({json.loads(line)["topic"] for line in lines})
     assert topics == [{"/cmd", "/chatter"}, {"/_hidden"}]
@@ -56,24 +56,24 @@ def test_hidden_topics_are_left_out_unless_they_are_named(
     [("a.mcap", ()), ("a.bag", ()), ("folder", ("--format", "ros2"))],
 )
 def test_a_log_comes_back_from_ros_as_it_went(
-    target: str, options: tuple[str, ...], log: str, tmp_path: Path, lcmtools: Run
+    target: str, options: tuple[str, ...], log: str, tmp_path: Path, cli: Run
 ) -> None:
     there, back = str(tmp_path / target), str(tmp_path / "back.lcmlog")
-    assert lcmtools("bag", "export", log, there, *options).returncode == 0
-    result = lcmtools("bag", "import", there, back, "--json")
-    assert json.loads(result.stdout)["messages"] == 20
-    printed = [lcmtools("echo", "-b", file, "/cmd", "/chatter").stdout for file in (log, back)]
+    assert cli("bag", "export", log, there, *options).code == 0
+    result = cli("bag", "import", there, back, "--json")
+    assert json.loads(result.out)["messages"] == 20
+    printed = [cli("echo", "-b", file, "/cmd", "/chatter").out for file in (log, back)]
     assert printed[0] == printed[1]
     assert "message 9" in printed[0]
 
 
-def test_what_is_left_out_is_said(tmp_path: Path, lcmtools: Run) -> None:
+def test_what_is_left_out_is_said(tmp_path: Path, cli: Run) -> None:
     path, target = tmp_path / "a.lcmlog", tmp_path / "a.jsonl"
     log = lcm.EventLog(str(path), "w", overwrite=True)
     log.write_event(1_000_000, "/chatter", encode(String()))
     log.write_event(1_000_001, "/x", b"12345678")
     log.close()
-    result = lcmtools("bag", "export", str(path), str(target))
-    assert result.stdout == f"{target}: 1 messages\n"
-    (line,) = result.stderr.splitlines()
+    result = cli("bag", "export", str(path), str(target))
+    assert result.out == f"{target}: 1 messages\n"
+    (line,) = result.err.splitlines()
     assert_says(line, "/x", "left out", "0x3132333435363738")

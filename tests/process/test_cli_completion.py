@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.bus import quick_probe
 from lcmtools.bus.multicast import sending_socket
@@ -257,18 +258,18 @@ def test_completion_imports_neither_click_nor_dataclasses_nor_lcm_nor_yaml(
 
 
 def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    cli: Callable[..., Result],
 ) -> None:
-    assert "compdef" in lcmtools("completion", SHELL="/usr/bin/zsh").stdout
-    assert "complete -c lcmtools" in lcmtools("completion", "fish", SHELL="/bin/bash").stdout
-    bash = lcmtools("completion", "bash")
-    assert bash.returncode == 0
-    assert "complete -o nosort -F" in bash.stdout
-    assert bash.stderr == ""
+    assert "compdef" in cli("completion", env={"SHELL": "/usr/bin/zsh"}).out
+    assert "complete -c lcmtools" in cli("completion", "fish", env={"SHELL": "/bin/bash"}).out
+    bash = cli("completion", "bash")
+    assert bash.code == 0
+    assert "complete -o nosort -F" in bash.out
+    assert bash.err == ""
 
 
 def test_installing_says_what_it_did_and_what_to_do_next(
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+    cli: Callable[..., Result], tmp_path: Path
 ) -> None:
     said = {
         "HOME": str(tmp_path),
@@ -276,16 +277,16 @@ def test_installing_says_what_it_did_and_what_to_do_next(
         "XDG_DATA_HOME": "",
         "SHELL": "/bin/fish",
     }
-    first = lcmtools("completion", "--install", **said)
+    first = cli("completion", "--install", env=said)
     script = tmp_path / ".config/fish/completions/lcmtools.fish"
-    wrote, hint = first.stderr.splitlines()
+    wrote, hint = first.err.splitlines()
     assert wrote == f"wrote {script}"
     assert_says(hint, "new shell", "exec fish")
-    assert (first.returncode, first.stdout) == (0, "")
-    again = lcmtools("completion", "--install", **said)
-    assert again.stderr.startswith(f"{script} already exists\n")
-    gone = lcmtools("completion", "--uninstall", **said)
-    assert gone.stderr == f"removed {script}\n"
+    assert (first.code, first.out) == (0, "")
+    again = cli("completion", "--install", env=said)
+    assert again.err.startswith(f"{script} already exists\n")
+    gone = cli("completion", "--uninstall", env=said)
+    assert gone.err == f"removed {script}\n"
     assert not script.exists()
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.cli.completion.install import install, plan
 
@@ -96,7 +97,7 @@ def terminal(
     tmp_path: Path,
     bus_url: str,
     lcmtools_path: str,
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    cli: Callable[..., Result],
     wait_until: Callable[..., None],
 ) -> Iterator[Terminal]:
     """The shell with completion installed, at its prompt."""
@@ -114,7 +115,7 @@ def terminal(
     name, text = _SETTINGS[shell]
     (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / name).write_text(text)
-    assert lcmtools("completion", "--install", **environment).returncode == 0
+    assert cli("completion", "--install", env=environment).code == 0
     opened = Terminal(shell, tmp_path, environment)
     try:
         wait_until(lambda: opened.screen().startswith(PROMPT.strip()))

@@ -2,16 +2,16 @@
 
 import csv
 import json
-import subprocess
 import sys
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "publishers")
 
@@ -53,9 +53,9 @@ def publishers(
     counter.wait_for("sent")
 
 
-def output(result: subprocess.CompletedProcess[str]) -> str:
-    assert (result.returncode, result.stderr) == (0, "")
-    return result.stdout
+def output(result: Result) -> str:
+    assert (result.code, result.err) == (0, "")
+    return result.out
 
 
 @pytest.mark.parametrize(
@@ -72,37 +72,35 @@ def output(result: subprocess.CompletedProcess[str]) -> str:
         ("/tf/transforms[:].header.frame_id", "- odom\n- map"),
     ],
 )
-def test_a_field_path_behind_the_topic_shows_that_field(
-    argument: str, text: str, lcmtools: Run
-) -> None:
-    assert output(lcmtools("echo", argument, "-1")) == f"{text}\n---\n"
+def test_a_field_path_behind_the_topic_shows_that_field(argument: str, text: str, cli: Run) -> None:
+    assert output(cli("echo", argument, "-1")) == f"{text}\n---\n"
 
 
-def test_several_fields_are_shown_by_their_paths(lcmtools: Run) -> None:
+def test_several_fields_are_shown_by_their_paths(cli: Run) -> None:
     fields = ("--field", "header.stamp.sec", "--field", "/ranges[0:2]")
     shown = "header.stamp.sec: 3\nranges[0:2]: [0.0, 1.0]\n---\n"
-    assert output(lcmtools("echo", "/scan", "-1", *fields)) == shown
-    record = json.loads(output(lcmtools("echo", "/scan", "-1", "--json", *fields)))
+    assert output(cli("echo", "/scan", "-1", *fields)) == shown
+    record = json.loads(output(cli("echo", "/scan", "-1", "--json", *fields)))
     assert record == {"header.stamp.sec": 3, "ranges[0:2]": [0.0, 1.0]}
 
 
-def test_field_goes_on_where_the_topics_path_ends(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "/scan/header", "--field", "stamp.sec", "-1")) == "3\n---\n"
+def test_field_goes_on_where_the_topics_path_ends(cli: Run) -> None:
+    assert output(cli("echo", "/scan/header", "--field", "stamp.sec", "-1")) == "3\n---\n"
 
 
-def test_json_of_a_field_is_that_field(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "/scan/ranges[3:]", "-1", "--json")) == "[3.0,4.0]\n"
+def test_json_of_a_field_is_that_field(cli: Run) -> None:
+    assert output(cli("echo", "/scan/ranges[3:]", "-1", "--json")) == "[3.0,4.0]\n"
 
 
-def test_filter_shows_the_messages_that_meet_it(lcmtools: Run) -> None:
-    result = lcmtools("echo", "NUMBER/data", "--filter", "m.data % 3 == 1 and data < 5", "-n", "4")
+def test_filter_shows_the_messages_that_meet_it(cli: Run) -> None:
+    result = cli("echo", "NUMBER/data", "--filter", "m.data % 3 == 1 and data < 5", "-n", "4")
     assert set(output(result).split()) == {"1", "4", "---"}
 
 
-def test_timeout_is_for_messages_that_meet_the_filter(lcmtools: Run) -> None:
-    result = lcmtools("echo", "NUMBER", "--filter", "data > 99", "--timeout", "500ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert_says(result.stderr, "lcmtools echo: nothing", "NUMBER", "0.5 s; ")
+def test_timeout_is_for_messages_that_meet_the_filter(cli: Run) -> None:
+    result = cli("echo", "NUMBER", "--filter", "data > 99", "--timeout", "500ms")
+    assert (result.code, result.out) == (4, "")
+    assert_says(result.err, "lcmtools echo: nothing", "NUMBER", "0.5 s; ")
 
 
 @pytest.mark.parametrize(
@@ -137,28 +135,26 @@ def test_timeout_is_for_messages_that_meet_the_filter(lcmtools: Run) -> None:
     ],
 )
 def test_a_mistake_ends_echo_with_one_line_and_exit_code_2(
-    arguments: list[str], error: str, lcmtools: Run
+    arguments: list[str], error: str, cli: Run
 ) -> None:
-    result = lcmtools("echo", *arguments)
-    assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == f"lcmtools echo: {error}\n"
+    result = cli("echo", *arguments)
+    assert (result.code, result.out) == (2, "")
+    assert result.err == f"lcmtools echo: {error}\n"
 
 
-def test_noarr_and_nostr_name_what_they_hide(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "/scan", "-1", "--noarr", "--nostr")).splitlines()
+def test_noarr_and_nostr_name_what_they_hide(cli: Run) -> None:
+    shown = output(cli("echo", "/scan", "-1", "--noarr", "--nostr")).splitlines()
     assert 'ranges: "<array type: float32, length: 5>"' in shown
     assert '  frame_id: "<string length: 12>"' in shown
     assert "angle_min: 0.0" in shown
-    record = json.loads(output(lcmtools("echo", "/tf", "-1", "--json", "--noarr")))
+    record = json.loads(output(cli("echo", "/tf", "-1", "--json", "--noarr")))
     assert record == {
         "transforms": "<array type: geometry_msgs/TransformStamped, length: 2>",
     }
 
 
-def test_csv_has_rostopics_columns_and_the_headers_stamp(lcmtools: Run) -> None:
-    first, second, third = csv.reader(
-        output(lcmtools("echo", "/scan", "-n", "2", "-p")).splitlines()
-    )
+def test_csv_has_rostopics_columns_and_the_headers_stamp(cli: Run) -> None:
+    first, second, third = csv.reader(output(cli("echo", "/scan", "-n", "2", "-p")).splitlines())
     header = ["field.header.seq", "field.header.stamp", "field.header.frame_id"]
     assert first[:4] == ["%time", *header]
     assert first[-5:] == [f"field.ranges{index}" for index in range(5)]
@@ -166,29 +162,29 @@ def test_csv_has_rostopics_columns_and_the_headers_stamp(lcmtools: Run) -> None:
     assert second == third
 
 
-def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(lcmtools: Run) -> None:
-    head, row = output(lcmtools("echo", "/chatter/data", "-1", "--csv")).split("\n", 1)
+def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(cli: Run) -> None:
+    head, row = output(cli("echo", "/chatter/data", "-1", "--csv")).split("\n", 1)
     assert head == "%time,field"
     time, text = row.split(",", 1)
     assert len(time) == 19
     assert text == '"a ""word"",\nor two"\n'
 
 
-def test_flow_style_is_one_line_a_message(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "/scan/header", "-1", "--flow-style"))
+def test_flow_style_is_one_line_a_message(cli: Run) -> None:
+    shown = output(cli("echo", "/scan/header", "-1", "--flow-style"))
     assert shown == '{seq: 0, stamp: {sec: 3, nsec: 5}, frame_id: "laser, front"}\n---\n'
 
 
-def test_raw_is_the_payload_in_hexadecimal(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "NOISE", "-1", "--raw")) == f"{bytes(range(40)).hex()}\n"
-    record = json.loads(output(lcmtools("echo", "NOISE", "-1", "--raw", "--json")))
+def test_raw_is_the_payload_in_hexadecimal(cli: Run) -> None:
+    assert output(cli("echo", "NOISE", "-1", "--raw")) == f"{bytes(range(40)).hex()}\n"
+    record = json.loads(output(cli("echo", "NOISE", "-1", "--raw", "--json")))
     assert record == {"bytes": 40, "data": bytes(range(40)).hex()}
 
 
-def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(lcmtools: Run) -> None:
-    result = lcmtools("echo", "NOISE/x", "--timeout", "400ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    first, second = result.stderr.splitlines()
+def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(cli: Run) -> None:
+    result = cli("echo", "NOISE/x", "--timeout", "400ms")
+    assert (result.code, result.out) == (4, "")
+    first, second = result.err.splitlines()
     assert_says(first, "lcmtools echo: ", "NOISE", "0x0001020304050607; ", "LCMTOOLS_TYPE_PATH=")
     assert_says(second, "lcmtools echo: nothing", "NOISE")
 

@@ -13,13 +13,14 @@ from typing import Any
 import lcm
 import pytest
 import yaml
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Int32, String
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "joints")
 
@@ -52,34 +53,34 @@ def joints(module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFa
     module_start(sys.executable, str(script)).wait_for("ready")
 
 
-def output(result: subprocess.CompletedProcess[str]) -> str:
-    assert (result.returncode, result.stderr) == (0, "")
-    return result.stdout
+def output(result: Result) -> str:
+    assert (result.code, result.err) == (0, "")
+    return result.out
 
 
-def test_offset_shows_stamps_relative_to_the_arrival(lcmtools: Run) -> None:
-    stamp = yaml.safe_load(output(lcmtools("echo", "JOINTS/header/stamp", "-1", "--offset"))[:-4])
+def test_offset_shows_stamps_relative_to_the_arrival(cli: Run) -> None:
+    stamp = yaml.safe_load(output(cli("echo", "JOINTS/header/stamp", "-1", "--offset"))[:-4])
     assert stamp["sec"] == -3
     assert 0 <= stamp["nsec"] <= 500_000_000
-    row = output(lcmtools("echo", "JOINTS/header", "-1", "--offset", "-p")).splitlines()[1]
+    row = output(cli("echo", "JOINTS/header", "-1", "--offset", "-p")).splitlines()[1]
     time, _, cell, _ = row.split(",")
     assert -3_000_000_000 < int(time) == int(cell) <= -2_500_000_000
 
 
-def test_truncate_length_cuts_arrays_and_strings(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "JOINTS", "-1", "--truncate-length", "2")).splitlines()
+def test_truncate_length_cuts_arrays_and_strings(cli: Run) -> None:
+    shown = output(cli("echo", "JOINTS", "-1", "--truncate-length", "2")).splitlines()
     assert '  frame_id: "a ..."' in shown
     assert "position: [0.123456789, -2.0, ...]" in shown
     assert shown[shown.index("name: ") + 3] == "  - ..."
-    message = json.loads(output(lcmtools("echo", "JOINTS", "-1", "-l", "2", "--json")))
+    message = json.loads(output(cli("echo", "JOINTS", "-1", "-l", "2", "--json")))
     assert message["position"] == [0.123456789, -2.0, "..."]
-    row = output(lcmtools("echo", "JOINTS/position", "-1", "-l", "2", "-p")).splitlines()
+    row = output(cli("echo", "JOINTS/position", "-1", "-l", "2", "-p")).splitlines()
     assert row[0] == "%time,field0,field1"
 
 
 @pytest.mark.usefixtures("long_scan")
 def test_long_arrays_are_shortened_on_a_terminal_only(
-    on_terminal: Callable[..., str], lcmtools: Run
+    on_terminal: Callable[..., str], cli: Run
 ) -> None:
     words = ("echo", "/long_scan/ranges", "-1", "--timeout", "20s")
     shown = on_terminal(*words).splitlines()[0]
@@ -89,7 +90,7 @@ def test_long_arrays_are_shortened_on_a_terminal_only(
     for whole in (
         on_terminal(*words, "-f"),
         on_terminal(*words, "--json"),
-        lcmtools(*words).stdout,
+        cli(*words).out,
     ):
         assert whole.count("0.0") == 301
         assert "more" not in whole
@@ -102,34 +103,34 @@ def long_scan(module_start: Callable[..., Any]) -> None:
     module_start(*program, "sensor_msgs/LaserScan", scan).wait_for("publishing")
 
 
-def test_nothing_is_cut_without_it(lcmtools: Run) -> None:
+def test_nothing_is_cut_without_it(cli: Run) -> None:
     for option in ([], ["--full-length"], ["-f"]):
-        assert "..." not in output(lcmtools("echo", "JOINTS", "-1", *option))
+        assert "..." not in output(cli("echo", "JOINTS", "-1", *option))
 
 
-def test_width_is_that_of_rostopic(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "JOINTS/position", "-1", "-w", "5")) == (
+def test_width_is_that_of_rostopic(cli: Run) -> None:
+    assert output(cli("echo", "JOINTS/position", "-1", "-w", "5")) == (
         "[0.123, -2.00, 3.000]\n---\n"
     )
 
 
-def test_csv_leaves_out_what_is_hidden(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "JOINTS", "-1", "-p", "--noarr", "--nostr"))
+def test_csv_leaves_out_what_is_hidden(cli: Run) -> None:
+    shown = output(cli("echo", "JOINTS", "-1", "-p", "--noarr", "--nostr"))
     head, row = csv.reader(shown.splitlines())
     assert head == ["%time", "field.header.seq", "field.header.stamp"]
     assert row[0] == row[2]
 
 
-def test_times_may_be_named_as_in_ros_1(lcmtools: Run) -> None:
-    result = lcmtools(
+def test_times_may_be_named_as_in_ros_1(cli: Run) -> None:
+    result = cli(
         *("echo", "JOINTS/header/stamp/secs", "-1", "--filter", "m.header.stamp.nsecs >= 0")
     )
     assert int(output(result).split()[0]) > 1_600_000_000
 
 
-def test_clear_clears_only_a_screen(lcmtools: Run, lcmtools_path: str) -> None:
+def test_clear_clears_only_a_screen(cli: Run, lcmtools_path: str) -> None:
     command = ["echo", "JOINTS/position", "-1", "--clear"]
-    assert output(lcmtools(*command)).startswith("[")
+    assert output(cli(*command)).startswith("[")
     assert _on_terminal(lcmtools_path, command, "xterm").startswith("\033[2J\033[;H[")
     assert _on_terminal(lcmtools_path, command, "dumb").startswith("[")
     assert _on_terminal(lcmtools_path, [*command, "--json"], "xterm").startswith("[")
@@ -162,19 +163,19 @@ def log(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_a_log_is_read_at_once(log: str, lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "-b", log, "number")) == (
+def test_a_log_is_read_at_once(log: str, cli: Run) -> None:
+    assert output(cli("echo", "-b", log, "number")) == (
         "data: 0\n---\ndata: 1\n---\ndata: 2\n---\n"
     )
-    assert output(lcmtools("echo", "--bag", log, "/text/data", "-n", "1")) == '"text 0"\n---\n'
+    assert output(cli("echo", "--bag", log, "/text/data", "-n", "1")) == '"text 0"\n---\n'
 
 
-def test_csv_of_a_log_has_the_times_of_recording(log: str, lcmtools: Run) -> None:
-    rows = output(lcmtools("echo", "-b", log, "/number", "-p")).splitlines()
+def test_csv_of_a_log_has_the_times_of_recording(log: str, cli: Run) -> None:
+    rows = output(cli("echo", "-b", log, "/number", "-p")).splitlines()
     assert rows == ["%time,field.data", "1000000000,0", "1801000000000,1", "3601000000000,2"]
 
 
-def test_all_topics_of_a_log(log: str, lcmtools: Run) -> None:
-    lines = output(lcmtools("echo", "-b", log, "-a", "--json", "--noarr")).splitlines()
+def test_all_topics_of_a_log(log: str, cli: Run) -> None:
+    lines = output(cli("echo", "-b", log, "-a", "--json", "--noarr")).splitlines()
     assert json.loads(lines[1]) == {"topic": "/text", "message": {"data": "text 0"}}
     assert [json.loads(line)["topic"] for line in lines] == ["/number", "/text", "/joints"] * 3

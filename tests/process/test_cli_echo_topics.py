@@ -2,7 +2,6 @@
 
 import csv
 import json
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,10 +9,11 @@ from typing import Any
 
 import pytest
 import yaml
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "fleet")
 
@@ -71,31 +71,31 @@ def fleet(module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFac
     module_start(sys.executable, str(script)).wait_for("ready")
 
 
-def output(result: subprocess.CompletedProcess[str]) -> str:
-    assert (result.returncode, result.stderr) == (0, "")
-    return result.stdout
+def output(result: Result) -> str:
+    assert (result.code, result.err) == (0, "")
+    return result.out
 
 
-def test_a_pattern_shows_each_message_under_its_topic(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "/husky*/where", "--field", "point.x", "-n", "20"))
+def test_a_pattern_shows_each_message_under_its_topic(cli: Run) -> None:
+    shown = output(cli("echo", "/husky*/where", "--field", "point.x", "-n", "20"))
     assert set(shown.split("---\n")) == {"# /husky0/where\n1.5\n", "# /husky1/where\n1.5\n", ""}
     assert [document for document in yaml.safe_load_all(shown) if document] == [1.5] * 20
 
 
-def test_a_pattern_may_have_a_field_path_behind_it(lcmtools: Run) -> None:
-    lines = output(lcmtools("echo", "husky?/where.point/x", "-n", "20", "--json")).splitlines()
+def test_a_pattern_may_have_a_field_path_behind_it(cli: Run) -> None:
+    lines = output(cli("echo", "husky?/where.point/x", "-n", "20", "--json")).splitlines()
     assert {json.loads(line)["topic"] for line in lines} == {"/husky0/where", "/husky1/where"}
     assert {json.loads(line)["message"] for line in lines} == {1.5}
 
 
-def test_several_topics_may_be_named(lcmtools: Run) -> None:
-    shown = output(lcmtools("echo", "husky1/name/data", "/husky0/where/point/x", "-n", "20"))
+def test_several_topics_may_be_named(cli: Run) -> None:
+    shown = output(cli("echo", "husky1/name/data", "/husky0/where/point/x", "-n", "20"))
     assert set(shown.split("---\n")) == {'# /husky1/name\n"one"\n', "# /husky0/where\n1.5\n", ""}
 
 
-def test_csv_of_several_topics_has_a_column_for_them(lcmtools: Run) -> None:
+def test_csv_of_several_topics_has_a_column_for_them(cli: Run) -> None:
     head, *rows = csv.reader(
-        output(lcmtools("echo", "/husky*/where/point", "-p", "-n", "20")).splitlines()
+        output(cli("echo", "/husky*/where/point", "-p", "-n", "20")).splitlines()
     )
     assert head == ["%time", "topic", "field.x", "field.y", "field.z"]
     assert {tuple(row) for row in rows} == {
@@ -104,46 +104,44 @@ def test_csv_of_several_topics_has_a_column_for_them(lcmtools: Run) -> None:
     }
 
 
-def test_topics_without_the_field_are_passed_over_and_that_is_said_once(lcmtools: Run) -> None:
-    result = lcmtools("echo", "/husky1/*", "--field", "header.frame_id", "-n", "20")
-    assert set(result.stdout.split("---\n")) == {'# /husky1/where\n"odom"\n', ""}
+def test_topics_without_the_field_are_passed_over_and_that_is_said_once(cli: Run) -> None:
+    result = cli("echo", "/husky1/*", "--field", "header.frame_id", "-n", "20")
+    assert set(result.out.split("---\n")) == {'# /husky1/where\n"odom"\n', ""}
     parts = ("/husky1/name", "left out", "std_msgs/String", "'header'", "fields: data")
-    assert_line(result.stderr, "lcmtools echo: ", *parts)
+    assert_line(result.err, "lcmtools echo: ", *parts)
 
 
-def test_two_stars_match_all_topics_but_hidden_ones(lcmtools: Run) -> None:
-    lines = output(lcmtools("echo", "**", "-n", "100", "--raw", "--json")).splitlines()
+def test_two_stars_match_all_topics_but_hidden_ones(cli: Run) -> None:
+    lines = output(cli("echo", "**", "-n", "100", "--raw", "--json")).splitlines()
     assert {json.loads(line)["topic"] for line in lines} == {
         *("/husky0/where", "/husky1/where", "/husky1/name", "A*B", "AXB", "A[0]C", "NOISY1"),
         *("MIXED", "POINT"),
     }
 
 
-def test_one_star_stays_within_a_part_of_the_name(lcmtools: Run) -> None:
-    lines = output(lcmtools("echo", "*", "-n", "50", "--raw", "--json")).splitlines()
+def test_one_star_stays_within_a_part_of_the_name(cli: Run) -> None:
+    lines = output(cli("echo", "*", "-n", "50", "--raw", "--json")).splitlines()
     topics = {json.loads(line)["topic"] for line in lines}
     assert topics == {"A*B", "AXB", "A[0]C", "NOISY1", "MIXED", "POINT"}
 
 
-def test_a_channel_that_has_a_star_in_its_name_can_be_reached(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "A*B", "-n", "5")) == 'data: "one"\n---\n' * 5
+def test_a_channel_that_has_a_star_in_its_name_can_be_reached(cli: Run) -> None:
+    assert output(cli("echo", "A*B", "-n", "5")) == 'data: "one"\n---\n' * 5
 
 
-def test_a_channel_that_has_brackets_in_its_name_can_be_reached(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "A[0]C", "-1")) == 'data: "one"\n---\n'
-    assert output(lcmtools("echo", "A[0]C.data", "-1")) == '"one"\n---\n'
+def test_a_channel_that_has_brackets_in_its_name_can_be_reached(cli: Run) -> None:
+    assert output(cli("echo", "A[0]C", "-1")) == 'data: "one"\n---\n'
+    assert output(cli("echo", "A[0]C.data", "-1")) == '"one"\n---\n'
 
 
-def test_payloads_of_no_known_type_say_their_topic_too(lcmtools: Run) -> None:
-    assert lcmtools("echo", "NOIS*", "-1").stdout.splitlines()[:2] == [
+def test_payloads_of_no_known_type_say_their_topic_too(cli: Run) -> None:
+    assert cli("echo", "NOIS*", "-1").out.splitlines()[:2] == [
         "# NOISY1",
         "# unknown type, fingerprint 0x0001020304050607",
     ]
-    record = json.loads(output(lcmtools("echo", "NOIS*", "-1", "--json")))
+    record = json.loads(output(cli("echo", "NOIS*", "-1", "--json")))
     assert list(record) == ["topic", "bytes", "error", "data"]
-    assert output(lcmtools("echo", "NOIS*", "-1", "--raw")) == (
-        "# NOISY1\n000102030405060708090a0b\n"
-    )
+    assert output(cli("echo", "NOIS*", "-1", "--raw")) == ("# NOISY1\n000102030405060708090a0b\n")
 
 
 @pytest.mark.parametrize("command", ["echo", "bag record"])
@@ -163,14 +161,14 @@ def test_one_of_several_topics_is_named_while_nothing_comes_on_it(
 
 
 def test_a_topic_that_a_log_has_only_announced_is_told_from_what_it_has(
-    lcmtools: Run, tmp_path: Path
+    cli: Run, tmp_path: Path
 ) -> None:
     log = str(tmp_path / "a.lcmlog")
-    lcmtools("bag", "record", "/husky0/where", "-n", "1", "-o", log)
-    result = lcmtools("echo", "-b", log, "/husky0/where", "/husky1/where")
-    assert result.returncode == 0
+    cli("bag", "record", "/husky0/where", "-n", "1", "-o", log)
+    result = cli("echo", "-b", log, "/husky0/where", "/husky1/where")
+    assert result.code == 0
     line = "lcmtools echo: the log has no message on /husky1/where; did you mean /husky0/where?\n"
-    assert result.stderr == line
+    assert result.err == line
 
 
 def test_topics_that_come_later_are_taken_too(
@@ -187,22 +185,22 @@ def test_topics_that_come_later_are_taken_too(
 
 
 def test_a_pattern_is_announced_as_a_subscription_to_what_it_matches(
-    start: Callable[..., Any], lcmtools_path: str, lcmtools: Run, module_bus_url: str
+    start: Callable[..., Any], lcmtools_path: str, cli: Run, module_bus_url: str
 ) -> None:
     echo = start(lcmtools_path, "echo", "/husky*/where", LCM_DEFAULT_URL=module_bus_url)
     echo.wait_for("# /husky1/where")
     for topic in ("/husky0/where", "/husky1/where"):
-        assert f"/_lcmtools_echo_{echo.pid}" in lcmtools("info", topic).stdout
+        assert f"/_lcmtools_echo_{echo.pid}" in cli("info", topic).out
 
 
-def test_nothing_within_the_timeout_names_all_that_was_waited_for(lcmtools: Run) -> None:
-    result = lcmtools("echo", "/nope/*", "/nothing", "--timeout", "300ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert_says(result.stderr, "lcmtools echo: ", "/nope/*, /nothing", "0.3 s; on the bus: ")
+def test_nothing_within_the_timeout_names_all_that_was_waited_for(cli: Run) -> None:
+    result = cli("echo", "/nope/*", "/nothing", "--timeout", "300ms")
+    assert (result.code, result.out) == (4, "")
+    assert_says(result.err, "lcmtools echo: ", "/nope/*, /nothing", "0.3 s; on the bus: ")
 
 
-def test_messages_of_two_types_on_one_topic_are_both_shown(lcmtools: Run) -> None:
-    documents = output(lcmtools("echo", "MIXED", "-n", "10")).split("---\n")
+def test_messages_of_two_types_on_one_topic_are_both_shown(cli: Run) -> None:
+    documents = output(cli("echo", "MIXED", "-n", "10")).split("---\n")
     assert {'data: "one"\n'} < set(documents)
     assert {type(document["data"]) for document in map(yaml.safe_load, documents[:10])} == {
         str,
@@ -210,25 +208,25 @@ def test_messages_of_two_types_on_one_topic_are_both_shown(lcmtools: Run) -> Non
     }
 
 
-def test_csv_keeps_to_the_type_of_the_first_message(lcmtools: Run) -> None:
-    result = lcmtools("echo", "MIXED", "-p", "-n", "5")
-    _, *rows = csv.reader(result.stdout.splitlines())
+def test_csv_keeps_to_the_type_of_the_first_message(cli: Run) -> None:
+    result = cli("echo", "MIXED", "-p", "-n", "5")
+    _, *rows = csv.reader(result.out.splitlines())
     is_number = rows[0][1].isdigit()
     assert [row[1].isdigit() for row in rows] == [is_number] * 5
     kept, left = ("Int32", "String") if is_number else ("String", "Int32")
     parts = (f"std_msgs/{left}", "left out", f"std_msgs/{kept}")
-    assert_line(result.stderr, "lcmtools echo: ", *parts)
+    assert_line(result.err, "lcmtools echo: ", *parts)
 
 
-def test_the_type_that_is_said_settles_which_of_two_equal_types_is_meant(lcmtools: Run) -> None:
-    nested = output(lcmtools("echo", "POINT", "geometry_msgs/msg/Point", "-1", "--json"))
+def test_the_type_that_is_said_settles_which_of_two_equal_types_is_meant(cli: Run) -> None:
+    nested = output(cli("echo", "POINT", "geometry_msgs/msg/Point", "-1", "--json"))
     assert json.loads(nested) == {"x": 0.0, "y": 0.0, "z": 0.0}
-    shown = output(lcmtools("echo", "POINT", "std_msgs/Int32", "-1")).splitlines()
+    shown = output(cli("echo", "POINT", "std_msgs/Int32", "-1")).splitlines()
     assert_says(shown[0], "# ", "not std_msgs/Int32", "geometry_msgs/Vector3")
 
 
-def test_the_type_that_is_said_tells_wrong_fields_before_a_message_comes(lcmtools: Run) -> None:
-    result = lcmtools("echo", "/nobody", "geometry_msgs/Point", "--field", "w")
-    assert (result.returncode, result.stdout) == (2, "")
+def test_the_type_that_is_said_tells_wrong_fields_before_a_message_comes(cli: Run) -> None:
+    result = cli("echo", "/nobody", "geometry_msgs/Point", "--field", "w")
+    assert (result.code, result.out) == (2, "")
     parts = ("geometry_msgs/Point", "no field 'w'", "fields: x, y, z")
-    assert_line(result.stderr, "lcmtools echo: ", *parts)
+    assert_line(result.err, "lcmtools echo: ", *parts)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_says
 
@@ -185,17 +186,17 @@ def test_node_ends_within_a_second_quietly_with_0(
     number: signal.Signals,
     node: str,
     begin: Callable[..., subprocess.Popen[str]],
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    cli: Callable[..., Result],
     wait_until: Callable[..., None],
     stopwatch: Callable[..., Any],
 ) -> None:
     process = begin("run", node, "__ns:=/ending")
-    wait_until(lambda: f"/ending/{node}" in lcmtools("node", "list").stdout)
+    wait_until(lambda: f"/ending/{node}" in cli("node", "list").out)
     ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.out) == (0, "")
     assert ending.seconds < 1.0
     assert all(line.startswith("[INFO] ") for line in ending.error.splitlines())
-    assert f"/ending/{node}" not in lcmtools("node", "list").stdout
+    assert f"/ending/{node}" not in cli("node", "list").out
 
 
 @pytest.mark.parametrize("number", SIGNALS)
@@ -307,13 +308,13 @@ def test_help_on_a_full_disk_is_one_line_and_exit_code_1(
 
 
 def test_node_goes_on_where_its_log_cannot_be_written(
-    start: Callable[..., Any], lcmtools: Callable[..., subprocess.CompletedProcess[str]]
+    start: Callable[..., Any], cli: Callable[..., Result]
 ) -> None:
     for number, where in enumerate(("2> /dev/full", "2>&-")):
         command = f"exec lcmtools run talker __ns:=/full{number} {where}"
         start("bash", "-c", command, PATH=_path())
-        echo = lcmtools("echo", "-n", "2", f"/full{number}/chatter", "--timeout", "10s")
-        assert (echo.returncode, echo.stdout.count("hello world")) == (0, 2)
+        echo = cli("echo", "-n", "2", f"/full{number}/chatter", "--timeout", "10s")
+        assert (echo.code, echo.out.count("hello world")) == (0, 2)
 
 
 @pytest.mark.parametrize("command", ["list", "bogus", "msg show Nope"])
@@ -335,14 +336,14 @@ def test_closed_stream_is_no_fault(
 
 
 def test_data_goes_to_standard_output_and_talk_to_standard_error(
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]], bus_url: str
+    cli: Callable[..., Result], bus_url: str
 ) -> None:
-    result = lcmtools("list", LCM_DEFAULT_URL=bus_url)
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"no topics on {bus_url}\n"
-    result = lcmtools("node", "list", LCM_DEFAULT_URL=bus_url)
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"no nodes on {bus_url}\n"
+    result = cli("list", env={"LCM_DEFAULT_URL": bus_url})
+    assert (result.code, result.out) == (0, "")
+    assert result.err == f"no topics on {bus_url}\n"
+    result = cli("node", "list", env={"LCM_DEFAULT_URL": bus_url})
+    assert (result.code, result.out) == (0, "")
+    assert result.err == f"no nodes on {bus_url}\n"
 
 
 def test_a_deleted_working_directory_is_told_with_a_remedy(

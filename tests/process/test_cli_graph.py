@@ -4,18 +4,18 @@ import json
 import re
 import signal
 import socket
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.wire.datagram import short_message
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 _LISTENER = """
 import lcm
@@ -83,29 +83,29 @@ def edges_of(document: dict[str, Any]) -> set[tuple[str, str, str]]:
     return {(names[edge["from"]], edge["kind"], names[edge["to"]]) for edge in document["edges"]}
 
 
-def test_text_shows_who_feeds_whom(lcmtools: Run, on_bus: dict[str, Any]) -> None:
-    result = lcmtools("graph", LC_ALL="C.UTF-8")
+def test_text_shows_who_feeds_whom(cli: Run, on_bus: dict[str, Any]) -> None:
+    result = cli("graph", env={"LC_ALL": "C.UTF-8"})
     source, plain = on_bus["source"].pid, on_bus["plain"].pid
-    assert result.returncode == 0
-    assert "/talker\n└─ /chatter [std_msgs/String]\n   └→ /r/listener\n" in result.stdout
-    assert f"lcm-source -m EXAMPLE (no node, pid {source})\n└─ EXAMPLE [" in result.stdout
+    assert result.code == 0
+    assert "/talker\n└─ /chatter [std_msgs/String]\n   └→ /r/listener\n" in result.out
+    assert f"lcm-source -m EXAMPLE (no node, pid {source})\n└─ EXAMPLE [" in result.out
     assert re.search(
         rf"^python.* \(no node, pid {plain}, receives unknown channels\)$",
-        result.stdout,
+        result.out,
         re.MULTILINE,
     )
     parts = ("1 unused topic", "--leaf-topics", "/rosout", "--all")
-    assert_line(result.stderr, "not drawn: ", *parts)
+    assert_line(result.err, "not drawn: ", *parts)
 
 
-def test_in_the_c_locale_text_is_ascii(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+def test_in_the_c_locale_text_is_ascii(cli: Run, on_bus: dict[str, Any]) -> None:
     del on_bus
-    text = lcmtools("graph", "/talker", LC_ALL="C").stdout
+    text = cli("graph", "/talker", env={"LC_ALL": "C"}).out
     assert text == "/talker\n`- /chatter [std_msgs/String]\n   `> /r/listener\n"
 
 
-def test_json_has_nodes_programs_and_edges(lcmtools: Run, on_bus: dict[str, Any]) -> None:
-    document = json.loads(lcmtools("graph", "--json").stdout)
+def test_json_has_nodes_programs_and_edges(cli: Run, on_bus: dict[str, Any]) -> None:
+    document = json.loads(cli("graph", "--json").out)
     source, plain = str(on_bus["source"].pid), str(on_bus["plain"].pid)
     assert edges_of(document) == {
         ("/talker", "publishes", "/chatter"),
@@ -118,105 +118,103 @@ def test_json_has_nodes_programs_and_edges(lcmtools: Run, on_bus: dict[str, Any]
 
 
 def test_leaf_topics_and_services_are_shown_where_asked_for(
-    lcmtools: Run, on_bus: dict[str, Any]
+    cli: Run, on_bus: dict[str, Any]
 ) -> None:
     del on_bus
-    document = json.loads(
-        lcmtools("graph", "--json", "--leaf-topics", "--services", "/server").stdout
-    )
+    document = json.loads(cli("graph", "--json", "--leaf-topics", "--services", "/server").out)
     assert edges_of(document) == {
         ("/orders", "subscribes", "/server"),
         ("/reset", "serves", "/server"),
     }
 
 
-def test_all_leaves_nothing_out(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+def test_all_leaves_nothing_out(cli: Run, on_bus: dict[str, Any]) -> None:
     del on_bus
-    result = lcmtools("graph", "-a")
-    assert "/rosout" in result.stdout
-    assert "/orders" in result.stdout
-    assert result.stderr == ""
+    result = cli("graph", "-a")
+    assert "/rosout" in result.out
+    assert "/orders" in result.out
+    assert result.err == ""
 
 
 def test_a_looking_command_is_shown_by_tools(
-    lcmtools: Run, on_bus: dict[str, Any], module_start: Callable[..., Any], lcmtools_path: str
+    cli: Run, on_bus: dict[str, Any], module_start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     del on_bus
     echo = module_start(lcmtools_path, "echo", "/chatter")
     echo.wait_for("data:")
     try:
-        assert "_lcmtools_echo" not in lcmtools("graph").stdout
-        assert_says(lcmtools("graph").stderr, "1 command", "--tools")
-        assert f"/_lcmtools_echo_{echo.pid} (observes)" in lcmtools("graph", "--tools").stdout
+        assert "_lcmtools_echo" not in cli("graph").out
+        assert_says(cli("graph").err, "1 command", "--tools")
+        assert f"/_lcmtools_echo_{echo.pid} (observes)" in cli("graph", "--tools").out
     finally:
         echo.end()
 
 
-def test_nodes_only_connects_nodes(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+def test_nodes_only_connects_nodes(cli: Run, on_bus: dict[str, Any]) -> None:
     del on_bus
-    document = json.loads(lcmtools("graph", "--nodes-only", "--json", "/r").stdout)
+    document = json.loads(cli("graph", "--nodes-only", "--json", "/r").out)
     assert edges_of(document) == {("/talker", "feeds", "/r/listener")}
     assert document["edges"][0]["topics"] == ["/chatter"]
 
 
-def test_rates_are_measured(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+def test_rates_are_measured(cli: Run, on_bus: dict[str, Any]) -> None:
     del on_bus
-    document = json.loads(lcmtools("graph", "--hz", "--json", "EXAMPLE").stdout)
+    document = json.loads(cli("graph", "--hz", "--json", "EXAMPLE").out)
     assert document["topics"][0]["rate"] > 0
     assert document["edges"][0]["rate"] == document["topics"][0]["rate"]
 
 
 def test_a_file_has_the_format_that_its_name_tells(
-    lcmtools: Run, on_bus: dict[str, Any], tmp_path: Path
+    cli: Run, on_bus: dict[str, Any], tmp_path: Path
 ) -> None:
     del on_bus
     file = tmp_path / "graph.gv"
-    result = lcmtools("graph", "--group", "-o", str(file))
+    result = cli("graph", "--group", "-o", str(file))
     said = f"wrote {file}: 3 nodes, 2 other programs, 2 topics\n"
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr.startswith(said)
+    assert (result.code, result.out) == (0, "")
+    assert result.err.startswith(said)
     labels = re.findall(r'label="([^"\\]*)', file.read_text())
     assert {"/talker", "/chatter", "/r/listener", "EXAMPLE", "/r"} <= set(labels)
-    again = lcmtools("graph", "-o", str(file))
-    assert again.returncode == 2
-    assert "--force overwrites it" in again.stderr
+    again = cli("graph", "-o", str(file))
+    assert again.code == 2
+    assert "--force overwrites it" in again.err
 
 
-def test_dot_and_mermaid_go_to_standard_output(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+def test_dot_and_mermaid_go_to_standard_output(cli: Run, on_bus: dict[str, Any]) -> None:
     del on_bus
-    dot = lcmtools("graph", "--format", "dot", "/talker")
-    assert dot.stdout.startswith("digraph lcmtools {\n")
-    assert re.search(r"n\d+ -> t\d+ \[", dot.stdout)
-    mermaid = lcmtools("graph", "--format", "mermaid", "/talker").stdout
+    dot = cli("graph", "--format", "dot", "/talker")
+    assert dot.out.startswith("digraph lcmtools {\n")
+    assert re.search(r"n\d+ -> t\d+ \[", dot.out)
+    mermaid = cli("graph", "--format", "mermaid", "/talker").out
     assert re.search(r"n\d+ --> t\d+\n", mermaid)
 
 
-def test_what_is_nowhere_is_said(lcmtools: Run, on_bus: dict[str, Any], bus_url: str) -> None:
+def test_what_is_nowhere_is_said(cli: Run, on_bus: dict[str, Any], bus_url: str) -> None:
     del on_bus
-    result = lcmtools("graph", "/nowhere")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert_says(result.stderr, "nothing of /nowhere", "udpm://")
-    empty = lcmtools("graph", "--format", "dot", LCM_DEFAULT_URL=bus_url)
-    assert empty.stdout.startswith("digraph lcmtools {")
-    assert empty.stderr == f"nothing to draw on {bus_url}\n"
+    result = cli("graph", "/nowhere")
+    assert (result.code, result.out) == (0, "")
+    assert_says(result.err, "nothing of /nowhere", "udpm://")
+    empty = cli("graph", "--format", "dot", env={"LCM_DEFAULT_URL": bus_url})
+    assert empty.out.startswith("digraph lcmtools {")
+    assert empty.err == f"nothing to draw on {bus_url}\n"
 
 
 def test_two_of_the_same_name_and_a_stale_one(
-    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+    cli: Run, start: Callable[..., Any], lcmtools_path: str, bus_url: str
 ) -> None:
     one, other = (start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url) for _ in range(2))
     for talker in (one, other):
         talker.wait_for("hello world")
     other.send_signal(signal.SIGKILL)
     other.wait()
-    text = lcmtools("graph", LCM_DEFAULT_URL=bus_url, LC_ALL="C").stdout
+    text = cli("graph", env={"LCM_DEFAULT_URL": bus_url, "LC_ALL": "C"}).out
     assert f"/talker (pid {one.pid})\n" in text
     assert f"/talker (pid {other.pid}) (stale: " in text
 
 
 @pytest.mark.usefixtures("private_network")
 def test_channels_of_any_bytes_are_drawn(
-    lcmtools: Run, start: Callable[..., Any], tmp_path: Path
+    cli: Run, start: Callable[..., Any], tmp_path: Path
 ) -> None:
     """In a network of its own: such channels may end what hears them."""
     names = ['a"b\\', "<&>#35;\n", "\udcff\x1b[2J", "日本|`x`"]
@@ -232,16 +230,18 @@ def test_channels_of_any_bytes_are_drawn(
     )
     start(sys.executable, str(script)).wait_for("sent")
     wait = ("--wait", "0.5s")  # ten times the period
-    document = json.loads(lcmtools("graph", "--json", *wait, LCM_DEFAULT_URL=url).stdout)
+    document = json.loads(cli("graph", "--json", *wait, env={"LCM_DEFAULT_URL": url}).out)
     assert sorted(topic["topic"] for topic in document["topics"]) == sorted(names)
     for form in ("text", "dot", "mermaid"):
-        result = lcmtools("graph", "--format", form, *wait, LCM_DEFAULT_URL=url, LC_ALL="C.UTF-8")
-        assert result.returncode == 0
-        assert "日本" in result.stdout
-        assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.stdout)
+        result = cli(
+            "graph", "--format", form, *wait, env={"LCM_DEFAULT_URL": url, "LC_ALL": "C.UTF-8"}
+        )
+        assert result.code == 0
+        assert "日本" in result.out
+        assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.out)
 
 
-def test_a_log_is_drawn_too(lcmtools: Run, tmp_path: Path) -> None:
+def test_a_log_is_drawn_too(cli: Run, tmp_path: Path) -> None:
     import struct
 
     def event(number: int, channel: bytes, data: bytes) -> bytes:
@@ -250,12 +250,12 @@ def test_a_log_is_drawn_too(lcmtools: Run, tmp_path: Path) -> None:
 
     log = tmp_path / "a.log"
     log.write_bytes(b"".join(event(number, b"POSE", bytes(8)) for number in range(3)))
-    result = lcmtools("graph", "--hz", f"--lcm-url=file://{log}", LC_ALL="C")
-    assert result.stdout == "a program (no node)\n`- POSE [unknown type] 10.0 Hz\n"
+    result = cli("graph", "--hz", f"--lcm-url=file://{log}", env={"LC_ALL": "C"})
+    assert result.out == "a program (no node)\n`- POSE [unknown type] 10.0 Hz\n"
 
 
 def test_where_the_bus_tells_no_senders_programs_are_one(
-    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str, tcpq_server: Any
+    cli: Run, start: Callable[..., Any], lcmtools_path: str, tcpq_server: Any
 ) -> None:
     url = tcpq_server.url
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=url).wait_for("hello world")
@@ -265,6 +265,6 @@ def test_where_the_bus_tells_no_senders_programs_are_one(
         "    time.sleep(0.05)\n"
     )
     start(sys.executable, "-c", plain, LCM_DEFAULT_URL=url).wait_for("sent")
-    text = lcmtools("graph", "--wait", "1", LCM_DEFAULT_URL=url, LC_ALL="C").stdout
+    text = cli("graph", "--wait", "1", env={"LCM_DEFAULT_URL": url, "LC_ALL": "C"}).out
     assert "/talker\n`- /chatter [std_msgs/String]\n" in text
     assert "a program (no node)\n`- POSE [unknown type]\n" in text

@@ -9,7 +9,6 @@ import re
 import signal
 import socket
 import struct
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs
@@ -25,7 +25,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.std_msgs import String
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 GROUP = ("239.255.76.67", 7667)
 CHANNELS = [
@@ -143,7 +143,7 @@ def running(start: Callable[..., Any], lcmtools_path: str) -> dict[str, Any]:
 
 
 def test_nodes_and_commands_live_through_all_of_it(
-    running: dict[str, Any], attack: Callable[..., None], lcmtools: Run
+    running: dict[str, Any], attack: Callable[..., None], cli: Run
 ) -> None:
     for seed in range(8):
         attack(hostile(seed))
@@ -152,8 +152,8 @@ def test_nodes_and_commands_live_through_all_of_it(
     running["listener"].wait_for(f"I heard: [hello world {number}]")
     running["echo"].wait_for(f"hello world {number}")
     running["hz"].wait_for("average rate")
-    assert lcmtools("echo", "-1", "/latched").stdout == 'data: "stay"\n---\n'
-    nodes = lcmtools("node", "list").stdout.splitlines()
+    assert cli("echo", "-1", "/latched").out == 'data: "stay"\n---\n'
+    nodes = cli("node", "list").out.splitlines()
     assert {"/talker", "/listener", "/simple_controller"} <= set(nodes)
     for name in ("talker", "listener", "controller"):
         running[name].send_signal(signal.SIGINT)
@@ -179,11 +179,11 @@ def test_wrong_types_and_truncated_payloads_are_warnings_of_the_node(
     start: Callable[..., Any],
     attack: Callable[..., None],
     lcmtools_path: str,
-    lcmtools: Run,
+    cli: Run,
     wait_until: Callable[..., None],
 ) -> None:
     listener = start(lcmtools_path, "run", "listener")
-    wait_until(lambda: lcmtools("node", "list").stdout == "/listener\n")
+    wait_until(lambda: cli("node", "list").out == "/listener\n")
     good = String()
     good.data = "still here"
     attack([short(b"/chatter", payload) for payload in payloads()])
@@ -204,16 +204,16 @@ while True:
 
 
 def test_wtf_names_the_sender_of_malformed_datagrams(
-    start_python: Callable[..., Any], start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+    start_python: Callable[..., Any], start: Callable[..., Any], cli: Run, lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "run", "talker")
     start(lcmtools_path, "run", "listener").wait_for("I heard")
     sender = start_python(_SENDER)
     sender.wait_for("ready")
     port = int(sender.wait_for(""))
-    result = lcmtools("wtf", "--json", "--wait", "0.3s")
-    findings = {finding["rule"]: finding for finding in json.loads(result.stdout)}
-    assert result.returncode == 1
+    result = cli("wtf", "--json", "--wait", "0.3s")
+    findings = {finding["rule"]: finding for finding in json.loads(result.out)}
+    assert result.code == 1
     assert set(findings) <= {"malformed", "irregular"}  # what the nodes' filters drop is no fault
     (item,) = findings["malformed"]["items"]
     assert item.startswith(f"0.0.0.0:{port}, ")
@@ -226,16 +226,16 @@ def test_wtf_names_the_sender_of_malformed_datagrams(
     "command", ["list", "list --json", "node list", "wtf --wait 0.3", "echo -1 /a"]
 )
 def test_commands_look_at_a_hostile_bus(
-    command: str, lcmtools: Run, start: Callable[..., Any], lcmtools_path: str
+    command: str, cli: Run, start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "pub", "-r", "50", "/a", "std_msgs/String", "x").wait_for("no node")
     flood = start(sys.executable, __file__)
     flood.wait_for("round 1")
-    result = lcmtools(*command.split())
-    assert result.returncode in ((0, 1, 2) if "wtf" in command else (0,))
-    assert "Traceback" not in result.stderr
-    assert "fault of lcmtools" not in result.stderr
-    shown = result.stdout.replace("\n", "").replace("\t", "")
+    result = cli(*command.split())
+    assert result.code in ((0, 1, 2) if "wtf" in command else (0,))
+    assert "Traceback" not in result.err
+    assert "fault of lcmtools" not in result.err
+    shown = result.out.replace("\n", "").replace("\t", "")
     assert shown.isprintable() or "\\ud" in ascii(shown)  # no escape sequence reaches the terminal
 
 

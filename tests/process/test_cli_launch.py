@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 Launch = Callable[..., Any]
 Launched = Callable[..., "Done"]
 
@@ -106,18 +107,16 @@ def table(program: Any) -> dict[str, list[str]]:
 
 
 def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
+    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
 ) -> None:
     program = start(lcmtools_path, "launch", "simple_controller.launch", "__ns:=/husky0")
     name = "/husky0/husky_simple_controller"
-    wait_until(lambda: lcmtools("node", "list").stdout == f"{name}\n")
-    assert (
-        " * /husky0/velocity_cmd [sensor_msgs/JointState]" in lcmtools("node", "info", name).stdout
-    )
+    wait_until(lambda: cli("node", "list").out == f"{name}\n")
+    assert " * /husky0/velocity_cmd [sensor_msgs/JointState]" in cli("node", "info", name).out
     program.send_signal(signal.SIGINT)
     assert program.wait() == 0
     assert table(program)[name][:2] == ["ended when asked to", "0"]
-    assert lcmtools("node", "list").stdout == ""
+    assert cli("node", "list").out == ""
 
 
 def test_lines_have_their_nodes_name_and_are_in_its_log(launched: Launched, tmp_path: Path) -> None:
@@ -275,17 +274,17 @@ def test_program_that_the_system_refuses_ends_what_was_started(
 
 @pytest.mark.parametrize(("more", "expected"), [("", ""), (", stdin: true", "hello\n")])
 def test_standard_input_is_for_the_node_that_asks_for_it(
-    lcmtools: Run, tmp_path: Path, more: str, expected: str
+    cli: Run, tmp_path: Path, more: str, expected: str
 ) -> None:
     (tmp_path / "a.yaml").write_text(f"nodes: [{{exec: cat{more}}}]")
-    result = lcmtools("launch", "a.yaml", stdin="hello\n")
-    assert (result.returncode, result.stdout) == (0, expected)
+    result = cli("launch", "a.yaml", input="hello\n")
+    assert (result.code, result.out) == (0, expected)
 
 
-def test_launch_file_comes_from_a_pipe(lcmtools: Run) -> None:
+def test_launch_file_comes_from_a_pipe(cli: Run) -> None:
     text = '<launch><node pkg="lcmtools" type="talker" name="t"/></launch>'
-    result = lcmtools("launch", "-", "--nodes", "__ns:=/a", stdin=text)
-    assert (result.returncode, result.stdout) == (0, "/a/t\n")
+    result = cli("launch", "-", "--nodes", "__ns:=/a", input=text)
+    assert (result.code, result.out) == (0, "/a/t\n")
 
 
 def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) -> None:
@@ -319,16 +318,16 @@ def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
     assert "[b-2] url=udpm://239.255.76.67:7672?ttl=0 ns=" in program.lines
 
 
-def test_questions_are_answered_and_nothing_is_run(lcmtools: Run, tmp_path: Path) -> None:
+def test_questions_are_answered_and_nothing_is_run(cli: Run, tmp_path: Path) -> None:
     (tmp_path / "a.launch").write_text(
         """<launch><arg name="who" doc="whom to greet"/><arg name="n" default="1"/>
         <node pkg="lcmtools" type="talker" name="t$(arg n)" args="$(arg who)"/></launch>"""
     )
 
     def ask(*words: str) -> str:
-        result = lcmtools("launch", "a.launch", *words)
-        assert (result.returncode, result.stderr) == (0, "")
-        return result.stdout
+        result = cli("launch", "a.launch", *words)
+        assert (result.code, result.err) == (0, "")
+        return result.out
 
     line = "lcmtools run talker bob __ns:=/ __name:=t1"
     assert ask("--nodes", "who:=bob") == "/t1\n"
@@ -349,23 +348,23 @@ def test_questions_are_answered_and_nothing_is_run(lcmtools: Run, tmp_path: Path
     assert not (tmp_path / "state").exists()
 
 
-def test_a_node_is_found_with_file_and_line(lcmtools: Run, tmp_path: Path) -> None:
+def test_a_node_is_found_with_file_and_line(cli: Run, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(nodes("  - run: talker\n", "  - run: listener\n"))
-    found = lcmtools("launch", "a.yaml", "--find-node", "listener")
-    assert (found.returncode, found.stdout) == (0, "a.yaml:3\n")
-    record = lcmtools("launch", "a.yaml", "--find-node", "/listener", "--json").stdout
+    found = cli("launch", "a.yaml", "--find-node", "listener")
+    assert (found.code, found.out) == (0, "a.yaml:3\n")
+    record = cli("launch", "a.yaml", "--find-node", "/listener", "--json").out
     assert json.loads(record) == {"node": "/listener", "place": "a.yaml:3"}
 
 
-def test_parameters_are_dumped_as_param_load_takes_them(lcmtools: Run, tmp_path: Path) -> None:
+def test_parameters_are_dumped_as_param_load_takes_them(cli: Run, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(
         "nodes:\n"
         "  - {run: talker, ns: a, param: {rate: 2.5, who: 'true', gains: [1, 2], 'deep/down': x}}\n"
         "  - {run: listener, args: _queue:=5 not_a_parameter:=6}\n"
         "  - {run: sim, name: without}\n"
     )
-    dumped = lcmtools("launch", "a.yaml", "--dump-params")
-    assert dumped.stdout.splitlines() == [
+    dumped = cli("launch", "a.yaml", "--dump-params")
+    assert dumped.out.splitlines() == [
         "/a/talker:",
         "  rate: 2.5",
         '  who: "true"',
@@ -374,7 +373,7 @@ def test_parameters_are_dumped_as_param_load_takes_them(lcmtools: Run, tmp_path:
         "/listener:",
         "  queue: 5",
     ]
-    records = json.loads(lcmtools("launch", "a.yaml", "--dump-params", "--json").stdout)
+    records = json.loads(cli("launch", "a.yaml", "--dump-params", "--json").out)
     assert records[0]["parameters"] == {
         "rate": 2.5,
         "who": "true",
@@ -396,24 +395,24 @@ def test_nodes_start_when_there_is_a_network(launch: Launch, ip: Callable[..., N
     assert sum("waiting for the bus" in line for line in program.lines) == 1
 
 
-def test_printed_command_line_is_what_a_shell_takes(lcmtools: Run, tmp_path: Path) -> None:
+def test_printed_command_line_is_what_a_shell_takes(cli: Run, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(
         "nodes:\n"
         '  - exec: sh -c \'echo "$X" "$0" "$PWD"\' "it\'s"\n'
         "    name: n\n    cwd: .\n    env: {X: a b}\n"
     )
-    line = lcmtools("launch", "a.yaml", "--args", "n").stdout
+    line = cli("launch", "a.yaml", "--args", "n").out
     printed = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=True)  # noqa: S607
     assert printed.stdout == f"a b it's {tmp_path}\n"
 
 
-def test_notes_are_told_and_the_rest_is_run(lcmtools: Run, tmp_path: Path) -> None:
+def test_notes_are_told_and_the_rest_is_run(cli: Run, tmp_path: Path) -> None:
     (tmp_path / "a.launch").write_text(
         '<launch>\n<nodde/><node pkg="lcmtools" type="talker" name="t"/></launch>'
     )
-    result = lcmtools("launch", "a.launch", "--nodes")
-    assert (result.returncode, result.stdout) == (0, "/t\n")
-    (line,) = result.stderr.splitlines()
+    result = cli("launch", "a.launch", "--nodes")
+    assert (result.code, result.out) == (0, "/t\n")
+    (line,) = result.err.splitlines()
     assert_says(line, "lcmtools launch: a.launch:2: ", "'nodde'", "did you mean node?")
 
 

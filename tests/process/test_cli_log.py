@@ -1,11 +1,11 @@
 """Commands that look, on a log file in place of a bus."""
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import lcm
 import pytest
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.nav_msgs import Odometry
@@ -13,7 +13,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.std_msgs import String
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 MESSAGES = 30
 PERIOD_US = 10_000
@@ -33,71 +33,71 @@ def log(tmp_path: Path) -> str:
 
 
 @pytest.mark.parametrize("speed", ["1", "0"])
-def test_echo_prints_all_of_a_log_and_ends_with_it(speed: str, log: str, lcmtools: Run) -> None:
-    result = lcmtools("echo", "chatter", "--lcm-url", f"file://{log}?speed={speed}")
+def test_echo_prints_all_of_a_log_and_ends_with_it(speed: str, log: str, cli: Run) -> None:
+    result = cli("echo", "chatter", "--lcm-url", f"file://{log}?speed={speed}")
     expected = "".join(f'data: "message {number}"\n---\n' for number in range(MESSAGES))
-    assert (result.returncode, result.stdout, result.stderr) == (0, expected, "")
+    assert (result.code, result.out, result.err) == (0, expected, "")
 
 
-def test_hz_measures_a_log_and_ends_with_it(log: str, lcmtools: Run) -> None:
-    result = lcmtools("hz", "chatter", "--lcm-url", f"file://{log}")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout == (
+def test_hz_measures_a_log_and_ends_with_it(log: str, cli: Run) -> None:
+    result = cli("hz", "chatter", "--lcm-url", f"file://{log}")
+    assert (result.code, result.err) == (0, "")
+    assert result.out == (
         f"average rate: 100.000\n\tmin: 0.010s max: 0.010s std dev: 0.00000s window: {MESSAGES}\n"
     )
 
 
-def test_bw_measures_a_log_by_its_own_times(log: str, lcmtools: Run) -> None:
-    result = lcmtools("bw", "chatter", "--lcm-url", f"file://{log}")
-    assert (result.returncode, result.stderr) == (0, "")
-    average = float(result.stdout.split()[1].removesuffix("KB/s"))
+def test_bw_measures_a_log_by_its_own_times(log: str, cli: Run) -> None:
+    result = cli("bw", "chatter", "--lcm-url", f"file://{log}")
+    assert (result.code, result.err) == (0, "")
+    average = float(result.out.split()[1].removesuffix("KB/s"))
     assert average == pytest.approx(2.3, abs=0.2)  # 22 or 23 bytes at 100 Hz
 
 
 @pytest.mark.parametrize(("verb", "noun"), [("hz", "rate"), ("bw", "bandwidth")])
 def test_one_message_in_a_log_is_said_to_be_too_few(
-    verb: str, noun: str, tmp_path: Path, lcmtools: Run
+    verb: str, noun: str, tmp_path: Path, cli: Run
 ) -> None:
     path = str(tmp_path / "one.log")
     log = lcm.EventLog(path, "w", overwrite=True)
     log.write_event(1, "/chatter", encode(String()))
     log.close()
-    result = lcmtools(verb, "chatter", "--lcm-url", f"file://{path}")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert_line(result.stderr, f"lcmtools {verb}: ", "one message", "chatter", noun, "two")
+    result = cli(verb, "chatter", "--lcm-url", f"file://{path}")
+    assert (result.code, result.out) == (0, "")
+    assert_line(result.err, f"lcmtools {verb}: ", "one message", "chatter", noun, "two")
 
 
 @pytest.mark.parametrize("verb", ["hz", "bw", "delay"])
-def test_topic_that_a_log_does_not_have_is_exit_code_1(verb: str, log: str, lcmtools: Run) -> None:
-    result = lcmtools(verb, "chater", "--lcm-url", f"file://{log}")
-    assert (result.returncode, result.stdout) == (1, "")
+def test_topic_that_a_log_does_not_have_is_exit_code_1(verb: str, log: str, cli: Run) -> None:
+    result = cli(verb, "chater", "--lcm-url", f"file://{log}")
+    assert (result.code, result.out) == (1, "")
     parts = ("log", "no message", "chater; did you mean /chatter?")
-    assert_line(result.stderr, f"lcmtools {verb}: ", *parts)
+    assert_line(result.err, f"lcmtools {verb}: ", *parts)
 
 
-def test_list_hz_of_a_log_is_exact(log: str, lcmtools: Run) -> None:
-    result = lcmtools("list", "--hz", "--lcm-url", f"file://{log}")
-    assert result.stdout == "/chatter  100.00 Hz\n"
+def test_list_hz_of_a_log_is_exact(log: str, cli: Run) -> None:
+    result = cli("list", "--hz", "--lcm-url", f"file://{log}")
+    assert result.out == "/chatter  100.00 Hz\n"
 
 
 @pytest.mark.parametrize("wait", [[], ["--wait", "2s"]])
-def test_list_shows_what_is_in_a_log(wait: list[str], log: str, lcmtools: Run) -> None:
-    result = lcmtools("list", "-t", *wait, "--lcm-url", f"file://{log}?speed=0")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout == "/chatter [std_msgs/String]\n"
+def test_list_shows_what_is_in_a_log(wait: list[str], log: str, cli: Run) -> None:
+    result = cli("list", "-t", *wait, "--lcm-url", f"file://{log}?speed=0")
+    assert (result.code, result.err) == (0, "")
+    assert result.out == "/chatter [std_msgs/String]\n"
 
 
-def test_wtf_looks_into_a_log(log: str, lcmtools: Run) -> None:
-    result = lcmtools("wtf", "--lcm-url", f"file://{log}?speed=0")
-    assert (result.returncode, result.stdout) == (0, "No errors or warnings\n")
+def test_wtf_looks_into_a_log(log: str, cli: Run) -> None:
+    result = cli("wtf", "--lcm-url", f"file://{log}?speed=0")
+    assert (result.code, result.out) == (0, "No errors or warnings\n")
 
 
-def test_info_says_that_a_log_does_not_tell_senders(log: str, lcmtools: Run) -> None:
-    result = lcmtools("info", "/chatter", "--lcm-url", f"file://{log}?speed=0")
-    assert_says(result.stdout, " * a plain LCM program (", "not identify")
+def test_info_says_that_a_log_does_not_tell_senders(log: str, cli: Run) -> None:
+    result = cli("info", "/chatter", "--lcm-url", f"file://{log}?speed=0")
+    assert_says(result.out, " * a plain LCM program (", "not identify")
 
 
-def test_delays_in_a_log_of_a_simulator_are_by_its_clock(tmp_path: Path, lcmtools: Run) -> None:
+def test_delays_in_a_log_of_a_simulator_are_by_its_clock(tmp_path: Path, cli: Run) -> None:
     path = str(tmp_path / "sim.log")
     log = lcm.EventLog(path, "w", overwrite=True)
     for number in range(20):
@@ -108,6 +108,6 @@ def test_delays_in_a_log_of_a_simulator_are_by_its_clock(tmp_path: Path, lcmtool
         log.write_event(time, "/clock", encode(clock))
         log.write_event(time + 1, "/odometry", encode(odometry))
     log.close()
-    result = lcmtools("delay", "-b", path, "/odometry")
-    assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith("average delay: 0.020\n")
+    result = cli("delay", "-b", path, "/odometry")
+    assert result.code == 0, result.err
+    assert result.out.startswith("average delay: 0.020\n")

@@ -4,15 +4,15 @@ import json
 import os
 import re
 import socket
-import subprocess
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 HOST = socket.gethostname()
 
@@ -28,17 +28,17 @@ def nodes(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, int
     return {"talker": talker.pid, "listener": listener.pid}
 
 
-def test_list_prints_the_topics_sorted(lcmtools: Run) -> None:
-    result = lcmtools("list")
-    assert (result.returncode, result.stdout, result.stderr) == (0, "/chatter\n/rosout\n", "")
+def test_list_prints_the_topics_sorted(cli: Run) -> None:
+    result = cli("list")
+    assert (result.code, result.out, result.err) == (0, "/chatter\n/rosout\n", "")
 
 
-def test_topic_list_is_list(lcmtools: Run) -> None:
-    assert lcmtools("topic", "list").stdout == lcmtools("list").stdout
+def test_topic_list_is_list(cli: Run) -> None:
+    assert cli("topic", "list").out == cli("list").out
 
 
-def test_list_v_has_the_sections_of_rostopic(lcmtools: Run) -> None:
-    assert lcmtools("list", "-v").stdout == (
+def test_list_v_has_the_sections_of_rostopic(cli: Run) -> None:
+    assert cli("list", "-v").out == (
         "\n"
         "Published topics:\n"
         " * /chatter [std_msgs/String] 1 publisher\n"
@@ -50,8 +50,8 @@ def test_list_v_has_the_sections_of_rostopic(lcmtools: Run) -> None:
     )
 
 
-def test_list_t_shows_the_types(lcmtools: Run) -> None:
-    lines = lcmtools("list", "-t").stdout.splitlines()
+def test_list_t_shows_the_types(cli: Run) -> None:
+    lines = cli("list", "-t").out.splitlines()
     assert lines == ["/chatter [std_msgs/String]", "/rosout [rosgraph_msgs/Log]"]
 
 
@@ -59,49 +59,47 @@ def test_list_t_shows_the_types(lcmtools: Run) -> None:
     ("option", "topics"), [("-p", ["/chatter", "/rosout"]), ("-s", ["/chatter"])]
 )
 def test_list_keeps_to_what_is_published_or_subscribed_to(
-    option: str, topics: list[str], lcmtools: Run
+    option: str, topics: list[str], cli: Run
 ) -> None:
-    assert lcmtools("list", option).stdout.splitlines() == topics
+    assert cli("list", option).out.splitlines() == topics
 
 
 @pytest.mark.parametrize(
     ("option", "heading"), [("-vp", "Published topics:"), ("-vs", "Subscribed topics:")]
 )
-def test_list_v_has_one_section_where_one_is_asked_for(
-    option: str, heading: str, lcmtools: Run
-) -> None:
-    lines = lcmtools("list", option).stdout.splitlines()
+def test_list_v_has_one_section_where_one_is_asked_for(option: str, heading: str, cli: Run) -> None:
+    lines = cli("list", option).out.splitlines()
     assert [line for line in lines if line.endswith(":")] == [heading]
 
 
-def test_list_hz_measures_how_often_messages_come(lcmtools: Run) -> None:
-    chatter, rosout = lcmtools("list", "--hz", "-t").stdout.splitlines()
+def test_list_hz_measures_how_often_messages_come(cli: Run) -> None:
+    chatter, rosout = cli("list", "--hz", "-t").out.splitlines()
     name, kind, rate, unit = chatter.split()
     assert (name, kind, unit) == ("/chatter", "[std_msgs/String]", "Hz")
     assert float(rate) == pytest.approx(10, abs=2.5)
     assert rosout.startswith("/rosout [rosgraph_msgs/Log]")
-    (record,) = json.loads(lcmtools("list", "--hz", "--json", "chatter").stdout)
+    (record,) = json.loads(cli("list", "--hz", "--json", "chatter").out)
     assert record["rate"] == pytest.approx(10, abs=2.5)
-    assert ", " in lcmtools("list", "--hz", "-v", "chatter").stdout
-    assert "rate" not in json.loads(lcmtools("list", "--json", "chatter").stdout)[0]
+    assert ", " in cli("list", "--hz", "-v", "chatter").out
+    assert "rate" not in json.loads(cli("list", "--json", "chatter").out)[0]
 
 
-def test_list_host_groups_the_topics_by_computer(lcmtools: Run) -> None:
-    assert lcmtools("list", "--host").stdout == f"Host [{HOST}]:\n  /chatter\n  /rosout\n"
+def test_list_host_groups_the_topics_by_computer(cli: Run) -> None:
+    assert cli("list", "--host").out == f"Host [{HOST}]:\n  /chatter\n  /rosout\n"
 
 
-def test_list_c_is_how_many_topics_there_are(lcmtools: Run) -> None:
-    assert lcmtools("list", "-c").stdout == "2\n"
-    assert lcmtools("list", "-c", "/nowhere").stdout == "0\n"
+def test_list_c_is_how_many_topics_there_are(cli: Run) -> None:
+    assert cli("list", "-c").out == "2\n"
+    assert cli("list", "-c", "/nowhere").out == "0\n"
 
 
 @pytest.mark.parametrize("pattern", ["/chat*", "chat*", "*ter", "/chatte?", "/?hatter"])
-def test_list_keeps_to_what_matches_a_pattern(pattern: str, lcmtools: Run) -> None:
-    assert lcmtools("list", pattern).stdout == "/chatter\n"
+def test_list_keeps_to_what_matches_a_pattern(pattern: str, cli: Run) -> None:
+    assert cli("list", pattern).out == "/chatter\n"
 
 
-def test_list_json_has_who_publishes_and_who_subscribes(lcmtools: Run) -> None:
-    assert json.loads(lcmtools("list", "--json").stdout)[0] == {
+def test_list_json_has_who_publishes_and_who_subscribes(cli: Run) -> None:
+    assert json.loads(cli("list", "--json").out)[0] == {
         "topic": "/chatter",
         "type": "std_msgs/String",
         "publishers": ["/talker"],
@@ -111,30 +109,30 @@ def test_list_json_has_who_publishes_and_who_subscribes(lcmtools: Run) -> None:
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter", "/chatter/"])
-def test_list_keeps_to_a_namespace_or_topic(name: str, lcmtools: Run) -> None:
-    assert lcmtools("list", name).stdout == "/chatter\n"
+def test_list_keeps_to_a_namespace_or_topic(name: str, cli: Run) -> None:
+    assert cli("list", name).out == "/chatter\n"
 
 
 def test_list_of_a_namespace_where_nothing_is_says_so_on_standard_error(
-    lcmtools: Run, module_bus_url: str
+    cli: Run, module_bus_url: str
 ) -> None:
-    result = lcmtools("list", "/chat")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert_line(result.stderr, "no topics", "/chat", f"{module_bus_url}\n")
+    result = cli("list", "/chat")
+    assert (result.code, result.out) == (0, "")
+    assert_line(result.err, "no topics", "/chat", f"{module_bus_url}\n")
 
 
 def test_list_all_shows_hidden_topics_too(
-    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str
+    cli: Run, start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     hidden = start(lcmtools_path, "pub", "-r", "20", "/_hidden/a", "std_msgs/String", "x")
     hidden.wait_for("no node subscribes")
-    assert "/_hidden/a" not in lcmtools("list").stdout
-    assert "/_hidden/a" in lcmtools("list", "--all").stdout.splitlines()
+    assert "/_hidden/a" not in cli("list").out
+    assert "/_hidden/a" in cli("list", "--all").out.splitlines()
 
 
-def test_info_names_type_nodes_hosts_and_processes(lcmtools: Run, nodes: dict[str, int]) -> None:
-    result = lcmtools("info", "chatter")
-    assert (result.returncode, result.stderr) == (0, "")
+def test_info_names_type_nodes_hosts_and_processes(cli: Run, nodes: dict[str, int]) -> None:
+    result = cli("info", "chatter")
+    assert (result.code, result.err) == (0, "")
     counters = (
         r"     messages: \d+, bytes: \d+, drops: 0, depth: \d+, rate: (\d+\.\d\d) Hz,"
         r" last: \d\.\d s ago"
@@ -151,34 +149,32 @@ def test_info_names_type_nodes_hosts_and_processes(lcmtools: Run, nodes: dict[st
         rf"{counters}, callbacks: [\d.]+ ms mean, [\d.]+ m?s longest\n"
         r"\n"
         r"\n",
-        result.stdout,
+        result.out,
     )
-    assert text, result.stdout
+    assert text, result.out
     assert [float(rate) for rate in text.groups()] == pytest.approx([10, 10], abs=2.5)
 
 
-def test_info_v_has_fingerprints_and_command_lines_too(lcmtools: Run) -> None:
-    lines = lcmtools("info", "-v", "chatter").stdout.splitlines()
+def test_info_v_has_fingerprints_and_command_lines_too(cli: Run) -> None:
+    lines = cli("info", "-v", "chatter").out.splitlines()
     assert lines[1].startswith("Fingerprint: 0x")
     commands = [line for line in lines if line.startswith("     command: ")]
     assert [line.rpartition(" ")[2] for line in commands] == ["talker", "listener"]
 
 
-def test_info_of_several_topics_has_a_heading_for_each(lcmtools: Run) -> None:
-    lines = lcmtools("info", "chatter", "/rosout").stdout.splitlines()
+def test_info_of_several_topics_has_a_heading_for_each(cli: Run) -> None:
+    lines = cli("info", "chatter", "/rosout").out.splitlines()
     assert lines[:2] == ["Topic: /chatter", "Type: std_msgs/String"]
     second = lines.index("Topic: /rosout")
     assert lines[second + 1] == "Type: rosgraph_msgs/Log"
 
 
-def test_info_says_none_where_nobody_is(lcmtools: Run) -> None:
-    assert lcmtools("info", "/rosout").stdout.endswith("\nSubscribers: None\n\n\n")
+def test_info_says_none_where_nobody_is(cli: Run) -> None:
+    assert cli("info", "/rosout").out.endswith("\nSubscribers: None\n\n\n")
 
 
-def test_info_json_has_the_endpoints_with_their_counters(
-    lcmtools: Run, nodes: dict[str, int]
-) -> None:
-    (topic,) = json.loads(lcmtools("info", "--json", "/chatter").stdout)
+def test_info_json_has_the_endpoints_with_their_counters(cli: Run, nodes: dict[str, int]) -> None:
+    (topic,) = json.loads(cli("info", "--json", "/chatter").out)
     (publisher,) = topic["publishers"]
     assert topic["type"] == "std_msgs/String"
     assert (publisher["node"], publisher["pid"]) == ("/talker", nodes["talker"])
@@ -192,36 +188,36 @@ def test_info_json_has_the_endpoints_with_their_counters(
 
 
 @pytest.mark.parametrize("command", ["info", "type"])
-def test_unknown_topic_is_exit_code_1_with_a_near_miss(command: str, lcmtools: Run) -> None:
-    result = lcmtools(command, "chater")
-    assert (result.returncode, result.stdout) == (1, "")
-    assert_line(result.stderr, f"lcmtools {command}: ", "topic /chater; did you mean /chatter?\n")
+def test_unknown_topic_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
+    result = cli(command, "chater")
+    assert (result.code, result.out) == (1, "")
+    assert_line(result.err, f"lcmtools {command}: ", "topic /chater; did you mean /chatter?\n")
 
 
-def test_topic_of_another_namespace_is_a_near_miss(lcmtools: Run) -> None:
-    assert lcmtools("info", "/robot/chatter").stderr.endswith("; did you mean /chatter?\n")
+def test_topic_of_another_namespace_is_a_near_miss(cli: Run) -> None:
+    assert cli("info", "/robot/chatter").err.endswith("; did you mean /chatter?\n")
 
 
-def test_topic_like_no_other_leads_to_list(lcmtools: Run) -> None:
-    result = lcmtools("info", "zzz")
-    assert_line(result.stderr, "lcmtools info: ", "topic /zzz; lcmtools list")
+def test_topic_like_no_other_leads_to_list(cli: Run) -> None:
+    result = cli("info", "zzz")
+    assert_line(result.err, "lcmtools info: ", "topic /zzz; lcmtools list")
 
 
-def test_type_prints_the_type_alone(lcmtools: Run) -> None:
-    assert lcmtools("type", "chatter").stdout == "std_msgs/String\n"
-    assert json.loads(lcmtools("type", "/chatter", "--json").stdout) == {
+def test_type_prints_the_type_alone(cli: Run) -> None:
+    assert cli("type", "chatter").out == "std_msgs/String\n"
+    assert json.loads(cli("type", "/chatter", "--json").out) == {
         "topic": "/chatter",
         "type": "std_msgs/String",
     }
 
 
-def test_type_of_a_field_is_told_as_rostopic_does(lcmtools: Run) -> None:
-    assert lcmtools("type", "/chatter/data").stdout == "std_msgs/String data string\n"
-    assert lcmtools("type", "/rosout/header/stamp").stdout == (
+def test_type_of_a_field_is_told_as_rostopic_does(cli: Run) -> None:
+    assert cli("type", "/chatter/data").out == "std_msgs/String data string\n"
+    assert cli("type", "/rosout/header/stamp").out == (
         "rosgraph_msgs/Log header/stamp std_msgs/Time\n"
     )
-    assert lcmtools("type", "/rosout/topics").stdout == "rosgraph_msgs/Log topics string[]\n"
-    assert json.loads(lcmtools("type", "chatter.data", "--json").stdout) == {
+    assert cli("type", "/rosout/topics").out == "rosgraph_msgs/Log topics string[]\n"
+    assert json.loads(cli("type", "chatter.data", "--json").out) == {
         "topic": "/chatter",
         "type": "std_msgs/String",
         "field": "data",
@@ -229,22 +225,22 @@ def test_type_of_a_field_is_told_as_rostopic_does(lcmtools: Run) -> None:
     }
 
 
-def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(lcmtools: Run) -> None:
-    result = lcmtools("type", "/chatter/dota")
-    assert (result.returncode, result.stdout) == (1, "")
+def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(cli: Run) -> None:
+    result = cli("type", "/chatter/dota")
+    assert (result.code, result.out) == (1, "")
     parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
-    assert_line(result.stderr, "lcmtools type: ", *parts)
+    assert_line(result.err, "lcmtools type: ", *parts)
 
 
 @pytest.mark.parametrize("argument", [[], ["-"]])
-def test_type_pipes_into_msg_show(argument: list[str], lcmtools: Run) -> None:
-    kind = lcmtools("type", "/chatter").stdout
-    assert lcmtools("msg", "show", *argument, stdin=kind).stdout == "string data\n"
+def test_type_pipes_into_msg_show(argument: list[str], cli: Run) -> None:
+    kind = cli("type", "/chatter").out
+    assert cli("msg", "show", *argument, input=kind).out == "string data\n"
 
 
-def test_a_piped_type_of_a_service_is_shown(lcmtools: Run) -> None:
-    result = lcmtools("srv", "show", stdin="std_srvs/SetBool\n")
-    assert result.stdout == "bool data\n---\nbool success\nstring message\n"
+def test_a_piped_type_of_a_service_is_shown(cli: Run) -> None:
+    result = cli("srv", "show", input="std_srvs/SetBool\n")
+    assert result.out == "bool data\n---\nbool success\nstring message\n"
 
 
 @pytest.mark.parametrize(("said", "what"), [("", "no type"), ("a\nb\n", "several types")])
@@ -252,39 +248,39 @@ def test_a_piped_type_of_a_service_is_shown(lcmtools: Run) -> None:
     ("group", "example"), [("msg", "geometry_msgs/Twist"), ("srv", "std_srvs/SetBool")]
 )
 def test_show_says_what_a_pipe_lacks(
-    group: str, example: str, said: str, what: str, lcmtools: Run
+    group: str, example: str, said: str, what: str, cli: Run
 ) -> None:
-    result = lcmtools(group, "show", stdin=said)
-    assert (result.returncode, result.stdout) == (2, "")
+    result = cli(group, "show", input=said)
+    assert (result.code, result.out) == (2, "")
     parts = ("standard input", what, f"lcmtools {group} show {example}\n")
-    assert_line(result.stderr, f"lcmtools {group} show: ", *parts)
+    assert_line(result.err, f"lcmtools {group} show: ", *parts)
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter"])
-def test_echo_n_prints_so_many_messages_as_rostopic_does(name: str, lcmtools: Run) -> None:
-    result = lcmtools("echo", "-n", "2", name)
-    assert (result.returncode, result.stderr) == (0, "")
+def test_echo_n_prints_so_many_messages_as_rostopic_does(name: str, cli: Run) -> None:
+    result = cli("echo", "-n", "2", name)
+    assert (result.code, result.err) == (0, "")
     first, second = re.fullmatch(
-        r'data: "hello world (\d+)"\n---\ndata: "hello world (\d+)"\n---\n', result.stdout
+        r'data: "hello world (\d+)"\n---\ndata: "hello world (\d+)"\n---\n', result.out
     ).groups()  # type: ignore[union-attr] # no match fails the test as well
     assert int(second) == int(first) + 1
 
 
-def test_echo_json_is_an_object_a_line(lcmtools: Run) -> None:
-    lines = lcmtools("echo", "--json", "-n", "3", "chatter").stdout.splitlines()
+def test_echo_json_is_an_object_a_line(cli: Run) -> None:
+    lines = cli("echo", "--json", "-n", "3", "chatter").out.splitlines()
     assert len(lines) == 3
     assert all(json.loads(line)["data"].startswith("hello world ") for line in lines)
 
 
 @pytest.mark.parametrize("option", ["--once", "-1"])
-def test_echo_once_is_one_message(option: str, lcmtools: Run) -> None:
-    assert lcmtools("echo", option, "/chatter").stdout.count("---\n") == 1
+def test_echo_once_is_one_message(option: str, cli: Run) -> None:
+    assert cli("echo", option, "/chatter").out.count("---\n") == 1
 
 
-def test_echo_gives_up_after_its_timeout_with_exit_code_4(lcmtools: Run) -> None:
-    result = lcmtools("echo", "chater", "--timeout", "200ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert_line(result.stderr, "lcmtools echo: ", "chater", "0.2 s; did you mean /chatter?\n")
+def test_echo_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
+    result = cli("echo", "chater", "--timeout", "200ms")
+    assert (result.code, result.out) == (4, "")
+    assert_line(result.err, "lcmtools echo: ", "chater", "0.2 s; did you mean /chatter?\n")
 
 
 def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
@@ -296,13 +292,11 @@ def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
 
 
 def test_echo_is_seen_as_a_subscriber_while_it_runs(
-    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str
+    cli: Run, start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     echo = start(lcmtools_path, "echo", "chatter")
     echo.wait_for("---")
-    assert (
-        f"/_lcmtools_echo_{echo.pid} ({HOST}, pid {echo.pid})" in lcmtools("info", "chatter").stdout
-    )
+    assert f"/_lcmtools_echo_{echo.pid} ({HOST}, pid {echo.pid})" in cli("info", "chatter").out
 
 
 def test_hz_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
@@ -328,21 +322,21 @@ def test_hz_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: s
     assert measured["min"] <= 1 / measured["rate"] <= measured["max"]
 
 
-def test_hz_gives_up_after_its_timeout_with_exit_code_4(lcmtools: Run) -> None:
-    result = lcmtools("hz", "/zzz", "--timeout", "200ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert_says(result.stderr, "lcmtools hz: ", "/zzz", "0.2 s\n")
+def test_hz_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
+    result = cli("hz", "/zzz", "--timeout", "200ms")
+    assert (result.code, result.out) == (4, "")
+    assert_says(result.err, "lcmtools hz: ", "/zzz", "0.2 s\n")
 
 
-def test_node_list_prints_the_nodes_sorted(lcmtools: Run) -> None:
-    result = lcmtools("node", "list")
-    assert (result.returncode, result.stdout, result.stderr) == (0, "/listener\n/talker\n", "")
+def test_node_list_prints_the_nodes_sorted(cli: Run) -> None:
+    result = cli("node", "list")
+    assert (result.code, result.out, result.err) == (0, "/listener\n/talker\n", "")
 
 
-def test_node_info_has_the_sections_of_rosnode(lcmtools: Run, nodes: dict[str, int]) -> None:
-    result = lcmtools("node", "info", "talker")
-    assert result.returncode == 0
-    assert result.stdout.startswith(
+def test_node_info_has_the_sections_of_rosnode(cli: Run, nodes: dict[str, int]) -> None:
+    result = cli("node", "info", "talker")
+    assert result.code == 0
+    assert result.out.startswith(
         f"{'-' * 80}\n"
         "Node [/talker]\n"
         "Publications: \n"
@@ -353,30 +347,30 @@ def test_node_info_has_the_sections_of_rosnode(lcmtools: Run, nodes: dict[str, i
         "\n"
         "Services: "
     )
-    assert f"\nHost: {HOST}\nPid: {nodes['talker']}\n" in result.stdout
-    assert re.search(r"\nCommand: .*lcmtools run talker\n", result.stdout)
-    assert re.search(r"\nUp for: \d+ s\n", result.stdout)
-    assert result.stdout.endswith("Connections:\n * topic: /chatter\n    * to: /listener\n\n")
+    assert f"\nHost: {HOST}\nPid: {nodes['talker']}\n" in result.out
+    assert re.search(r"\nCommand: .*lcmtools run talker\n", result.out)
+    assert re.search(r"\nUp for: \d+ s\n", result.out)
+    assert result.out.endswith("Connections:\n * topic: /chatter\n    * to: /listener\n\n")
 
 
-def test_node_info_json_has_publications_and_subscriptions(lcmtools: Run) -> None:
-    talker, listener = json.loads(lcmtools("node", "info", "--json", "/talker", "listener").stdout)
+def test_node_info_json_has_publications_and_subscriptions(cli: Run) -> None:
+    talker, listener = json.loads(cli("node", "info", "--json", "/talker", "listener").out)
     assert [e["topic"] for e in talker["publications"]] == ["/chatter", "/rosout"]
     assert [e["topic"] for e in listener["subscriptions"]] == ["/chatter"]
     assert listener["stale"] is None
 
 
 @pytest.mark.parametrize("command", ["info", "ping"])
-def test_unknown_node_is_exit_code_1_with_a_near_miss(command: str, lcmtools: Run) -> None:
-    result = lcmtools("node", command, "talkr")
-    assert (result.returncode, result.stdout) == (1, "")
-    assert_line(result.stderr, f"lcmtools node {command}: ", "talkr; did you mean /talker?\n")
+def test_unknown_node_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
+    result = cli("node", command, "talkr")
+    assert (result.code, result.out) == (1, "")
+    assert_line(result.err, f"lcmtools node {command}: ", "talkr; did you mean /talker?\n")
 
 
-def test_node_ping_times_the_answers(lcmtools: Run) -> None:
-    result = lcmtools("node", "ping", "-c", "2", "talker")
-    assert (result.returncode, result.stderr) == (0, "")
-    head, *replies, average, extremes = result.stdout.splitlines()
+def test_node_ping_times_the_answers(cli: Run) -> None:
+    result = cli("node", "ping", "-c", "2", "talker")
+    assert (result.code, result.err) == (0, "")
+    head, *replies, average, extremes = result.out.splitlines()
     assert head == "pinging /talker with a timeout of 3.0s"
     assert len(replies) == 2
     assert all(
@@ -387,41 +381,41 @@ def test_node_ping_times_the_answers(lcmtools: Run) -> None:
     assert re.fullmatch(r"shortest: \d+\.\d{6}ms, longest: \d+\.\d{6}ms", extremes)
 
 
-def test_node_ping_json_is_one_document(lcmtools: Run) -> None:
-    document = json.loads(lcmtools("node", "ping", "-c", "1", "--json", "talker").stdout)
+def test_node_ping_json_is_one_document(cli: Run) -> None:
+    document = json.loads(cli("node", "ping", "-c", "1", "--json", "talker").out)
     assert document["node"] == "/talker"
     assert 0 < document["times"][0] < 1
 
 
-def test_wtf_finds_nothing_wrong_with_exit_code_0(lcmtools: Run) -> None:
+def test_wtf_finds_nothing_wrong_with_exit_code_0(cli: Run) -> None:
     wtf = ("wtf", "--wait", "0.2s", "--ignore", "other-buses")  # where other tests run meanwhile
-    result = lcmtools(*wtf)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "No errors or warnings\n", "")
-    assert json.loads(lcmtools(*wtf, "--json").stdout) == []
+    result = cli(*wtf)
+    assert (result.code, result.out, result.err) == (0, "No errors or warnings\n", "")
+    assert json.loads(cli(*wtf, "--json").out) == []
 
 
 @pytest.mark.parametrize("place", ["before", "after"])
 def test_bus_can_be_said_before_and_after_the_commands_name(
-    place: str, lcmtools: Run, module_bus_url: str, monkeypatch: pytest.MonkeyPatch
+    place: str, cli: Run, module_bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("LCM_DEFAULT_URL")
     option = ("--lcm-url", module_bus_url)
     for command in (("list",), ("topic", "list")):
         line = (*option, *command) if place == "before" else (*command, *option)
-        assert lcmtools(*line).stdout == "/chatter\n/rosout\n"
+        assert cli(*line).out == "/chatter\n/rosout\n"
     line = ("node", *option, "list") if place == "before" else ("node", "list", *option)
-    assert lcmtools(*line).stdout == "/listener\n/talker\n"
+    assert cli(*line).out == "/listener\n/talker\n"
 
 
-def test_topic_names_resolve_in_the_shells_namespace(lcmtools: Run) -> None:
-    result = lcmtools("info", "chatter", LCMTOOLS_NAMESPACE="/husky0")
-    assert_line(result.stderr, "lcmtools info: ", "/husky0/chatter; did you mean /chatter?\n")
+def test_topic_names_resolve_in_the_shells_namespace(cli: Run) -> None:
+    result = cli("info", "chatter", env={"LCMTOOLS_NAMESPACE": "/husky0"})
+    assert_line(result.err, "lcmtools info: ", "/husky0/chatter; did you mean /chatter?\n")
 
 
-def test_commands_leave_no_trace_on_the_bus(lcmtools: Run) -> None:
-    lcmtools("node", "cleanup")  # of what other tests have killed
-    lcmtools("echo", "-1", "chatter")
-    left = json.loads(lcmtools("node", "list", "--all", "--json").stdout)
+def test_commands_leave_no_trace_on_the_bus(cli: Run) -> None:
+    cli("node", "cleanup")  # of what other tests have killed
+    cli("echo", "-1", "chatter")
+    left = json.loads(cli("node", "list", "--all", "--json").out)
     assert [node["node"] for node in left] == ["/listener", "/talker"]
     records = os.path.expandvars("$XDG_RUNTIME_DIR/lcmtools/records")
     assert sum(len(files) for _, _, files in os.walk(records)) == len(left)

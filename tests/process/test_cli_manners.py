@@ -19,11 +19,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-import click
 import pytest
-from man_pages import commands
+from fixtures.commands import COMMANDS, command_of, has_json
 
-from lcmtools.cli.main import root
 from tests.fixtures.says import assert_says
 
 _ROBOT = """
@@ -81,31 +79,10 @@ _NO_DATA = {
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f]")
 
 
-def command_of(path: tuple[str, ...]) -> click.Command:
-    command: click.Command = root
-    for word in path[1:]:
-        assert isinstance(command, click.Group)
-        below = command.get_command(click.Context(command), word)
-        assert below is not None
-        command = below
-    return command
-
-
-COMMANDS = [  # topic list and the like are the same commands as list and the like
-    path
-    for path in commands()
-    if not isinstance(command_of(path), click.Group) and path[1] != "topic"
-]
-
-
 def examples(path: tuple[str, ...]) -> list[str]:
     """The lines of the examples in a command's help."""
     _, _, rest = (command_of(path).help or "").partition("Examples:\n")
     return [line.strip() for line in rest.split("\n\n")[0].splitlines()]
-
-
-def has_json(path: tuple[str, ...]) -> bool:
-    return any("--json" in parameter.opts for parameter in command_of(path).params)
 
 
 @dataclass(frozen=True)

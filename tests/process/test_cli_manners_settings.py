@@ -2,16 +2,16 @@
 
 import json
 import re
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 Write = Callable[[str], Path]
 
 _YELLOW = "\x1b[33m"
@@ -34,25 +34,25 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 def test_file_moves_commands_and_nodes_to_its_bus(
     write: Write,
     start: Callable[..., Any],
-    lcmtools: Run,
+    cli: Run,
     lcmtools_path: str,
     bus_url: str,
     wait_until: Callable[..., None],
 ) -> None:
     write(f"lcm_url: {bus_url}\nnamespace: /husky0\n")
     start(lcmtools_path, "run", "talker").wait_for("[/husky0/talker]: hello world")
-    names = lcmtools("node", "list", "--lcm-url", bus_url, XDG_CONFIG_HOME="/nowhere").stdout
+    names = cli("node", "list", "--lcm-url", bus_url, env={"XDG_CONFIG_HOME": "/nowhere"}).out
     assert names == "/husky0/talker\n"
-    wait_until(lambda: lcmtools("node", "list").stdout == "/husky0/talker\n")
-    echo = lcmtools("echo", "-1", "chatter", "--timeout", "5s")
-    assert echo.stdout.startswith("data: ")
+    wait_until(lambda: cli("node", "list").out == "/husky0/talker\n")
+    echo = cli("echo", "-1", "chatter", "--timeout", "5s")
+    assert echo.out.startswith("data: ")
 
 
-def test_flag_wins_over_environment_over_file(write: Write, lcmtools: Run) -> None:
+def test_flag_wins_over_environment_over_file(write: Write, cli: Run) -> None:
     path = write("# mine\ndomain: 3\ntimeout: 200ms\n")
 
     def bus(*arguments: str, **environment: str) -> tuple[str, str]:
-        report = json.loads(lcmtools("config", "--json", *arguments, **environment).stdout)
+        report = json.loads(cli("config", "--json", *arguments, env=environment).out)
         return report["bus"]["value"].rpartition(":")[2], report["bus"]["source"]
 
     url = "udpm://239.255.76.67:7673?ttl=0"
@@ -63,27 +63,27 @@ def test_flag_wins_over_environment_over_file(write: Write, lcmtools: Run) -> No
     assert bus("--lcm-url", url, "--domain", "5") == ("7673?ttl=0", "--lcm-url")
 
 
-def test_config_is_a_table_for_people(write: Write, lcmtools: Run) -> None:
+def test_config_is_a_table_for_people(write: Write, cli: Run) -> None:
     path = write("domain: 3\n")
-    result = lcmtools("config", LCMTOOLS_NAMESPACE="/husky0")
-    rows = [line.split() for line in result.stdout.splitlines()]
+    result = cli("config", env={"LCMTOOLS_NAMESPACE": "/husky0"})
+    rows = [line.split() for line in result.out.splitlines()]
     assert ["domain", "3", f"{path}:1"] in rows
     assert ["namespace", "/husky0", "LCMTOOLS_NAMESPACE"] in rows
     assert ["timeout", "-", "default"] in rows
     assert ["bus", "udpm://239.255.76.67:7670?ttl=0", f"{path}:1"] in rows
     assert rows[-1] == ["file:", str(path)]
     path.unlink()
-    assert lcmtools("config").stdout.endswith(f"file: {path} (there is none)\n")
+    assert cli("config").out.endswith(f"file: {path} (there is none)\n")
 
 
-def test_timeout_of_file_and_environment_counts(write: Write, lcmtools: Run, bus_url: str) -> None:
+def test_timeout_of_file_and_environment_counts(write: Write, cli: Run, bus_url: str) -> None:
     write("timeout: 300ms\n")
-    nothing = lcmtools("echo", "/nothing", LCM_DEFAULT_URL=bus_url)
-    assert nothing.returncode == 4
-    assert_says(nothing.stderr, "/nothing", "0.3 s")
+    nothing = cli("echo", "/nothing", env={"LCM_DEFAULT_URL": bus_url})
+    assert nothing.code == 4
+    assert_says(nothing.err, "/nothing", "0.3 s")
     environment = {"LCM_DEFAULT_URL": bus_url, "LCMTOOLS_TIMEOUT": "0.2"}
-    assert "within 0.2 s" in lcmtools("echo", "/nothing", **environment).stderr
-    told = lcmtools("echo", "/nothing", "--timeout", "100ms", **environment).stderr
+    assert "within 0.2 s" in cli("echo", "/nothing", env=environment).err
+    told = cli("echo", "/nothing", "--timeout", "100ms", env=environment).err
     assert "within 0.1 s" in told
 
 
@@ -91,28 +91,26 @@ def test_timeout_of_file_and_environment_counts(write: Write, lcmtools: Run, bus
     "command", ["list", "wtf", "config", "run talker", "pub /a std_msgs/Empty"]
 )
 def test_broken_file_costs_one_line_that_names_it(
-    command: str, write: Write, lcmtools: Run, bus_url: str
+    command: str, write: Write, cli: Run, bus_url: str
 ) -> None:
     path = write("domain: 3\ncolour: never\n")
-    result = lcmtools(*command.split(), LCM_DEFAULT_URL=bus_url)
+    result = cli(*command.split(), env={"LCM_DEFAULT_URL": bus_url})
     name = "pub" if command.startswith("pub") else command
-    assert (result.returncode, result.stdout) == (2, "")
+    assert (result.code, result.out) == (2, "")
     parts = (f"{path}:2: ", "no setting 'colour'", "did you mean color?")
-    assert_line(result.stderr, f"lcmtools {name}: ", *parts)
+    assert_line(result.err, f"lcmtools {name}: ", *parts)
 
 
 @pytest.mark.parametrize("command", ["--help", "--version", "help list", "list -h", "msg list"])
-def test_broken_file_stops_nothing_that_does_without(
-    command: str, write: Write, lcmtools: Run
-) -> None:
+def test_broken_file_stops_nothing_that_does_without(command: str, write: Write, cli: Run) -> None:
     write("domain: [\n")
-    result = lcmtools(*command.split())
-    assert (result.returncode, result.stderr) == (0, "")
+    result = cli(*command.split())
+    assert (result.code, result.err) == (0, "")
 
 
-def test_home_that_is_no_folder_is_no_fault(lcmtools: Run, bus_url: str) -> None:
-    result = lcmtools("list", LCM_DEFAULT_URL=bus_url, XDG_CONFIG_HOME="/dev/null")
-    assert (result.returncode, result.stderr) == (0, f"no topics on {bus_url}\n")
+def test_home_that_is_no_folder_is_no_fault(cli: Run, bus_url: str) -> None:
+    result = cli("list", env={"LCM_DEFAULT_URL": bus_url, "XDG_CONFIG_HOME": "/dev/null"})
+    assert (result.code, result.err) == (0, f"no topics on {bus_url}\n")
 
 
 def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal: Callable[..., str]) -> None:
@@ -146,28 +144,28 @@ def test_terminal_without_colour_gets_no_escape(
     ],
 )
 def test_pipe_gets_colour_on_demand_only(
-    arguments: list[str], environment: dict[str, str], lcmtools: Run
+    arguments: list[str], environment: dict[str, str], cli: Run
 ) -> None:
     words = ["msg", "show", "Nope"]
-    assert "\x1b" not in lcmtools(*words).stderr
-    assert lcmtools(*words, *arguments, **environment).stderr.startswith("\x1b[1;31m")
+    assert "\x1b" not in cli(*words).err
+    assert cli(*words, *arguments, env=environment).err.startswith("\x1b[1;31m")
 
 
 @pytest.mark.usefixtures("private_network")  # programs on other buses would be named
 def test_wtf_colours_the_severity_and_nothing_else(
     on_terminal: Callable[..., str],
-    lcmtools: Run,
+    cli: Run,
     start: Callable[..., Any],
     lcmtools_path: str,
     bus_url: str,
     wait_until: Callable[..., None],
 ) -> None:
     start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=bus_url)
-    wait_until(lambda: lcmtools("node", "list", LCM_DEFAULT_URL=bus_url).stdout == "/listener\n")
+    wait_until(lambda: cli("node", "list", env={"LCM_DEFAULT_URL": bus_url}).out == "/listener\n")
     wtf = ("wtf", "--wait", "100ms", "--ignore", "other-buses")  # where other tests run meanwhile
     screen = on_terminal(*wtf, LCM_DEFAULT_URL=bus_url).replace("\r\n", "\n")
     assert f"{_YELLOW}WARNING\x1b[0m The following node subscriptions are unconnected:" in screen
-    piped = lcmtools(*wtf, LCM_DEFAULT_URL=bus_url).stdout
+    piped = cli(*wtf, env={"LCM_DEFAULT_URL": bus_url}).out
     assert "\x1b" not in piped
     findings = re.findall(r"^(?:ERROR|WARNING|NOTE) ", piped, re.MULTILINE)
     assert screen.count("\x1b[0m") == screen.count("\x1b[") / 2 == len(findings)

@@ -3,19 +3,19 @@
 import json
 import re
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 # Knows no nodes. It sends a point, which is a vector to LCM; a pose stamped 0.25 s ago; noise.
 _PLAIN = """
@@ -69,31 +69,29 @@ def next_table(program: Any, column: str) -> dict[str, list[str]]:
 @pytest.mark.parametrize(
     "name", ["std_msgs/String", "std_msgs/msg/String", "std_msgs.String", "String"]
 )
-def test_find_prints_the_topics_that_are_announced_with_a_type(name: str, lcmtools: Run) -> None:
-    result = lcmtools("find", name)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "/chatter\n", "")
+def test_find_prints_the_topics_that_are_announced_with_a_type(name: str, cli: Run) -> None:
+    result = cli("find", name)
+    assert (result.code, result.out, result.err) == (0, "/chatter\n", "")
 
 
 @pytest.mark.parametrize("name", ["geometry_msgs/Point", "geometry_msgs/Vector3"])
-def test_find_knows_plain_programs_by_every_type_of_their_fingerprint(
-    name: str, lcmtools: Run
-) -> None:
-    assert json.loads(lcmtools("topic", "find", name, "--json").stdout) == ["POINT"]
+def test_find_knows_plain_programs_by_every_type_of_their_fingerprint(name: str, cli: Run) -> None:
+    assert json.loads(cli("topic", "find", name, "--json").out) == ["POINT"]
 
 
 def test_find_of_a_type_that_no_topic_has_says_so_on_standard_error(
-    lcmtools: Run, module_bus_url: str
+    cli: Run, module_bus_url: str
 ) -> None:
-    result = lcmtools("find", "sensor_msgs/Image")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert_line(result.stderr, "no topics", "sensor_msgs/Image", f"{module_bus_url}\n")
+    result = cli("find", "sensor_msgs/Image")
+    assert (result.code, result.out) == (0, "")
+    assert_line(result.err, "no topics", "sensor_msgs/Image", f"{module_bus_url}\n")
 
 
-def test_find_of_an_unknown_type_is_exit_code_2_with_a_near_miss(lcmtools: Run) -> None:
-    result = lcmtools("find", "std_msgs/Strin")
-    assert (result.returncode, result.stdout) == (2, "")
+def test_find_of_an_unknown_type_is_exit_code_2_with_a_near_miss(cli: Run) -> None:
+    result = cli("find", "std_msgs/Strin")
+    assert (result.code, result.out) == (2, "")
     hint = "; did you mean std_msgs/String?\n"
-    assert_line(result.stderr, "lcmtools find: ", "'std_msgs/Strin'", hint)
+    assert_line(result.err, "lcmtools find: ", "'std_msgs/Strin'", hint)
 
 
 def test_bw_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
@@ -158,34 +156,34 @@ def test_delay_of_several_topics_is_a_table(start: Callable[..., Any], lcmtools_
         ("hz", "POINT", "average"),
     ],
 )
-def test_so_many_reports_are_enough(verb: str, topic: str, first: str, lcmtools: Run) -> None:
-    result = lcmtools(verb, topic, "-n", "2")
-    lines = result.stdout.splitlines()
-    assert result.returncode == 0
+def test_so_many_reports_are_enough(verb: str, topic: str, first: str, cli: Run) -> None:
+    result = cli(verb, topic, "-n", "2")
+    lines = result.out.splitlines()
+    assert result.code == 0
     assert [line.startswith(first) for line in lines] == [True, False] * 2
 
 
-def test_hz_counts_what_a_filter_lets_through(lcmtools: Run) -> None:
-    result = lcmtools("hz", "/chatter", "--filter", "m.data == 'hello'", "-n", "1")
-    assert float(result.stdout.split()[2]) == pytest.approx(20, abs=5)
-    none = lcmtools("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
-    assert none.returncode == 4
-    assert_says(none.stderr, "lcmtools hz: ", "/chatter", "data == 'x'", "0.3 s\n")
+def test_hz_counts_what_a_filter_lets_through(cli: Run) -> None:
+    result = cli("hz", "/chatter", "--filter", "m.data == 'hello'", "-n", "1")
+    assert float(result.out.split()[2]) == pytest.approx(20, abs=5)
+    none = cli("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
+    assert none.code == 4
+    assert_says(none.err, "lcmtools hz: ", "/chatter", "data == 'x'", "0.3 s\n")
 
 
-def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(lcmtools: Run) -> None:
-    result = lcmtools("hz", "/chatter", "--filter", "dota == 'x'")
-    assert (result.returncode, result.stdout) == (2, "")
+def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(cli: Run) -> None:
+    result = cli("hz", "/chatter", "--filter", "dota == 'x'")
+    assert (result.code, result.out) == (2, "")
     parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
-    assert_line(result.stderr, "lcmtools hz: ", *parts)
+    assert_line(result.err, "lcmtools hz: ", *parts)
 
 
-def test_find_c_is_how_many_topics_there_are(lcmtools: Run) -> None:
-    assert lcmtools("find", "-c", "String").stdout == "1\n"
+def test_find_c_is_how_many_topics_there_are(cli: Run) -> None:
+    assert cli("find", "-c", "String").out == "1\n"
 
 
-def test_info_shows_what_was_seen_of_a_program_that_is_no_node(lcmtools: Run) -> None:
-    lines = lcmtools("info", "POINT").stdout.splitlines()
+def test_info_shows_what_was_seen_of_a_program_that_is_no_node(cli: Run) -> None:
+    lines = cli("info", "POINT").out.splitlines()
     row = next(row for row, line in enumerate(lines) if "plain.py (pid " in line)
     assert re.fullmatch(
         r"     seen messages: \d+, bytes: \d+, rate: \d+\.\d\d Hz, last: \d\.\d s ago",
@@ -198,30 +196,30 @@ def test_delay_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path
     assert 0.24 <= measured["min"] <= measured["delay"] <= measured["max"]
 
 
-def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
-    result = lcmtools("delay", "/chatter")
-    assert (result.returncode, result.stdout) == (1, "")
-    subscribed, error = result.stderr.splitlines()
+def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(cli: Run) -> None:
+    result = cli("delay", "/chatter")
+    assert (result.code, result.out) == (1, "")
+    subscribed, error = result.err.splitlines()
     assert subscribed == "subscribed to [/chatter]"
     parts = ("std_msgs/String", "/chatter", "no header", "utime; lcmtools msg find-field header")
     assert_says(error, "lcmtools delay: ", *parts)
 
 
 def test_delay_ends_where_no_stamp_is_a_time(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+    start: Callable[..., Any], cli: Run, lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "pub", "-v", "-r", "20", "/zero", "geometry_msgs/PoseStamped").wait_for(
         "publishing #1"
     )
-    result = lcmtools("delay", "/zero", "--timeout", "1s")
-    assert result.returncode == 4
-    assert_says(result.stderr, "stamp", "/zero", "0")
+    result = cli("delay", "/zero", "--timeout", "1s")
+    assert result.code == 4
+    assert_says(result.err, "stamp", "/zero", "0")
 
 
-def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
-    result = lcmtools("delay", "NOISE")
-    assert (result.returncode, result.stdout) == (1, "")
-    _, _, error = result.stderr.partition("\n")
+def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(cli: Run) -> None:
+    result = cli("delay", "NOISE")
+    assert (result.code, result.out) == (1, "")
+    _, _, error = result.err.partition("\n")
     assert_line(error, "lcmtools delay: ", "type", "NOISE", "not known; lcmtools echo NOISE")
 
 
@@ -258,16 +256,16 @@ def test_hz_measures_a_topic_under_two_spellings_twice(
 
 
 @pytest.mark.parametrize("verb", ["bw", "delay", "hz"])
-def test_nothing_within_the_timeout_is_exit_code_4(verb: str, lcmtools: Run) -> None:
-    result = lcmtools(verb, "/zzz", "--timeout", "200ms")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert_says(result.stderr, f"lcmtools {verb}: ", "/zzz", "0.2 s\n")
+def test_nothing_within_the_timeout_is_exit_code_4(verb: str, cli: Run) -> None:
+    result = cli(verb, "/zzz", "--timeout", "200ms")
+    assert (result.code, result.out) == (4, "")
+    assert_says(result.err, f"lcmtools {verb}: ", "/zzz", "0.2 s\n")
 
 
-def test_timeout_of_several_topics_is_about_all_of_them(lcmtools: Run) -> None:
-    result = lcmtools("hz", "/zzz", "/yyy", "--timeout", "200ms")
-    assert result.returncode == 4
-    assert_says(result.stderr, "/zzz, /yyy", "0.2 s\n")
+def test_timeout_of_several_topics_is_about_all_of_them(cli: Run) -> None:
+    result = cli("hz", "/zzz", "/yyy", "--timeout", "200ms")
+    assert result.code == 4
+    assert_says(result.err, "/zzz, /yyy", "0.2 s\n")
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 Outcome = tuple[int, str, str]
 Timed = Callable[..., tuple[float, Outcome]]
 
@@ -88,7 +89,7 @@ def test_wtf_finds_the_missing_route_in_under_a_second(timed: Timed) -> None:
     assert seconds < 1.0
 
 
-def test_what_needs_no_bus_works(lcmtools: Run) -> None:
+def test_what_needs_no_bus_works(cli: Run) -> None:
     for command in (
         "--help",
         "msg list",
@@ -96,11 +97,11 @@ def test_what_needs_no_bus_works(lcmtools: Run) -> None:
         "run --list",
         "run talker --help",
     ):
-        result = lcmtools(*command.split())
-        assert (result.returncode, result.stderr) == (0, "")
+        result = cli(*command.split())
+        assert (result.code, result.err) == (0, "")
 
 
-def test_remedy_is_one_that_works(lcmtools: Run) -> None:
+def test_remedy_is_one_that_works(cli: Run) -> None:
     for command in REMEDY.removeprefix("type: ").replace("sudo ", "").split(" && "):
         subprocess.run(command.split(), check=True)
-    assert lcmtools("list").returncode == 0
+    assert cli("list").code == 0

@@ -12,7 +12,7 @@ import pytest
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 
 CREATE = ("pkg", "create", "air_lab0", "--node", "simple_controller")
 NAMES = ("--deps", "nav_msgs", "geometry_msgs", "--msg", "Stat")
@@ -24,39 +24,39 @@ def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPat
 
 
 @pytest.fixture
-def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lcmtools: Run) -> Path:
+def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Run) -> Path:
     """A workspace, which is the current folder, with the package air_lab0."""
     folder = tmp_path / "space"
     folder.mkdir()
     monkeypatch.chdir(folder)
-    made = lcmtools(*CREATE, *NAMES)
-    assert made.returncode == 0
-    assert_line(made.stderr, "lcmtools run air_lab0 simple_controller\n")
-    assert all((folder / line).is_file() for line in made.stdout.splitlines())
+    made = cli(*CREATE, *NAMES)
+    assert made.code == 0
+    assert_line(made.err, "lcmtools run air_lab0 simple_controller\n")
+    assert all((folder / line).is_file() for line in made.out.splitlines())
     return folder
 
 
 def test_new_package_runs_without_being_installed(
-    space: Path, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+    space: Path, start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
 ) -> None:
     words = ["__ns:=/husky0", "odometry:=/other/odometry"]
     shell = ["sh", "-c", f'cd {space} && exec "$0" run air_lab0 simple_controller "$@"']
     node = start(*shell, lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
     node.wait_for("[/husky0/simple_controller]: 0 messages on odometry so far")
-    info = lcmtools("node", "info", "/husky0/simple_controller", "--lcm-url", bus_url).stdout
+    info = cli("node", "info", "/husky0/simple_controller", "--lcm-url", bus_url).out
     assert " * /husky0/count [air_lab0/Stat]\n" in info
     assert " * /other/odometry [nav_msgs/Odometry]\n" in info
-    echo = lcmtools("echo", "-n", "1", "/husky0/count", "--lcm-url", bus_url)
-    assert (echo.stdout, echo.stderr) == ("count: 0\nperiod: 0.0\n---\n", "")
+    echo = cli("echo", "-n", "1", "/husky0/count", "--lcm-url", bus_url)
+    assert (echo.out, echo.err) == ("count: 0\nperiod: 0.0\n---\n", "")
 
 
 def test_its_script_is_run_by_python_as_well(
-    space: Path, start: Callable[..., Any], lcmtools: Run, bus_url: str
+    space: Path, start: Callable[..., Any], cli: Run, bus_url: str
 ) -> None:
     script = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     words = ["__ns:=/husky0", "__name:=mine", "odometry:=a"]
     start(sys.executable, str(script), *words, LCM_DEFAULT_URL=bus_url).wait_for("[/husky0/mine]")
-    info = lcmtools("node", "info", "/husky0/mine", "--lcm-url", bus_url).stdout
+    info = cli("node", "info", "/husky0/mine", "--lcm-url", bus_url).out
     assert " * /husky0/a [nav_msgs/Odometry]\n" in info
     assert " * /husky0/count [air_lab0/Stat]\n" in info
 
@@ -72,9 +72,9 @@ def test_its_test_passes(space: Path) -> None:
     assert (done.returncode, "1 passed" in done.stdout) == (0, True), done.stdout + done.stderr
 
 
-def test_its_launch_file_says_which_node_runs(space: Path, lcmtools: Run) -> None:
-    shown = lcmtools("launch", str(space / "air_lab0/launch/simple_controller.yaml"), "--nodes")
-    assert (shown.returncode, shown.stdout) == (0, "/simple_controller\n")
+def test_its_launch_file_says_which_node_runs(space: Path, cli: Run) -> None:
+    shown = cli("launch", str(space / "air_lab0/launch/simple_controller.yaml"), "--nodes")
+    assert (shown.code, shown.out) == (0, "/simple_controller\n")
 
 
 def test_messages_are_imported_as_in_ros(space: Path) -> None:
@@ -92,35 +92,35 @@ def test_messages_are_imported_as_in_ros(space: Path) -> None:
 
 
 @pytest.mark.usefixtures("space")
-def test_packages_and_their_nodes_are_listed(lcmtools: Run) -> None:
-    assert lcmtools("run", "air_lab0").stdout.startswith("simple_controller ")
-    assert "\nlistener " in lcmtools("run", "--list").stdout
-    names = json.loads(lcmtools("run", "--list", "--json").stdout)
+def test_packages_and_their_nodes_are_listed(cli: Run) -> None:
+    assert cli("run", "air_lab0").out.startswith("simple_controller ")
+    assert "\nlistener " in cli("run", "--list").out
+    names = json.loads(cli("run", "--list", "--json").out)
     assert {"air_lab0 simple_controller", "talker"} <= set(names)
-    found = {one["name"]: one for one in json.loads(lcmtools("pkg", "list", "--json").stdout)}
+    found = {one["name"]: one for one in json.loads(cli("pkg", "list", "--json").out)}
     assert found["air_lab0"]["nodes"] == ["simple_controller"]
     assert found["lcmtools"]["is_installed"]
     folder = str(Path.cwd() / "air_lab0")
-    assert lcmtools("pkg", "list").stdout.splitlines()[0].split() == ["air_lab0", folder]
-    assert lcmtools("pkg", "find", "air_lab0").stdout == f"{folder}\n"
-    assert lcmtools("pkg", "prefix", "air_lab").stderr.endswith("did you mean air_lab0?\n")
+    assert cli("pkg", "list").out.splitlines()[0].split() == ["air_lab0", folder]
+    assert cli("pkg", "find", "air_lab0").out == f"{folder}\n"
+    assert cli("pkg", "prefix", "air_lab").err.endswith("did you mean air_lab0?\n")
 
 
 @pytest.mark.usefixtures("space")
-def test_build_says_what_was_made_and_what_is_wrong(space: Path, lcmtools: Run) -> None:
+def test_build_says_what_was_made_and_what_is_wrong(space: Path, cli: Run) -> None:
     file = "air_lab0/air_lab0/msg/Stat.lcm"
-    made = lcmtools("pkg", "build")
-    assert made.stdout == f"air_lab0/Stat  {file}\n"
-    assert (made.returncode, made.stderr) == (0, "ready: air_lab0\n")
+    made = cli("pkg", "build")
+    assert made.out == f"air_lab0/Stat  {file}\n"
+    assert (made.code, made.err) == (0, "ready: air_lab0\n")
     (space / file).write_text("package air_lab0;\nstruct Stat\n{\n  double x\n}\n")
-    failed = lcmtools("pkg", "build", "air_lab0")
+    failed = cli("pkg", "build", "air_lab0")
     said = f"{file}:5: expected token ;; a ';' is missing before this\n"
-    assert (failed.returncode, failed.stdout) == (1, "")
-    assert failed.stderr == f"lcmtools pkg build: {said}"
-    assert lcmtools("msg", "show", "air_lab0/Stat").stderr == f"lcmtools msg show: {said}"
-    listed = lcmtools("msg", "list")
-    assert (listed.returncode, listed.stderr) == (0, f"lcmtools msg list: {said}")
-    record = json.loads(lcmtools("msg", "build", "--json").stdout)
+    assert (failed.code, failed.out) == (1, "")
+    assert failed.err == f"lcmtools pkg build: {said}"
+    assert cli("msg", "show", "air_lab0/Stat").err == f"lcmtools msg show: {said}"
+    listed = cli("msg", "list")
+    assert (listed.code, listed.err) == (0, f"lcmtools msg list: {said}")
+    record = json.loads(cli("msg", "build", "--json").out)
     assert (record["types"], record["problems"][0]["line"]) == ([], 5)
 
 
@@ -143,7 +143,7 @@ def main(args=None):
 
 
 def test_ros_message_files_of_a_package_are_used_as_they_are(
-    space: Path, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+    space: Path, start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
 ) -> None:
     root = space / "air_lab0"
     for name, text in (
@@ -156,14 +156,14 @@ def test_ros_message_files_of_a_package_are_used_as_they_are(
         (root / name).parent.mkdir(exist_ok=True)
         (root / name).write_text(text)
     (root / "air_lab0" / "simple_controller.py").write_text(ROS_NODE)
-    built = lcmtools("pkg", "build")
-    assert "air_lab0/ControllerEvaluationStat  air_lab0/msg/Controller" in built.stdout
-    assert built.stderr == "ready: air_lab0\n"
-    shown = lcmtools("msg", "show", "-r", "air_lab0/ControllerEvaluationStat")
-    assert shown.stdout == "Header header\nuint32 samples # all\nfloat64 error\n"
+    built = cli("pkg", "build")
+    assert "air_lab0/ControllerEvaluationStat  air_lab0/msg/Controller" in built.out
+    assert built.err == "ready: air_lab0\n"
+    shown = cli("msg", "show", "-r", "air_lab0/ControllerEvaluationStat")
+    assert shown.out == "Header header\nuint32 samples # all\nfloat64 error\n"
     said = "types are spelt as in ROS; this is air_lab0/msg/ControllerEvaluationStat.msg\n"
-    assert shown.stderr == said
-    assert lcmtools("srv", "show", "-r", "air_lab0/Reset").stdout == "float64 x\n---\nbool ok\n"
+    assert shown.err == said
+    assert cli("srv", "show", "-r", "air_lab0/Reset").out == "float64 x\n---\nbool ok\n"
     at = ("--lcm-url", bus_url)
     here = ["sh", "-c", f'cd {space} && exec "$0" "$@"', lcmtools_path]
     echo = start(*here, "echo", "/stat", *at)
@@ -172,19 +172,19 @@ def test_ros_message_files_of_a_package_are_used_as_they_are(
     pub.end()
     start(*here, "run", "air_lab0", "simple_controller", *at)
     echo.wait_for("samples: 3")
-    called = lcmtools("service", "call", "/reset", "{x: 1}", *at)
-    assert (called.returncode, "ok: False" in called.stdout) == (0, True), called.stderr
+    called = cli("service", "call", "/reset", "{x: 1}", *at)
+    assert (called.code, "ok: False" in called.out) == (0, True), called.err
 
 
-def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
+def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
     node = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     node.write_text("mine\n")
-    again = lcmtools(*CREATE)
-    assert (again.returncode, again.stdout) == (1, "")
+    again = cli(*CREATE)
+    assert (again.code, again.out) == (1, "")
     parts = ("air_lab0/pyproject.toml", "exists; --force")
-    assert_line(again.stderr, "lcmtools pkg create: ", *parts)
+    assert_line(again.err, "lcmtools pkg create: ", *parts)
     assert node.read_text() == "mine\n"
-    assert lcmtools(*CREATE, "--force").returncode == 0
+    assert cli(*CREATE, "--force").code == 0
     assert node.read_text() != "mine\n"
 
 
@@ -202,43 +202,41 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
     ],
 )
 def test_a_fault_in_ones_own_node_is_shown_where_it_is(
-    source: str, said: str, space: Path, lcmtools: Run
+    source: str, said: str, space: Path, cli: Run
 ) -> None:
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(source)
-    done = lcmtools("run", "air_lab0", "simple_controller")
-    assert done.returncode in (1, 3)
-    assert said in done.stderr
-    assert "fault of lcmtools" not in done.stderr
-    assert "lcmtools/cli" not in done.stderr
+    done = cli("run", "air_lab0", "simple_controller")
+    assert done.code in (1, 3)
+    assert said in done.err
+    assert "fault of lcmtools" not in done.err
+    assert "lcmtools/cli" not in done.err
 
 
-def test_a_broken_package_beside_does_not_matter_until_it_is_meant(
-    space: Path, lcmtools: Run
-) -> None:
+def test_a_broken_package_beside_does_not_matter_until_it_is_meant(space: Path, cli: Run) -> None:
     (space / "other").mkdir()
     (space / "other" / "pyproject.toml").write_text("[tool.lcmtools]\n[project\n")
-    assert lcmtools("run", "talker", "--help").returncode == 0
-    assert lcmtools("run", "air_lab0").stdout.startswith("simple_controller ")
-    wrong = lcmtools("run", "other", "go")
-    assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
-    assert_says(wrong.stderr, f"{space}/other/pyproject.toml:2: ", "not TOML")
+    assert cli("run", "talker", "--help").code == 0
+    assert cli("run", "air_lab0").out.startswith("simple_controller ")
+    wrong = cli("run", "other", "go")
+    assert (wrong.code, wrong.err.count("\n")) == (2, 1)
+    assert_says(wrong.err, f"{space}/other/pyproject.toml:2: ", "not TOML")
 
 
 def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(
-    space: Path, lcmtools: Run, monkeypatch: pytest.MonkeyPatch
+    space: Path, cli: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     said = "def main(args=None):\n    print('mine')\n"
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(said)
     for folder in (space, space / "air_lab0", space / "air_lab0" / "launch"):
         monkeypatch.chdir(folder)
-        done = lcmtools("run", "simple_controller")
-        assert (done.returncode, done.stdout, done.stderr) == (0, "mine\n", "")
+        done = cli("run", "simple_controller")
+        assert (done.code, done.out, done.err) == (0, "mine\n", "")
 
 
 def test_lcmtools_own_answer_says_so_when_it_runs(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str, lcmtools: Run
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str, cli: Run
 ) -> None:
-    assert lcmtools("run", "simple_controller", "--help").stderr == ""
+    assert cli("run", "simple_controller", "--help").err == ""
     started = start(lcmtools_path, "run", "simple_controller", LCM_DEFAULT_URL=bus_url)
     started.wait_for("this is lcmtools' own simple_controller, the lab's model answer")
 
@@ -255,21 +253,21 @@ def test_lcmtools_own_answer_says_so_when_it_runs(
     ],
 )
 def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(
-    space: Path, lcmtools: Run, entry: str, said: str
+    space: Path, cli: Run, entry: str, said: str
 ) -> None:
     project = space / "air_lab0" / "pyproject.toml"
     right = '"air_lab0.simple_controller:main"'
     project.write_text(project.read_text().replace(right, entry))
-    done = lcmtools("run", "simple_controller")
-    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-    assert said in done.stderr
+    done = cli("run", "simple_controller")
+    assert (done.code, done.err.count("\n")) == (1, 1)
+    assert said in done.err
 
 
-def test_a_second_node_is_added_and_runs(space: Path, lcmtools: Run) -> None:
-    done = lcmtools("pkg", "add-node", "evaluator", "--skeleton", "evaluate_controller")
-    assert done.returncode == 0
-    assert_line(done.stderr, "lcmtools run air_lab0 evaluator\n")
-    assert done.stdout.splitlines() == [
+def test_a_second_node_is_added_and_runs(space: Path, cli: Run) -> None:
+    done = cli("pkg", "add-node", "evaluator", "--skeleton", "evaluate_controller")
+    assert done.code == 0
+    assert_line(done.err, "lcmtools run air_lab0 evaluator\n")
+    assert done.out.splitlines() == [
         "air_lab0/air_lab0/evaluator.py",
         "air_lab0/pyproject.toml",
     ]
@@ -277,7 +275,7 @@ def test_a_second_node_is_added_and_runs(space: Path, lcmtools: Run) -> None:
     assert "lcmtools run air_lab0 evaluator __ns:=/husky0" in text
     assert 'super().__init__("evaluator")' in text
     assert "evaluate_controller" not in text
-    assert [line.split()[0] for line in lcmtools("run", "air_lab0").stdout.splitlines()] == [
+    assert [line.split()[0] for line in cli("run", "air_lab0").out.splitlines()] == [
         "evaluator",
         "simple_controller",
     ]
@@ -285,13 +283,13 @@ def test_a_second_node_is_added_and_runs(space: Path, lcmtools: Run) -> None:
 
 @pytest.mark.parametrize("head", ["def main(args):", "def main():"])
 def test_a_main_function_gets_its_words_with_and_without_a_parameter(
-    space: Path, lcmtools: Run, head: str
+    space: Path, cli: Run, head: str
 ) -> None:
     words = "args" if "args" in head else "sys.argv[1:]"
     text = f"import sys\n{head}\n    print({words})\n"
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(text)
-    done = lcmtools("run", "air_lab0", "simple_controller", "__ns:=/a", "x")
-    assert (done.stdout, done.stderr) == ("['__ns:=/a', 'x']\n", "")
+    done = cli("run", "air_lab0", "simple_controller", "__ns:=/a", "x")
+    assert (done.out, done.err) == ("['__ns:=/a', 'x']\n", "")
 
 
 @pytest.mark.parametrize(

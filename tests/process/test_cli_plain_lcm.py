@@ -2,7 +2,6 @@
 
 import json
 import re
-import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable
@@ -10,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 # The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
 SOURCE = str(Path(sysconfig.get_path("purelib")) / "bin" / "lcm-source")
@@ -55,29 +55,29 @@ def programs(
 
 
 @on_the_modules_bus
-def test_list_shows_their_channels_slow_ones_too(lcmtools: Run) -> None:
-    result = lcmtools("list")
-    assert result.stdout.splitlines() == ["EMPTY", "EXAMPLE", "NOISE", "POSE", "SLOW"]
-    assert (result.returncode, result.stderr) == (0, "")
+def test_list_shows_their_channels_slow_ones_too(cli: Run) -> None:
+    result = cli("list")
+    assert result.out.splitlines() == ["EMPTY", "EXAMPLE", "NOISE", "POSE", "SLOW"]
+    assert (result.code, result.err) == (0, "")
 
 
 @on_the_modules_bus
-def test_list_does_not_call_what_it_cannot_know_by_a_type(lcmtools: Run) -> None:
-    types = dict(line.split(" ", 1) for line in lcmtools("list", "-t").stdout.splitlines())
+def test_list_does_not_call_what_it_cannot_know_by_a_type(cli: Run) -> None:
+    types = dict(line.split(" ", 1) for line in cli("list", "-t").out.splitlines())
     assert types["EXAMPLE"] == "[unknown type]"
     assert types["EMPTY"] == "[unknown type]"
     assert types["NOISE"] == "[unknown type]"
 
 
 @on_the_modules_bus
-def test_list_v_counts_them_as_publishers(lcmtools: Run) -> None:
-    rows = lcmtools("list", "-v").stdout.splitlines()
+def test_list_v_counts_them_as_publishers(cli: Run) -> None:
+    rows = cli("list", "-v").out.splitlines()
     assert " * EXAMPLE [unknown type] 1 publisher" in rows
 
 
 @on_the_modules_bus
-def test_info_names_the_process_behind_the_channel(lcmtools: Run, programs: dict[str, Any]) -> None:
-    rows = lcmtools("info", "EXAMPLE").stdout.splitlines()
+def test_info_names_the_process_behind_the_channel(cli: Run, programs: dict[str, Any]) -> None:
+    rows = cli("info", "EXAMPLE").out.splitlines()
     program = rows[rows.index("Publishers: ") + 1]
     assert re.fullmatch(
         rf" \* lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
@@ -88,10 +88,8 @@ def test_info_names_the_process_behind_the_channel(lcmtools: Run, programs: dict
 
 
 @on_the_modules_bus
-def test_info_of_a_known_type_names_all_that_it_may_be(
-    lcmtools: Run, programs: dict[str, Any]
-) -> None:
-    rows = lcmtools("info", "POSE").stdout.splitlines()
+def test_info_of_a_known_type_names_all_that_it_may_be(cli: Run, programs: dict[str, Any]) -> None:
+    rows = cli("info", "POSE").out.splitlines()
     assert rows[:2] == [
         "Type: geometry_msgs/Vector3",
         "Fingerprint: 0xae7e5fba5eeca11e (geometry_msgs/Vector3 or geometry_msgs/Point)",
@@ -100,69 +98,69 @@ def test_info_of_a_known_type_names_all_that_it_may_be(
 
 
 @on_the_modules_bus
-def test_a_program_has_the_same_name_everywhere(lcmtools: Run, programs: dict[str, Any]) -> None:
+def test_a_program_has_the_same_name_everywhere(cli: Run, programs: dict[str, Any]) -> None:
     pid = programs["POSE"].pid
-    assert f" * plain.py --speed 0.5 (pid {pid}, port " in lcmtools("info", "POSE").stdout
-    assert re.search(rf" plain\.py \(pid {pid}\)", lcmtools("spy", "--once", "POSE").stdout)
-    assert f"plain.py --speed 0.5 (no node, pid {pid})" in lcmtools("graph").stdout
-    assert f":{pid} \tplain.py --speed 0.5" in lcmtools("node", "list", "-a").stdout
+    assert f" * plain.py --speed 0.5 (pid {pid}, port " in cli("info", "POSE").out
+    assert re.search(rf" plain\.py \(pid {pid}\)", cli("spy", "--once", "POSE").out)
+    assert f"plain.py --speed 0.5 (no node, pid {pid})" in cli("graph").out
+    assert f":{pid} \tplain.py --speed 0.5" in cli("node", "list", "-a").out
 
 
 @on_the_modules_bus
-def test_info_json_has_rate_and_sender(lcmtools: Run) -> None:
-    (topic,) = json.loads(lcmtools("info", "--json", "POSE").stdout)
+def test_info_json_has_rate_and_sender(cli: Run) -> None:
+    (topic,) = json.loads(cli("info", "--json", "POSE").out)
     (program,) = topic["other_publishers"]
     assert program["rate"] == pytest.approx(20, rel=0.3)
     assert re.fullmatch(r"[\d.]+:\d+", program["sender"])
 
 
 @on_the_modules_bus
-def test_type_tells_what_the_fingerprint_tells(lcmtools: Run) -> None:
-    assert lcmtools("type", "POSE").stdout == "geometry_msgs/Vector3\n"
-    result = lcmtools("type", "EMPTY")
-    assert (result.returncode, result.stdout) == (1, "")
-    assert_line(result.stderr, "lcmtools type: ", "EMPTY", "not known")
+def test_type_tells_what_the_fingerprint_tells(cli: Run) -> None:
+    assert cli("type", "POSE").out == "geometry_msgs/Vector3\n"
+    result = cli("type", "EMPTY")
+    assert (result.code, result.out) == (1, "")
+    assert_line(result.err, "lcmtools type: ", "EMPTY", "not known")
 
 
 @on_the_modules_bus
-def test_echo_decodes_what_has_a_known_fingerprint(lcmtools: Run) -> None:
-    assert lcmtools("echo", "-1", "POSE").stdout == "x: 1.5\ny: 0.0\nz: 0.0\n---\n"
+def test_echo_decodes_what_has_a_known_fingerprint(cli: Run) -> None:
+    assert cli("echo", "-1", "POSE").out == "x: 1.5\ny: 0.0\nz: 0.0\n---\n"
 
 
 @on_the_modules_bus
-def test_echo_shows_other_payloads_in_hexadecimal(lcmtools: Run) -> None:
+def test_echo_shows_other_payloads_in_hexadecimal(cli: Run) -> None:
     start = bytes(range(64)).hex(" ")
-    assert lcmtools("echo", "-1", "NOISE").stdout == (
+    assert cli("echo", "-1", "NOISE").out == (
         f"# unknown type, fingerprint 0x0001020304050607\nbytes: 200\ndata: '{start} ...'\n---\n"
     )
-    assert lcmtools("echo", "-1", "EMPTY").stdout == (
+    assert cli("echo", "-1", "EMPTY").out == (
         "# too short for an LCM message\nbytes: 0\ndata: ''\n---\n"
     )
 
 
 @on_the_modules_bus
-def test_echo_says_once_where_types_are_looked_for(lcmtools: Run, tmp_path: Path) -> None:
+def test_echo_says_once_where_types_are_looked_for(cli: Run, tmp_path: Path) -> None:
     before = "lcmtools echo: no type is known for NOISE; "
-    result = lcmtools("echo", "-n", "2", "NOISE")
-    assert_line(result.stderr, f"{before}LCMTOOLS_TYPE_PATH=FOLDER", ".lcm files\n")
-    result = lcmtools("echo", "-n", "2", "NOISE", LCMTOOLS_TYPE_PATH=str(tmp_path / "nope"))
-    assert result.stderr.startswith(before)
-    assert_says(result.stderr, "/nope: ", "no such folder; ", "LCMTOOLS_TYPE_PATH\n")
-    assert lcmtools("echo", "-1", "EMPTY").stderr == ""
+    result = cli("echo", "-n", "2", "NOISE")
+    assert_line(result.err, f"{before}LCMTOOLS_TYPE_PATH=FOLDER", ".lcm files\n")
+    result = cli("echo", "-n", "2", "NOISE", env={"LCMTOOLS_TYPE_PATH": str(tmp_path / "nope")})
+    assert result.err.startswith(before)
+    assert_says(result.err, "/nope: ", "no such folder; ", "LCMTOOLS_TYPE_PATH\n")
+    assert cli("echo", "-1", "EMPTY").err == ""
 
 
 @on_the_modules_bus
-def test_echo_json_has_the_whole_payload(lcmtools: Run) -> None:
-    message = json.loads(lcmtools("echo", "-1", "--json", "NOISE").stdout)
+def test_echo_json_has_the_whole_payload(cli: Run) -> None:
+    message = json.loads(cli("echo", "-1", "--json", "NOISE").out)
     assert bytes.fromhex(message["data"]) == bytes(range(200))
     assert message["bytes"] == 200
     assert message["error"] == "unknown type, fingerprint 0x0001020304050607"
 
 
 @on_the_modules_bus
-def test_echo_waits_for_a_slow_publisher(lcmtools: Run) -> None:
-    result = lcmtools("echo", "-1", "SLOW")
-    assert result.stdout.splitlines()[1] == "bytes: 100"
+def test_echo_waits_for_a_slow_publisher(cli: Run) -> None:
+    result = cli("echo", "-1", "SLOW")
+    assert result.out.splitlines()[1] == "bytes: 100"
 
 
 @on_the_modules_bus
@@ -173,23 +171,23 @@ def test_hz_measures_them(start: Callable[..., Any], lcmtools_path: str) -> None
 
 
 @on_the_modules_bus
-def test_wtf_does_not_take_them_for_a_fault(lcmtools: Run) -> None:
-    result = lcmtools("wtf", "--wait", "0.3s")
-    assert (result.returncode, result.stdout.splitlines()[0]) == (0, "No errors or warnings")
+def test_wtf_does_not_take_them_for_a_fault(cli: Run) -> None:
+    result = cli("wtf", "--wait", "0.3s")
+    assert (result.code, result.out.splitlines()[0]) == (0, "No errors or warnings")
 
 
 @on_the_modules_bus
-def test_near_miss_of_a_literal_channel_is_found(lcmtools: Run) -> None:
-    result = lcmtools("info", "EXAMPEL")
-    assert_line(result.stderr, "lcmtools info: ", "topic /EXAMPEL; did you mean EXAMPLE?\n")
+def test_near_miss_of_a_literal_channel_is_found(cli: Run) -> None:
+    result = cli("info", "EXAMPEL")
+    assert_line(result.err, "lcmtools info: ", "topic /EXAMPEL; did you mean EXAMPLE?\n")
 
 
 @pytest.mark.parametrize("_time", range(2))
 @pytest.mark.usefixtures("private_network")
 def test_list_waits_for_one_slow_program_alone(
-    _time: int, lcmtools: Run, start: Callable[..., Any]
+    _time: int, cli: Run, start: Callable[..., Any]
 ) -> None:
     """In a network of its own, where no other program makes list wait; lcm-source is static."""
     start(SOURCE, "-m", "SLOW", "-p", "900000")
-    lcmtools("echo", "-1", "SLOW")  # the next one comes long after list has started
-    assert lcmtools("list").stdout == "SLOW\n"
+    cli("echo", "-1", "SLOW")  # the next one comes long after list has started
+    assert cli("list").out == "SLOW\n"

@@ -1,17 +1,17 @@
 """plot: fields over time, of a bus and of a log."""
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import lcm
 import pytest
+from fixtures.command import Result
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from tests.fixtures.says import assert_line
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 
 @pytest.fixture
@@ -27,19 +27,19 @@ def log(tmp_path: Path) -> str:
     return path
 
 
-def test_a_log_is_drawn_as_text(log: str, lcmtools: Run) -> None:
-    result = lcmtools("bag", "plot", log, "/cmd/linear.x")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert "/cmd/linear.x" in result.stdout
-    assert "4.75" in result.stdout  # its greatest value, and its last time
-    assert "19.0" in result.stdout
+def test_a_log_is_drawn_as_text(log: str, cli: Run) -> None:
+    result = cli("bag", "plot", log, "/cmd/linear.x")
+    assert (result.code, result.err) == (0, "")
+    assert "/cmd/linear.x" in result.out
+    assert "4.75" in result.out  # its greatest value, and its last time
+    assert "19.0" in result.out
 
 
-def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, lcmtools: Run) -> None:
+def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, cli: Run) -> None:
     picture = tmp_path / "a.svg"
-    result = lcmtools("bag", "plot", log, "/cmd/linear", "-o", str(picture))
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"{picture}: /cmd/linear.x, /cmd/linear.y, /cmd/linear.z\n"
+    result = cli("bag", "plot", log, "/cmd/linear", "-o", str(picture))
+    assert (result.code, result.out) == (0, "")
+    assert result.err == f"{picture}: /cmd/linear.x, /cmd/linear.y, /cmd/linear.z\n"
     assert "<svg" in picture.read_text()
 
 
@@ -51,11 +51,11 @@ def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, lcmtools: Run) ->
     ],
 )
 def test_what_is_not_in_the_log_is_named(
-    field: str, said: str, code: int, log: str, lcmtools: Run
+    field: str, said: str, code: int, log: str, cli: Run
 ) -> None:
-    result = lcmtools("bag", "plot", log, field)
-    assert said in result.stderr
-    assert result.returncode == code
+    result = cli("bag", "plot", log, field)
+    assert said in result.err
+    assert result.code == code
 
 
 @pytest.fixture
@@ -71,10 +71,10 @@ def _driven(
 
 
 @pytest.mark.usefixtures("_driven")
-def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path: Path, lcmtools: Run) -> None:
+def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path: Path, cli: Run) -> None:
     picture = tmp_path / "a.png"
-    result = lcmtools("plot", "/cmd/linear.x", "--duration", "0.5s", "-o", str(picture))
-    assert (result.returncode, result.stdout) == (0, ""), result.stderr
+    result = cli("plot", "/cmd/linear.x", "--duration", "0.5s", "-o", str(picture))
+    assert (result.code, result.out) == (0, ""), result.err
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
@@ -86,7 +86,7 @@ def test_curves_are_drawn_on_a_terminal_again_and_again(on_terminal: Callable[..
     assert "time [s]" in text
 
 
-def test_what_is_no_terminal_needs_a_file(lcmtools: Run) -> None:
-    result = lcmtools("plot", "/cmd/linear.x")
-    assert_line(result.stderr, "lcmtools plot: ", "terminal", "-o FILE.png\n")
-    assert result.returncode == 2
+def test_what_is_no_terminal_needs_a_file(cli: Run) -> None:
+    result = cli("plot", "/cmd/linear.x")
+    assert_line(result.err, "lcmtools plot: ", "terminal", "-o FILE.png\n")
+    assert result.code == 2

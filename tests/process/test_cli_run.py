@@ -1,7 +1,6 @@
 """run: nodes by their names, with names, remaps and parameters in both forms."""
 
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,21 +9,21 @@ import pytest
 
 from tests.fixtures.says import assert_line, assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus")
 
 
-def test_list_names_what_can_be_run(lcmtools: Run) -> None:
-    result = lcmtools("run", "--list")
-    rows = [line.split(maxsplit=1) for line in result.stdout.splitlines()]
+def test_list_names_what_can_be_run(cli: Run) -> None:
+    result = cli("run", "--list")
+    rows = [line.split(maxsplit=1) for line in result.out.splitlines()]
     known = {row[0] for row in rows}
-    assert result.returncode == 0
+    assert result.code == 0
     assert known >= {"talker", "listener", "simple_controller", "evaluate_controller", "sim"}
     assert [row[0] for row in rows] == sorted(known)
     assert ["listener", "Log the texts of the talker: the first subscriber."] in rows
     assert all(len(row) == 2 for row in rows), "each has its summary"
-    assert json.loads(lcmtools("run", "--list", "--json").stdout) == sorted(known)
+    assert json.loads(cli("run", "--list", "--json").out) == sorted(known)
 
 
 def test_the_start_of_a_lab_says_its_steps_line_by_line(
@@ -45,10 +44,10 @@ def test_the_start_of_a_lab_says_its_steps_line_by_line(
     ],
 )
 def test_names_and_remaps_are_taken_in_both_forms(
-    arguments: list[str], start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+    arguments: list[str], start: Callable[..., Any], cli: Run, lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "run", "talker", *arguments).wait_for("[/husky0/speaker]: hello world")
-    info = lcmtools("node", "info", "/husky0/speaker").stdout
+    info = cli("node", "info", "/husky0/speaker").out
     assert " * /husky0/news [std_msgs/String]\n" in info
 
 
@@ -56,46 +55,44 @@ def test_names_and_remaps_are_taken_in_both_forms(
 def test_parameters_are_taken_in_both_forms(
     arguments: list[str],
     start: Callable[..., Any],
-    lcmtools: Run,
+    cli: Run,
     lcmtools_path: str,
     wait_until: Callable[..., None],
 ) -> None:
     namespace = f"/gains{len(arguments)}"
     start(lcmtools_path, "run", "simple_controller", f"__ns:={namespace}", *arguments)
     node = f"{namespace}/simple_controller"
-    wait_until(lambda: f"{node}\n" in lcmtools("node", "list").stdout)
-    values = [lcmtools("param", "get", node, name).stdout for name in ("kp", "ki")]
+    wait_until(lambda: f"{node}\n" in cli("node", "list").out)
+    values = [cli("param", "get", node, name).out for name in ("kp", "ki")]
     assert list(map(float, values)) == [2, 0]
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"]])
-def test_help_after_the_name_is_the_nodes_own(arguments: list[str], lcmtools: Run) -> None:
-    result = lcmtools("run", "talker", *arguments, LCM_DEFAULT_URL="no bus is needed")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout.startswith('Publish "hello world" ten times a second')
+def test_help_after_the_name_is_the_nodes_own(arguments: list[str], cli: Run) -> None:
+    result = cli("run", "talker", *arguments, env={"LCM_DEFAULT_URL": "no bus is needed"})
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith('Publish "hello world" ten times a second')
 
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3])
-def test_bus_can_be_said_anywhere(place: int, lcmtools: Run) -> None:
+def test_bus_can_be_said_anywhere(place: int, cli: Run) -> None:
     words = ["run", "listener", "__ns:=/elsewhere"]
     words[place:place] = ["--lcm-url", "nonsense://"]
-    result = lcmtools(*words)
-    assert (result.returncode, result.stdout) == (2, "")
-    assert "nonsense://" in result.stderr
+    result = cli(*words)
+    assert (result.code, result.out) == (2, "")
+    assert "nonsense://" in result.err
 
 
 def test_node_is_on_the_chosen_bus(
     start: Callable[..., Any],
     bus_url: str,
-    lcmtools: Run,
+    cli: Run,
     lcmtools_path: str,
     wait_until: Callable[..., None],
 ) -> None:
     start(lcmtools_path, "--lcm-url", bus_url, "run", "listener", "__ns:=/elsewhere")
-    wait_until(
-        lambda: lcmtools("node", "list", "--lcm-url", bus_url).stdout == "/elsewhere/listener\n"
-    )
-    assert "/elsewhere/listener" not in lcmtools("node", "list").stdout
+    wait_until(lambda: cli("node", "list", "--lcm-url", bus_url).out == "/elsewhere/listener\n")
+    assert "/elsewhere/listener" not in cli("node", "list").out
 
 
 def test_a_domain_that_has_no_effect_is_told(
@@ -179,19 +176,19 @@ def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     assert_line(result.stderr, "lcmtools run: mine", "'cv2'", install)
 
 
-def test_msg_list_and_show_agree_in_all_spellings(lcmtools: Run) -> None:
-    names = lcmtools("msg", "list").stdout.splitlines()
+def test_msg_list_and_show_agree_in_all_spellings(cli: Run) -> None:
+    names = cli("msg", "list").out.splitlines()
     assert names == sorted(names)
     assert {"geometry_msgs/Twist", "std_msgs/String", "nav_msgs/Odometry"} <= set(names)
-    shown = lcmtools("msg", "show", "geometry_msgs/Twist").stdout
+    shown = cli("msg", "show", "geometry_msgs/Twist").out
     assert shown == (
         "geometry_msgs/Vector3 linear\n  float64 x\n  float64 y\n  float64 z\n"
         "geometry_msgs/Vector3 angular\n  float64 x\n  float64 y\n  float64 z\n"
     )
-    assert lcmtools("msg", "show", "geometry_msgs/msg/Twist").stdout == shown
-    assert lcmtools("interface", "show", "geometry_msgs.Twist").stdout == shown
-    assert lcmtools("msg", "show", "Twist").stdout == f"[geometry_msgs/Twist]:\n{shown}"
-    record = json.loads(lcmtools("msg", "show", "--json", "Twist").stdout)
+    assert cli("msg", "show", "geometry_msgs/msg/Twist").out == shown
+    assert cli("interface", "show", "geometry_msgs.Twist").out == shown
+    assert cli("msg", "show", "Twist").out == f"[geometry_msgs/Twist]:\n{shown}"
+    record = json.loads(cli("msg", "show", "--json", "Twist").out)
     assert record["type"] == "geometry_msgs/Twist"
     assert record["fingerprint"] == "0x2e7c07d7cdf7e027"
-    assert json.loads(lcmtools("msg", "list", "--json").stdout) == names
+    assert json.loads(cli("msg", "list", "--json").out) == names

@@ -1,14 +1,14 @@
 """hz, bw and delay where a simulator keeps the time: it runs at its own pace, and starts again."""
 
-import subprocess
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 # Ten messages a simulated second, five times as fast as that; stamped 0.3 s in the past.
 _SIMULATOR = """
@@ -47,30 +47,28 @@ def simulate(
     return run
 
 
-def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], lcmtools: Run) -> None:
+def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], cli: Run) -> None:
     simulate(100_000)
-    result = lcmtools("hz", "/pose", "-n", "1")
-    assert result.stdout.startswith(
+    result = cli("hz", "/pose", "-n", "1")
+    assert result.out.startswith(
         "average rate: 10.000\n\tmin: 0.100s max: 0.100s std dev: 0.00000s window: "
     )
-    subscribed, note = result.stderr.splitlines()
+    subscribed, note = result.err.splitlines()
     assert subscribed == "subscribed to [/pose]"
     assert_says(note, "lcmtools hz: ", "simulated", "/clock; --wall-time")
 
 
-def test_hz_wall_time_goes_by_real_time(simulate: Callable[[int], None], lcmtools: Run) -> None:
+def test_hz_wall_time_goes_by_real_time(simulate: Callable[[int], None], cli: Run) -> None:
     simulate(100_000)
-    result = lcmtools("hz", "/pose", "-n", "1", "--wall-time")
-    assert float(result.stdout.split()[2]) == pytest.approx(45, abs=15)
-    assert result.stderr == "subscribed to [/pose]\n"
+    result = cli("hz", "/pose", "-n", "1", "--wall-time")
+    assert float(result.out.split()[2]) == pytest.approx(45, abs=15)
+    assert result.err == "subscribed to [/pose]\n"
 
 
-def test_delay_of_simulated_stamps_is_simulated(
-    simulate: Callable[[int], None], lcmtools: Run
-) -> None:
+def test_delay_of_simulated_stamps_is_simulated(simulate: Callable[[int], None], cli: Run) -> None:
     simulate(100_000)
-    result = lcmtools("delay", "/pose", "-n", "1", "-w", "5")
-    assert result.stdout.startswith("average delay: 0.300\n\tmin: 0.300s max: 0.300s")
+    result = cli("delay", "/pose", "-n", "1", "-w", "5")
+    assert result.out.startswith("average delay: 0.300\n\tmin: 0.300s max: 0.300s")
 
 
 def test_time_that_goes_back_is_said_and_counted_anew(
@@ -95,14 +93,14 @@ def husky(
 
 
 @pytest.mark.usefixtures("husky")
-def test_hz_gets_the_time_of_each_message(lcmtools: Run) -> None:
-    reports = lcmtools("hz", "/husky0/imu", "-n", "3", "-w", "20").stdout.splitlines()
+def test_hz_gets_the_time_of_each_message(cli: Run) -> None:
+    reports = cli("hz", "/husky0/imu", "-n", "3", "-w", "20").out.splitlines()
     # 50 Hz by steps of 1/240 s: four or five of them.
     assert reports[-1].startswith("\tmin: 0.017s max: 0.021s")
 
 
 @pytest.mark.usefixtures("husky")
-def test_echo_gets_the_time_of_each_message_without_a_stamp(lcmtools: Run) -> None:
-    rows = lcmtools("echo", "-p", "/tf", "-n", "60").stdout.splitlines()
+def test_echo_gets_the_time_of_each_message_without_a_stamp(cli: Run) -> None:
+    rows = cli("echo", "-p", "/tf", "-n", "60").out.splitlines()
     times = [int(row.split(",")[0]) for row in rows[-20:]]
     assert len(set(times)) == 20

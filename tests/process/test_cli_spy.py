@@ -11,11 +11,12 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.command import Result
 
 from lcmtools.types.std_msgs import String
 from tests.fixtures.says import assert_says
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 # Prints a line when a message has been sent, so that tests wait for it and not for time.
 PLAIN = """
@@ -73,13 +74,13 @@ lcmtools.spin(node)
 
 
 @pytest.fixture
-def rows(lcmtools: Run, bus_url: str) -> Callable[..., dict[str, dict[str, Any]]]:
+def rows(cli: Run, bus_url: str) -> Callable[..., dict[str, dict[str, Any]]]:
     """``rows("/a", wait="2s")``: the records of spy --json, by channel."""
 
     def run(*arguments: str, url: str = bus_url) -> dict[str, dict[str, Any]]:
-        done = lcmtools("spy", "--json", *arguments, LCM_DEFAULT_URL=url)
-        assert done.returncode == 0, done.stderr
-        return {record["channel"]: record for record in json.loads(done.stdout)}
+        done = cli("spy", "--json", *arguments, env={"LCM_DEFAULT_URL": url})
+        assert done.code == 0, done.err
+        return {record["channel"]: record for record in json.loads(done.out)}
 
     return run
 
@@ -109,7 +110,7 @@ def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
     start: Callable[..., Any],
     start_python: Callable[..., Any],
     lcm_program: Callable[[str], str],
-    lcmtools: Run,
+    cli: Run,
     bus_url: str,
     rows: Callable[..., dict[str, dict[str, Any]]],
 ) -> None:
@@ -128,12 +129,12 @@ def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
 
     sink = start(lcm_program("lcm-sink"), LCM_DEFAULT_URL=bus_url)
     sink.wait_for("received")
-    done = lcmtools("spy", "--once", "POSE", "NOISE", LCM_DEFAULT_URL=bus_url)
-    heading, noise, pose_line = done.stdout.splitlines()
+    done = cli("spy", "--once", "POSE", "NOISE", env={"LCM_DEFAULT_URL": bus_url})
+    heading, noise, pose_line = done.out.splitlines()
     assert heading.split()[:4] == ["CHANNEL", "TYPE", "MESSAGES", "HZ"]
     assert noise.split()[:2] == ["NOISE", "?"]
     assert "geometry_msgs/Vector3 +1" in pose_line
-    assert_says(done.stderr, f"lcm-sink (pid {sink.pid}): ", "receives", "not a node")
+    assert_says(done.err, f"lcm-sink (pid {sink.pid}): ", "receives", "not a node")
 
 
 def plain_script(pid: int) -> str:
@@ -142,14 +143,14 @@ def plain_script(pid: int) -> str:
 
 
 def test_rows_are_sorted_filtered_and_chosen(
-    start_python: Callable[..., Any], lcmtools: Run, bus_url: str
+    start_python: Callable[..., Any], cli: Run, bus_url: str
 ) -> None:
     start_python(PLAIN, LCM_DEFAULT_URL=bus_url).wait_for("sent")
 
     def channels(*arguments: str) -> list[str]:
-        done = lcmtools("spy", "--once", "--wait", "300ms", *arguments, LCM_DEFAULT_URL=bus_url)
-        assert done.returncode == 0, done.stderr
-        return [line.split()[0] for line in done.stdout.splitlines()[1:]]
+        done = cli("spy", "--once", "--wait", "300ms", *arguments, env={"LCM_DEFAULT_URL": bus_url})
+        assert done.code == 0, done.err
+        return [line.split()[0] for line in done.out.splitlines()[1:]]
 
     assert channels() == ["NOISE", "POSE"]
     assert channels("-r") == ["POSE", "NOISE"]
@@ -161,7 +162,7 @@ def test_rows_are_sorted_filtered_and_chosen(
 
 def test_lost_messages_are_the_senders(
     start_python: Callable[..., Any],
-    lcmtools: Run,
+    cli: Run,
     rows: Callable[..., dict[str, dict[str, Any]]],
     bus_url: str,
     private_network: None,
@@ -172,9 +173,9 @@ def test_lost_messages_are_the_senders(
     lossy = rows()["LOSSY"]
     assert lossy["senders_loss"] == pytest.approx(0.25, abs=0.05)
     assert lossy["senders_lost"] > 0
-    done = lcmtools("spy", "--once", LCM_DEFAULT_URL=bus_url)
-    assert re.search(r"LOSSY .* 2\d% ", done.stdout)
-    assert "LCM numbers messages per sender" in done.stderr
+    done = cli("spy", "--once", env={"LCM_DEFAULT_URL": bus_url})
+    assert re.search(r"LOSSY .* 2\d% ", done.out)
+    assert "LCM numbers messages per sender" in done.err
 
 
 def test_a_large_message_counts_with_all_its_bytes(
@@ -214,12 +215,12 @@ def test_tcpq_tells_neither_sender_nor_loss(
     assert (pose["senders"], pose["senders_lost"]) == (["unknown sender"], None)
 
 
-def test_an_empty_bus_is_said_to_be_one(lcmtools: Run, bus_url: str) -> None:
-    done = lcmtools("spy", "--once", "--wait", "1ms", "/a", LCM_DEFAULT_URL=bus_url)
-    assert (done.returncode, done.stdout) == (0, "")
-    assert done.stderr == f"no topics in /a on {bus_url}\n"
-    done = lcmtools("spy", "--json", "--wait", "1ms", LCM_DEFAULT_URL=bus_url)
-    assert done.stdout == "[]\n"
+def test_an_empty_bus_is_said_to_be_one(cli: Run, bus_url: str) -> None:
+    done = cli("spy", "--once", "--wait", "1ms", "/a", env={"LCM_DEFAULT_URL": bus_url})
+    assert (done.code, done.out) == (0, "")
+    assert done.err == f"no topics in /a on {bus_url}\n"
+    done = cli("spy", "--json", "--wait", "1ms", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.out == "[]\n"
 
 
 def test_a_topic_that_is_published_only_when_heard_begins_to_come(
@@ -237,12 +238,10 @@ def silent_socket() -> Iterator[socket.socket]:
         yield taken
 
 
-def test_a_bus_that_cannot_be_reached_is_one_line(
-    lcmtools: Run, silent_socket: socket.socket
-) -> None:
+def test_a_bus_that_cannot_be_reached_is_one_line(cli: Run, silent_socket: socket.socket) -> None:
     url = f"tcpq://127.0.0.1:{silent_socket.getsockname()[1]}"
-    done = lcmtools("spy", "--once", LCM_DEFAULT_URL=url)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    done = cli("spy", "--once", env={"LCM_DEFAULT_URL": url})
+    assert (done.code, done.out, done.err.count("\n")) == (1, "", 1)
 
 
 def test_the_table_needs_no_textual(bus_url: str) -> None:

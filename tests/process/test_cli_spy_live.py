@@ -15,6 +15,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.command import Result
 
 from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.sensor_msgs import Image
@@ -247,11 +248,11 @@ def test_without_textual_one_line_says_what_to_install(bus_url: str) -> None:
 
 
 def test_where_the_output_is_no_terminal_it_says_what_to_type(
-    bus_url: str, lcmtools: Callable[..., subprocess.CompletedProcess[str]]
+    bus_url: str, cli: Callable[..., Result]
 ) -> None:
-    done = lcmtools("spy", LCM_DEFAULT_URL=bus_url)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert_line(done.stderr, "lcmtools spy: ", "terminal; --once")
+    done = cli("spy", env={"LCM_DEFAULT_URL": bus_url})
+    assert (done.code, done.out) == (2, "")
+    assert_line(done.err, "lcmtools spy: ", "terminal; --once")
 
 
 def test_where_the_terminal_cannot_move_the_cursor_too(spy: Callable[..., Terminal]) -> None:

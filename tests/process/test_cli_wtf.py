@@ -3,7 +3,6 @@
 import json
 import shlex
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 from fixtures.wire import encode_event
 
 from lcmtools.bus.url import parse_url
@@ -20,7 +20,7 @@ from lcmtools.graph.model import Graph, Node
 from lcmtools.labs.nodes.simple_controller import SimpleController
 from lcmtools.wire.packet import Packet
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 
 # other tests have plain programs too
@@ -28,20 +28,20 @@ pytestmark = pytest.mark.usefixtures("on_bus", "quiet_network")
 
 
 @pytest.fixture
-def wtf(lcmtools: Run) -> Callable[[], tuple[int, str]]:
+def wtf(cli: Run) -> Callable[[], tuple[int, str]]:
     """Exit code and output of a short wtf."""
 
     def run() -> tuple[int, str]:
         # other tests' buses are on this computer too
-        result = lcmtools("wtf", "--wait", "0.2s", "--ignore", "other-buses")
-        assert result.stderr == ""
-        return result.returncode, result.stdout
+        result = cli("wtf", "--wait", "0.2s", "--ignore", "other-buses")
+        assert result.err == ""
+        return result.code, result.out
 
     return run
 
 
 def test_killed_node_is_stale_until_it_is_cleaned_up(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], lcmtools: Run
+    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
 ) -> None:
     talker = node("talker")
     talker.send_signal(signal.SIGKILL)
@@ -53,22 +53,22 @@ def test_killed_node_is_stale_until_it_is_cleaned_up(
         f" * /talker (pid {talker.pid}): ended without saying goodbye\n"
         "   -> start /talker again, or forget it: lcmtools node cleanup\n"
     ) in text
-    assert lcmtools("node", "list").stdout == "/talker (stale: ended without saying goodbye)\n"
-    assert "Stale: ended without saying goodbye\n" in lcmtools("node", "info", "talker").stdout
-    assert lcmtools("node", "info", "-q", "talker").stderr == (
+    assert cli("node", "list").out == "/talker (stale: ended without saying goodbye)\n"
+    assert "Stale: ended without saying goodbye\n" in cli("node", "info", "talker").out
+    assert cli("node", "info", "-q", "talker").err == (
         "lcmtools node info: /talker is stale: ended without saying goodbye\n"
     )
-    assert lcmtools("list").stdout == ""
+    assert cli("list").out == ""
 
-    assert lcmtools("node", "cleanup").stdout == "/talker\n"
-    assert lcmtools("node", "list").stdout == ""
-    result = lcmtools("node", "cleanup")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == "no node has ended without saying goodbye\n"
+    assert cli("node", "cleanup").out == "/talker\n"
+    assert cli("node", "list").out == ""
+    result = cli("node", "cleanup")
+    assert (result.code, result.out) == (0, "")
+    assert result.err == "no node has ended without saying goodbye\n"
 
 
 def test_killed_node_that_was_started_again_is_no_fault(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], lcmtools: Run
+    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
 ) -> None:
     killed = node("talker")
     killed.send_signal(signal.SIGKILL)
@@ -76,12 +76,12 @@ def test_killed_node_that_was_started_again_is_no_fault(
     again = node("talker")
     code, text = wtf()
     assert code == 0, text
-    assert f"Pid: {again.pid}\n" in lcmtools("node", "info", "talker").stdout
-    assert lcmtools("node", "ping", "-c", "1", "talker").returncode == 0
+    assert f"Pid: {again.pid}\n" in cli("node", "info", "talker").out
+    assert cli("node", "ping", "-c", "1", "talker").code == 0
 
 
 def test_stopped_node_is_stale_until_it_goes_on(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], lcmtools: Run
+    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
 ) -> None:
     talker = node("talker")
     talker.send_signal(signal.SIGSTOP)
@@ -91,11 +91,11 @@ def test_stopped_node_is_stale_until_it_goes_on(
         f" * /talker (pid {talker.pid}): runs but does not answer\n"
         f"   -> wake it (kill -CONT {talker.pid}) or end it (kill -KILL {talker.pid})\n"
     ) in text
-    assert lcmtools("node", "list").stdout == "/talker (stale: runs but does not answer)\n"
-    assert lcmtools("node", "cleanup").stdout == ""
-    ping = lcmtools("node", "ping", "-c", "1", "--timeout", "300ms", "talker")
-    assert ping.returncode == 4
-    assert ping.stderr.startswith(
+    assert cli("node", "list").out == "/talker (stale: runs but does not answer)\n"
+    assert cli("node", "cleanup").out == ""
+    ping = cli("node", "ping", "-c", "1", "--timeout", "300ms", "talker")
+    assert ping.code == 4
+    assert ping.err.startswith(
         f"lcmtools node ping: /talker did not answer within 0.3 s; its process is {talker.pid} on "
     )
     talker.send_signal(signal.SIGCONT)
@@ -265,42 +265,42 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
     assert (result.code, result.out) == (64, "")
 
 
-def test_rules_are_listed_and_explained(lcmtools: Run) -> None:
-    listed = lcmtools("wtf", "--list").stdout.splitlines()
-    rules = json.loads(lcmtools("wtf", "--list", "--json").stdout)
+def test_rules_are_listed_and_explained(cli: Run) -> None:
+    listed = cli("wtf", "--list").out.splitlines()
+    rules = json.loads(cli("wtf", "--list", "--json").out)
     assert [line.split()[0] for line in listed] == [rule["rule"] for rule in rules]
     for rule in ("loss", "kernel-drops"):
-        result = lcmtools("wtf", "--explain", rule)
-        assert result.returncode == 0
-        assert result.stdout.startswith(f"{rule} (warning)\n\n")
-        assert "\n\n   -> " in result.stdout
+        result = cli("wtf", "--explain", rule)
+        assert result.code == 0
+        assert result.out.startswith(f"{rule} (warning)\n\n")
+        assert "\n\n   -> " in result.out
 
 
 def test_json_has_a_finding_where_the_environment_names_no_bus(
-    lcmtools: Run, monkeypatch: pytest.MonkeyPatch
+    cli: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67")
-    result = lcmtools("wtf", "--json")
-    assert (result.returncode, result.stderr) == (2, "")
-    (finding,) = json.loads(result.stdout)
+    result = cli("wtf", "--json")
+    assert (result.code, result.err) == (2, "")
+    (finding,) = json.loads(result.out)
     assert finding["rule"] == "bus"
     assert "the port is missing" in finding["text"]
     assert finding["remedies"] == ["export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"]
     assert finding["actions"][0]["commands"] == finding["remedies"]
-    assert lcmtools("wtf", "--json", "--lcm-url", "udpm://x").stdout == ""
+    assert cli("wtf", "--json", "--lcm-url", "udpm://x").out == ""
 
 
 def test_options_of_a_url_that_lcm_reads_otherwise_are_named(
-    lcmtools: Run, bus_url: str, monkeypatch: pytest.MonkeyPatch
+    cli: Run, bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url.replace("ttl=0", "tll=1&ttl=256"))
-    text = lcmtools("wtf", "--wait", "0.1s", "--rule", "environment").stdout
+    text = cli("wtf", "--wait", "0.1s", "--rule", "environment").out
     assert "tll=1 has no effect; did you mean ttl?\n" in text
     assert "ttl=256 is sent as 0; the maximum is 255\n" in text
 
 
 def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
-    node: Callable[..., Any], lcmtools: Run, free_port: Callable[[], int], start: Any
+    node: Callable[..., Any], cli: Run, free_port: Callable[[], int], start: Any
 ) -> None:
     """--ignore takes one rule's findings away, and none of another's."""
     node("listener")
@@ -309,21 +309,21 @@ def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
     talker += " bus.publish('/chatter', bytes(12)); print('sent', flush=True); time.sleep(0.02)\n"
     start(sys.executable, "-c", talker, LCM_DEFAULT_URL=away).wait_for("sent")
     options = ("--json", "--wait", "0.3s", "--ignore", "other-buses")
-    rules = [finding["rule"] for finding in json.loads(lcmtools("wtf", *options).stdout)]
+    rules = [finding["rule"] for finding in json.loads(cli("wtf", *options).out)]
     assert rules == ["unconnected-subscriptions"]
 
 
 def test_the_damaged_bytes_of_a_log_are_left_out(
-    lcmtools: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     one, two, three, cut = (encode_event(n, Packet("A", bytes(40), n)) for n in range(4))
     Path("a ride.lcm").write_bytes(one + b"x" + two + three + cut[:-5])
-    result = lcmtools("wtf", "--bag", "a ride.lcm", "--rule", "damaged-log", "--json")
-    assert result.returncode == 1
-    (found,) = json.loads(result.stdout)
+    result = cli("wtf", "--bag", "a ride.lcm", "--rule", "damaged-log", "--json")
+    assert result.code == 1
+    (found,) = json.loads(result.out)
     damaged = len(one) + 1 + len(cut) - 5  # the first too: no message begins at its end
     assert found["text"] == f"{damaged} bytes of a ride.lcm do not belong to any message"
     (command,) = found["actions"][0]["commands"]
-    assert lcmtools(*shlex.split(command)[1:]).returncode == 0
-    assert lcmtools("wtf", "--bag", "fixed.lcmlog", "--rule", "damaged-log").returncode == 0
+    assert cli(*shlex.split(command)[1:]).code == 0
+    assert cli("wtf", "--bag", "fixed.lcmlog", "--rule", "damaged-log").code == 0

@@ -2,13 +2,13 @@
 
 import json
 import re
-import subprocess
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 _NODE = """
 import sys, time
@@ -54,11 +54,11 @@ def _talker(start: Callable[..., Any], lcmtools_path: str) -> None:
 
 
 @pytest.fixture
-def findings(lcmtools: Run) -> Callable[[], dict[str, dict[str, Any]]]:
+def findings(cli: Run) -> Callable[[], dict[str, dict[str, Any]]]:
     """The findings of wtf that are more than notes, by the rule."""
 
     def look() -> dict[str, dict[str, Any]]:
-        found = json.loads(lcmtools("wtf", "--json").stdout)
+        found = json.loads(cli("wtf", "--json").out)
         return {one["rule"]: one for one in found if one["severity"] != "note"}
 
     return look
@@ -92,25 +92,23 @@ def test_a_node_that_does_not_spin_is_told(
 
 
 @pytest.mark.timing
-def test_info_shows_how_long_callbacks_take(start_python: Start, lcmtools: Run) -> None:
+def test_info_shows_how_long_callbacks_take(start_python: Start, cli: Run) -> None:
     start_python(_NODE, "10", "0.02", "0").wait_for("hears")
-    assert " ms mean, 2" in lcmtools("info", "/chatter").stdout
-    assert " ms mean, 2" in lcmtools("node", "info", "/ear").stdout
-    assert re.search(
-        r"\nIn callbacks: \d\d?\.\d % of that time\n", lcmtools("node", "info", "/ear").stdout
-    )
+    assert " ms mean, 2" in cli("info", "/chatter").out
+    assert " ms mean, 2" in cli("node", "info", "/ear").out
+    assert re.search(r"\nIn callbacks: \d\d?\.\d % of that time\n", cli("node", "info", "/ear").out)
     for command in (("info", "/chatter"), ("node", "info", "/ear")):
-        (document,) = json.loads(lcmtools(*command, "--json").stdout)
+        (document,) = json.loads(cli(*command, "--json").out)
         (ear,) = document.get("subscribers") or document["subscriptions"]
         assert ear["callbacks"] >= 10
         assert ear["longest_callback"] >= 20_000_000
         assert ear["callback_time"] >= 200_000_000
 
 
-def test_service_info_shows_how_long_answers_take(start_python: Start, lcmtools: Run) -> None:
+def test_service_info_shows_how_long_answers_take(start_python: Start, cli: Run) -> None:
     start_python(_NODE, "10", "0", "0").wait_for("hears")
-    assert "Calls: 0\n" in lcmtools("service", "info", "/rest").stdout
-    assert lcmtools("service", "call", "/rest").returncode == 0
-    assert "Calls: 1, callbacks: " in lcmtools("service", "info", "/rest").stdout
-    (document,) = json.loads(lcmtools("service", "info", "/rest", "--json").stdout)
+    assert "Calls: 0\n" in cli("service", "info", "/rest").out
+    assert cli("service", "call", "/rest").code == 0
+    assert "Calls: 1, callbacks: " in cli("service", "info", "/rest").out
+    (document,) = json.loads(cli("service", "info", "/rest", "--json").out)
     assert document["servers"][0]["longest_callback"] >= 50_000_000

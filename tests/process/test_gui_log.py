@@ -110,11 +110,11 @@ def test_what_came_long_before_is_there(page: LivePage) -> None:
     page.data(1, lambda data: "cellar" in _value(data, "data"))
     page.open(2, "topics")
     rows = page.data(2, lambda data: any(row["rate"] for row in data["rows"]))["rows"]
-    assert {row["topic"]: row["types"][0] for row in rows} == {
+    assert {row["channel"]: row["types"][0] for row in rows} == {
         "/cmd": "geometry_msgs/Twist",
         "/name": "std_msgs/String",
     }
-    assert next(row["age"] for row in rows if row["topic"] == "/name") == pytest.approx(89)
+    assert next(row["age"] for row in rows if row["channel"] == "/name") == pytest.approx(89)
 
 
 def test_a_step_is_one_message(page: LivePage) -> None:

@@ -253,7 +253,7 @@ def test_topics_come_and_go_with_their_rates(open_window: Open, bus: LcmBus) -> 
         assert_says(page.problem(1), "no topics")
         with repeated(bus, "/chatter", lambda number: filled(String, data=f"{number}")):
             (row,) = page.data(1, lambda data: any(row["rate"] for row in data["rows"]))["rows"]
-        assert (row["topic"], row["types"]) == ("/chatter", ["std_msgs/String"])
+        assert (row["channel"], row["types"]) == ("/chatter", ["std_msgs/String"])
 
 
 def test_a_message_is_decoded_with_its_lines(open_window: Open, bus: LcmBus) -> None:

@@ -200,7 +200,7 @@ for number in range(100_000):
 @pytest.mark.usefixtures("private_network")
 def test_wtf_does_not_blame_a_channel_socket_for_what_its_filter_drops(
     start_python: Callable[..., Any],
-    lcmtools: Callable[..., Any],
+    cli: Callable[..., Any],
     channel_socket: Callable[[], int],
     bus_url: str,
 ) -> None:
@@ -208,5 +208,5 @@ def test_wtf_does_not_blame_a_channel_socket_for_what_its_filter_drops(
         start_python(source, LCM_DEFAULT_URL=bus_url).wait_for("ready")
     (row,) = (row for row in udp_sockets() if row.inode == channel_socket())
     assert row.drops > 0  # the kernel counts them
-    found = json.loads(lcmtools("wtf", "--json", "--wait", "0.5s", LCM_DEFAULT_URL=bus_url).stdout)
+    found = json.loads(cli("wtf", "--json", "--wait", "0.5s", env={"LCM_DEFAULT_URL": bus_url}).out)
     assert "kernel-drops" not in [finding["rule"] for finding in found]

@@ -1,18 +1,18 @@
 """teleop, pioneer_manual_controller and steering: from terminals and pipes, to the last zero."""
 
 import signal
-import subprocess
 import threading
 from collections.abc import Callable, Iterator
 
 import lcm
 import pytest
+from fixtures.command import Result
 from fixtures.typist import Typist
 
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 Velocity = tuple[float, float]
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 
 class Robot:
@@ -75,11 +75,11 @@ def without_repeats(received: list[Velocity]) -> list[Velocity]:
 
 
 def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
-    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
 ) -> None:
     robot = listen("/cmd_vel")
-    result = lcmtools("run", "teleop", stdin="i q z l I J . k\n")
-    assert result.returncode == 0
+    result = cli("run", "teleop", input="i q z l I J . k\n")
+    assert result.code == 0
     wait_until(lambda: len(robot.received) >= 11)
     assert robot.received[:8] == [
         (0.5, 0.0), (0.55, 0.0), (0.495, 0.0), (0.0, -0.99), (0.495, 0.0), (0.0, 0.99),
@@ -89,29 +89,29 @@ def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
 
 
 def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
-    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
 ) -> None:
     robot = listen("/RosAria/cmd_vel")
-    lcmtools("run", "pioneer_manual_controller", "_speed:=0.3", stdin="i 1 l")
+    cli("run", "pioneer_manual_controller", "_speed:=0.3", input="i 1 l")
     wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
     assert without_repeats(robot.received) == [(0.3, 0.0), (0.0, -1.0), (0.0, 0.0)]
     assert 6 <= robot.received.count((0.3, 0.0)) <= 12
 
 
 def test_stamped_commands_go_to_the_remapped_topic(
-    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
 ) -> None:
     robot = listen("/a/b")
-    lcmtools("run", "teleop", "--stamped", "__ns:=/a", "cmd_vel:=b", stdin="u")
+    cli("run", "teleop", "--stamped", "__ns:=/a", "cmd_vel:=b", input="u")
     wait_until(lambda: len(robot.received) >= 4)
     assert without_repeats(robot.received) == [(0.5, 1.0), (0.0, 0.0)]
 
 
 def test_sliders_are_steered_from_a_pipe(
-    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
 ) -> None:
     robot = listen("/husky0/desired_velocity")
-    lcmtools("run", "steering", "/husky0/desired_velocity", stdin="up up left d x space")
+    cli("run", "steering", "/husky0/desired_velocity", input="up up left d x space")
     wait_until(lambda: len(robot.received) >= 9)
     assert without_repeats(robot.received) == [
         (0.1, 0.0), (0.2, 0.0), (0.2, 0.1), (0.2, 0.09), (0.0, 0.09), (0.0, 0.0),

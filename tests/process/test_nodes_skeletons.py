@@ -1,47 +1,47 @@
 """lab skeleton: each node with TODOs is copied, runs as it is, and is never overwritten."""
 
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from lcmtools.labs.skeletons import NAMES
 from tests.fixtures.says import assert_line
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_skeleton_runs_as_it_is_and_does_nothing_wrong(
     name: str,
-    lcmtools: Run,
+    cli: Run,
     start: Callable[..., Any],
     tmp_path: Path,
     wait_until: Callable[..., None],
 ) -> None:
-    copied = lcmtools("lab", "skeleton", name, str(tmp_path / "lab"))
+    copied = cli("lab", "skeleton", name, str(tmp_path / "lab"))
     path = tmp_path / "lab" / f"{name}.py"
-    assert (copied.returncode, copied.stdout) == (0, f"{path}\n")
+    assert (copied.code, copied.out) == (0, f"{path}\n")
     assert "TODO" in path.read_text()
     program = start(sys.executable, str(path))
     if name != "pioneer_manual_controller":  # which ends with its input
-        wait_until(lambda: lcmtools("node", "list").stdout == f"/{name}\n")
+        wait_until(lambda: cli("node", "list").out == f"/{name}\n")
         program.send_signal(signal.SIGINT)
     assert (program.wait(), program.output) == (0, "")
 
 
-def test_skeleton_is_overwritten_only_by_force(lcmtools: Run, tmp_path: Path) -> None:
+def test_skeleton_is_overwritten_only_by_force(cli: Run, tmp_path: Path) -> None:
     mine = tmp_path / "moving_robot.py"
     mine.write_text("mine")
     words = ("lab", "skeleton", "moving_robot", str(tmp_path))
-    refused = lcmtools(*words)
-    assert (refused.returncode, mine.read_text()) == (2, "mine")
-    assert_line(refused.stderr, f"lcmtools lab skeleton: {mine}", "exists; --force")
-    assert lcmtools(*words, "--force").returncode == 0
+    refused = cli(*words)
+    assert (refused.code, mine.read_text()) == (2, "mine")
+    assert_line(refused.err, f"lcmtools lab skeleton: {mine}", "exists; --force")
+    assert cli(*words, "--force").code == 0
     assert mine.read_text().startswith('"""Drive the Dolly in a circle (skeleton).')

@@ -1,18 +1,18 @@
 """``lcmtools sim``: what it says to a simulator, and what the simulator then does."""
 
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 from tests.fixtures.says import assert_line, assert_says
 
 pytest.importorskip("pybullet")
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 Tell = Callable[..., str]
 
 WORLD = """\
@@ -37,24 +37,24 @@ def _simulator(
 def _anew(
     use_module_bus: None,  # noqa: ARG001 - before anything is asked
     _simulator: None,
-    lcmtools: Run,
+    cli: Run,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Every test begins with the same paused world, at time 0."""
     monkeypatch.setenv("LCMTOOLS_COLOR", "never")
     for verb in ("pause", "reset"):
-        result = lcmtools("sim", verb)
-        assert result.returncode == 0, result.stderr
+        result = cli("sim", verb)
+        assert result.code == 0, result.err
 
 
 @pytest.fixture
-def tell(lcmtools: Run) -> Tell:
+def tell(cli: Run) -> Tell:
     """Runs ``lcmtools sim ...``, which must work, and gives what it prints."""
 
     def run(*arguments: str) -> str:
-        result = lcmtools("sim", *arguments)
-        assert (result.returncode, result.stderr) == (0, ""), arguments
-        return result.stdout
+        result = cli("sim", *arguments)
+        assert (result.code, result.err) == (0, ""), arguments
+        return result.out
 
     return run
 
@@ -100,16 +100,16 @@ def test_state_is_text_for_people_too(tell: Tell) -> None:
 
 
 def test_a_robot_comes_with_its_topics_and_goes_with_them(
-    tell: Tell, lcmtools: Run, wait_until: Callable[..., None]
+    tell: Tell, cli: Run, wait_until: Callable[..., None]
 ) -> None:
     assert_line(tell("spawn", "pioneer", "p3dx", "-4", "-1"), "pioneer", "/p3dx", "added")
-    wait_until(lambda: "/p3dx/RosAria/pose" in lcmtools("list").stdout)
+    wait_until(lambda: "/p3dx/RosAria/pose" in cli("list").out)
     tell("step", "24")
     assert state(tell, "p3dx")["pose"]["position"]["x"] == pytest.approx(-4, abs=1e-3)
 
     assert tell("delete", "p3dx") == "/p3dx was removed\n"
-    wait_until(lambda: "/p3dx/" not in lcmtools("list").stdout)
-    assert lcmtools("sim", "state", "p3dx").returncode == 1
+    wait_until(lambda: "/p3dx/" not in cli("list").out)
+    assert cli("sim", "state", "p3dx").code == 1
 
 
 def test_reset_takes_away_what_has_come_and_brings_back_what_has_gone(tell: Tell) -> None:
@@ -142,17 +142,17 @@ def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(
     wait_until(lambda: state(tell, "husky0")["time"] > first + 100_000_000)
 
 
-def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_path: Path) -> None:
+def test_a_snapshot_is_a_png_file_and_none_is_overwritten(cli: Run, tmp_path: Path) -> None:
     file = tmp_path / "yard.png"
-    result = lcmtools("sim", "snapshot", str(file), "--width", "64", "--height", "48")
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"wrote {file}: {file.stat().st_size} bytes\n"
+    result = cli("sim", "snapshot", str(file), "--width", "64", "--height", "48")
+    assert (result.code, result.out) == (0, "")
+    assert result.err == f"wrote {file}: {file.stat().st_size} bytes\n"
     head = file.read_bytes()[:24]
     assert head[:8] == b"\x89PNG\r\n\x1a\n"
     assert [int.from_bytes(head[i : i + 4], "big") for i in (16, 20)] == [64, 48]
 
-    assert lcmtools("sim", "snapshot", str(file)).returncode == 2
-    assert lcmtools("sim", "snapshot", str(file), "--force", "--robot", "dolly").returncode == 0
+    assert cli("sim", "snapshot", str(file)).code == 2
+    assert cli("sim", "snapshot", str(file), "--force", "--robot", "dolly").code == 0
     assert file.read_bytes()[:24] != head
 
 
@@ -181,29 +181,29 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_pat
     ],
 )
 def test_failures_are_one_line_and_exit_code_1(
-    lcmtools: Run, arguments: list[str], complaint: str
+    cli: Run, arguments: list[str], complaint: str
 ) -> None:
-    result = lcmtools("sim", *arguments)
+    result = cli("sim", *arguments)
 
-    assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == f"lcmtools sim {arguments[0]}: /yard: {complaint}\n"
+    assert (result.code, result.out) == (1, "")
+    assert result.err == f"lcmtools sim {arguments[0]}: /yard: {complaint}\n"
 
 
-def test_a_running_simulator_is_not_stepped(tell: Tell, lcmtools: Run) -> None:
+def test_a_running_simulator_is_not_stepped(tell: Tell, cli: Run) -> None:
     tell("resume")
-    result = lcmtools("sim", "step")
+    result = cli("sim", "step")
 
-    assert result.returncode == 1
-    assert_line(result.stderr, "lcmtools sim step: /yard: ", "not paused; ", "pause")
+    assert result.code == 1
+    assert_line(result.err, "lcmtools sim step: /yard: ", "not paused; ", "pause")
 
 
 def test_another_node_is_no_simulator(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+    start: Callable[..., Any], cli: Run, lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "run", "talker").wait_for("hello")
 
-    result = lcmtools("sim", "pause", "--sim", "talker")
+    result = cli("sim", "pause", "--sim", "talker")
 
-    assert result.returncode == 1
+    assert result.code == 1
     parts = ("/talker", "not a simulator; ", "/yard\n")
-    assert_line(result.stderr, "lcmtools sim pause: ", *parts)
+    assert_line(result.err, "lcmtools sim pause: ", *parts)

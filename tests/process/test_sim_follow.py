@@ -1,12 +1,12 @@
 """Several processes that simulate one world together: one leads the clock, the others go by it."""
 
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 import lcmtools as library
 from lcmtools.types.geometry_msgs import Twist
@@ -49,7 +49,7 @@ def test_a_follower_steps_as_far_as_the_leader_and_restarts_with_it(
     node: library.Node,
     bus_url: str,
     start: Start,
-    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    cli: Callable[..., Result],
     wait_until: Callable[..., None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -69,20 +69,20 @@ def test_a_follower_steps_as_far_as_the_leader_and_restarts_with_it(
     run = (sys.executable, "-m", "lcmtools_sim", "multi", "--lcm-url", bus_url)
     start(*run, "--only", "husky2").wait_for("waiting for the /clock of the process that leads")
     start(*run, "--only", "husky0,husky1", "--paused")
-    spin(lambda: lcmtools("sim", "step", "24", "--sim", "/sim").returncode == 0)
+    spin(lambda: cli("sim", "step", "24", "--sim", "/sim").code == 0)
     spin(lambda: heard.clock and heard.clock[-1] == 10**8)
-    lcmtools("sim", "step", "216", "--sim", "/sim")
+    cli("sim", "step", "216", "--sim", "/sim")
     spin(lambda: heard.stamps and heard.stamps[-1] == 10**9)
     assert heard.clock[-1] == 10**9
 
     forward = Twist()
     forward.linear.x = 1.0
     drive.publish(forward)
-    lcmtools("sim", "step", "480", "--sim", "/sim")
+    cli("sim", "step", "480", "--sim", "/sim")
     spin(lambda: heard.stamps[-1] == 3 * 10**9)
     assert heard.x[-1] > heard.x[0] + 0.5
 
-    assert lcmtools("sim", "reset", "--sim", "/sim").returncode == 0
-    lcmtools("sim", "step", "24", "--sim", "/sim")
+    assert cli("sim", "reset", "--sim", "/sim").code == 0
+    cli("sim", "step", "24", "--sim", "/sim")
     spin(lambda: heard.stamps[-1] == 10**8)
     assert heard.x[-1] == pytest.approx(heard.x[0], abs=1e-3)

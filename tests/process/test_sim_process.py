@@ -3,19 +3,19 @@
 import json
 import os
 import signal
-import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 
 pytest.importorskip("pybullet")
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Result]
 Start = Callable[..., Any]
 WaitUntil = Callable[..., None]
 
@@ -66,11 +66,11 @@ def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
 
 
 @pytest.fixture
-def published(lcmtools: Run) -> Callable[[], dict[str, int]]:
+def published(cli: Run) -> Callable[[], dict[str, int]]:
     """The number of messages that the simulator has published on each topic."""
 
     def count() -> dict[str, int]:
-        (described,) = json.loads(lcmtools("node", "info", "/yard", "--json").stdout)
+        (described,) = json.loads(cli("node", "info", "/yard", "--json").out)
         return {entry["topic"]: entry["messages"] for entry in described["publications"]}
 
     return count
@@ -96,11 +96,11 @@ def test_only_topics_with_subscribers_are_computed(
 
 
 def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
-    simulate: Start, lcmtools: Run, published: Callable[[], dict[str, int]], wait_until: WaitUntil
+    simulate: Start, cli: Run, published: Callable[[], dict[str, int]], wait_until: WaitUntil
 ) -> None:
     simulate()
-    result = lcmtools("hz", DEPTH, "-n", "1")
-    assert result.stdout.startswith("average rate: ")
+    result = cli("hz", DEPTH, "-n", "1")
+    assert result.out.startswith("average rate: ")
     assert published()[DEPTH] > 5
 
     def is_settled() -> bool:
@@ -136,16 +136,16 @@ def test_for_a_plain_lcm_program_everything_is_computed(
 
 
 def test_a_viewer_gets_the_world_at_once_and_a_new_one_when_a_robot_comes(
-    simulate: Start, start: Start, lcmtools: Run, lcmtools_path: str
+    simulate: Start, start: Start, cli: Run, lcmtools_path: str
 ) -> None:
     simulate()
     viewer = start(lcmtools_path, "echo", "/yard/world", "--field", "markers[1].ns")
     viewer.wait_for("ground")
 
-    assert lcmtools("sim", "spawn", "dolly", "/dolly", "3", "0").returncode == 0
+    assert cli("sim", "spawn", "dolly", "/dolly", "3", "0").code == 0
     viewer.wait_for("ground")
 
-    poses = lcmtools("echo", "/yard/poses", "-n", "1", "--json").stdout
+    poses = cli("echo", "/yard/poses", "-n", "1", "--json").out
     frames = [one["child_frame_id"] for one in json.loads(poses)["transforms"]]
     assert {"ground_truth/base_footprint", "ground_truth/dolly/base_footprint"} < {*frames}
 
@@ -154,7 +154,7 @@ def test_a_viewer_gets_the_world_at_once_and_a_new_one_when_a_robot_comes(
 def test_subscribers_receive_each_requested_step(
     simulate: Start,
     start_python: Start,
-    lcmtools: Run,
+    cli: Run,
     published: Callable[[], dict[str, int]],
     *,
     is_first: bool,
@@ -165,7 +165,7 @@ def test_subscribers_receive_each_requested_step(
     if not is_first:
         start_python(PLAIN_LISTENER).wait_for("listening")
 
-    assert lcmtools("sim", "step", "240").returncode == 0
+    assert cli("sim", "step", "240").code == 0
 
     counted = published()
     assert (counted["/clock"], counted["/RosAria/pose"], counted[DEPTH]) == (70, 10, 30)
@@ -186,7 +186,7 @@ def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
 def test_killed_at_any_moment_it_leaves_no_process_and_is_stale(
     start: Start,
     simulate: Start,
-    lcmtools: Run,
+    cli: Run,
     lcmtools_path: str,
     wait_until: WaitUntil,
     moment: str,
@@ -199,11 +199,11 @@ def test_killed_at_any_moment_it_leaves_no_process_and_is_stale(
 
     assert program.wait() == -signal.SIGKILL
     wait_until(lambda: _members(program.pid) == [])
-    listed = lcmtools("node", "list")
+    listed = cli("node", "list")
     if moment != "at its start":
-        assert "/yard" in listed.stdout
-        assert "stale" in listed.stdout + listed.stderr
-        assert "ended without saying goodbye" in lcmtools("wtf").stdout
+        assert "/yard" in listed.out
+        assert "stale" in listed.out + listed.err
+        assert "ended without saying goodbye" in cli("wtf").out
 
 
 def _members(group: int) -> list[int]:
@@ -227,28 +227,28 @@ def test_it_ends_after_its_duration_as_fast_as_it_can(simulate: Start) -> None:
 
 
 def test_stopped_for_a_while_it_says_so_and_does_not_race_afterwards(
-    simulate: Start, lcmtools: Run
+    simulate: Start, cli: Run
 ) -> None:
     program = simulate()
     begun = time.monotonic()
-    before = _simulated(lcmtools)
+    before = _simulated(cli)
     os.kill(program.pid, signal.SIGSTOP)
     time.sleep(3.0)  # the event is that time has passed
     os.kill(program.pid, signal.SIGCONT)
     program.wait_for("s were dropped")
 
-    passed, real = _simulated(lcmtools) - before, time.monotonic() - begun
+    passed, real = _simulated(cli) - before, time.monotonic() - begun
     # A quarter of a second of the three is made good, no more.
     assert passed < real - 2.0
 
 
-def _simulated(lcmtools: Run) -> float:
-    answer = json.loads(lcmtools("sim", "state", "/", "--json").stdout)
+def _simulated(cli: Run) -> float:
+    answer = json.loads(cli("sim", "state", "/", "--json").out)
     return float(answer["time"]) / 1e9
 
 
 def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
-    simulate: Start, start: Start, lcmtools: Run, lcmtools_path: str
+    simulate: Start, start: Start, cli: Run, lcmtools_path: str
 ) -> None:
     simulate("--paused")
     talker = start(lcmtools_path, "run", "talker", "_use_sim_time:=true")
@@ -256,13 +256,13 @@ def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
     deadline = time.monotonic() + 40
     while _hellos(talker) < 4:
         assert time.monotonic() < deadline, talker.output
-        lcmtools("sim", "step", "24")
+        cli("sim", "step", "24")
     count = _hellos(talker)
     time.sleep(0.5)  # that nothing comes takes time to see
     assert _hellos(talker) == count
 
-    lcmtools("sim", "reset")
-    lcmtools("sim", "resume")
+    cli("sim", "reset")
+    cli("sim", "resume")
     deadline = time.monotonic() + 40
     while _hellos(talker) < count + 5:
         assert time.monotonic() < deadline, talker.output

@@ -14,7 +14,7 @@ import pytest
 
 from tests.fixtures.says import assert_line
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "plain_lcm"
 POSE = "package fleet;\nstruct Pose { geometry_msgs.Point at; Tag tag; }\n"
@@ -36,49 +36,49 @@ def folder(
     return tmp_path / "types"
 
 
-def test_every_command_for_types_knows_them(lcmtools: Run) -> None:
-    assert "fleet/Pose" in lcmtools("msg", "list").stdout.splitlines()
-    assert lcmtools("msg", "package", "fleet").stdout.count("\n") == 4
-    shown = lcmtools("msg", "show", "fleet.Pose").stdout
+def test_every_command_for_types_knows_them(cli: Run) -> None:
+    assert "fleet/Pose" in cli("msg", "list").out.splitlines()
+    assert cli("msg", "package", "fleet").out.count("\n") == 4
+    shown = cli("msg", "show", "fleet.Pose").out
     assert shown.endswith("  float64 z\nfleet/Tag tag\n  string[] words\n")
-    assert lcmtools("msg", "proto", "fleet/Tag").stdout == "words: []\n"
-    assert "fleet/Tag: string[] words" in lcmtools("msg", "find-field", "words").stdout
-    assert "fleet/Go" in lcmtools("srv", "list").stdout.splitlines()
-    assert lcmtools("srv", "show", "fleet/Go").stdout == "float64 x\n---\nbool ok\n"
-    number = lcmtools("msg", "fingerprint", "fleet/Tag").stdout.strip()
-    record = json.loads(lcmtools("msg", "show", "--json", "fleet/Tag").stdout)
+    assert cli("msg", "proto", "fleet/Tag").out == "words: []\n"
+    assert "fleet/Tag: string[] words" in cli("msg", "find-field", "words").out
+    assert "fleet/Go" in cli("srv", "list").out.splitlines()
+    assert cli("srv", "show", "fleet/Go").out == "float64 x\n---\nbool ok\n"
+    number = cli("msg", "fingerprint", "fleet/Tag").out.strip()
+    record = json.loads(cli("msg", "show", "--json", "fleet/Tag").out)
     assert record["fingerprint"] == f"0x{number}"
 
 
 def test_they_are_published_and_seen(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+    start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
 ) -> None:
     at = ("--lcm-url", bus_url)
     echo = start(lcmtools_path, "echo", "/p", *at)
     value = "{at: [1, 2, 3], tag: {words: [a, b]}}"
     pub = start(lcmtools_path, "pub", "-r", "20", "/p", "fleet/Pose", value, *at)
     echo.wait_for("words:")
-    assert "/p [fleet/Pose]" in lcmtools("list", "-v", *at).stdout
-    assert lcmtools("find", "fleet/Pose", *at).stdout == "/p\n"
-    heard = lcmtools("echo", "-n", "1", "/p/tag/words[1]", *at).stdout
+    assert "/p [fleet/Pose]" in cli("list", "-v", *at).out
+    assert cli("find", "fleet/Pose", *at).out == "/p\n"
+    heard = cli("echo", "-n", "1", "/p/tag/words[1]", *at).out
     assert "b" in heard
     pub.send_signal(2)
 
 
 def test_a_plain_program_is_known_by_its_fingerprint(
-    start_python: Callable[..., Any], lcmtools: Run, bus_url: str, folder: Path
+    start_python: Callable[..., Any], cli: Run, bus_url: str, folder: Path
 ) -> None:
-    made = lcmtools("msg", "generate", "--lang", "python", str(folder.parent / "gen"), "fleet/Tag")
-    assert made.returncode == 0
+    made = cli("msg", "generate", "--lang", "python", str(folder.parent / "gen"), "fleet/Tag")
+    assert made.code == 0
     source = (
         "import time, lcm\nfrom fleet import Tag\nbus, tag = lcm.LCM(), Tag()\n"
         "tag.n, tag.words = 1, ['plain']\n"
         "while True:\n    bus.publish('TAGS', tag.encode())\n    time.sleep(0.05)\n"
     )
     start_python(source, LCM_DEFAULT_URL=bus_url, PYTHONPATH=str(folder.parent / "gen"))
-    heard = lcmtools("echo", "-n", "1", "TAGS", "--lcm-url", bus_url)
-    assert "plain" in heard.stdout
-    assert heard.returncode == 0
+    heard = cli("echo", "-n", "1", "TAGS", "--lcm-url", bus_url)
+    assert "plain" in heard.out
+    assert heard.code == 0
 
 
 def test_scripts_get_them_by_name(folder: Path) -> None:
@@ -125,8 +125,8 @@ def test_types_of_an_installed_package_are_known_everywhere(
     assert shown.stdout.startswith("lab_types/Far far\n")
 
 
-def test_nothing_is_compiled_for_a_command_that_needs_no_type(lcmtools: Run, bus_url: str) -> None:
-    assert lcmtools("list", "--lcm-url", bus_url).returncode == 0
+def test_nothing_is_compiled_for_a_command_that_needs_no_type(cli: Run, bus_url: str) -> None:
+    assert cli("list", "--lcm-url", bus_url).code == 0
     assert list(Path(os.environ["XDG_CACHE_HOME"]).iterdir()) == []
 
 
@@ -140,13 +140,13 @@ def test_nothing_is_compiled_for_a_command_that_needs_no_type(lcmtools: Run, bus
     ],
 )
 def test_code_is_written_with_what_types_are_made_of(
-    language: str, file: str, lcmtools: Run, tmp_path: Path
+    language: str, file: str, cli: Run, tmp_path: Path
 ) -> None:
     target = tmp_path / "gen"
     for name in ("fleet/Pose", "fleet/Go_Request"):  # the second run keeps what the first made
-        done = lcmtools("msg", "generate", "--lang", language, str(target), name)
-        assert done.returncode == 0
-        assert all(Path(line).is_file() for line in done.stdout.splitlines())
+        done = cli("msg", "generate", "--lang", language, str(target), name)
+        assert done.code == 0
+        assert all(Path(line).is_file() for line in done.out.splitlines())
     assert (target / file).is_file()
     point = file.replace("fleet", "geometry_msgs").replace("Pose", "Point")
     assert (target / point).is_file()
@@ -155,11 +155,11 @@ def test_code_is_written_with_what_types_are_made_of(
         assert "Go_Request" in (target / "fleet" / "__init__.py").read_text()
 
 
-def test_code_of_a_broken_file_is_not_begun(lcmtools: Run, tmp_path: Path, folder: Path) -> None:
+def test_code_of_a_broken_file_is_not_begun(cli: Run, tmp_path: Path, folder: Path) -> None:
     (folder / "fleet" / "Pose.lcm").write_text("package fleet;\nstruct Pose {\n Tag t }\n")
-    done = lcmtools("msg", "generate", "--lang", "c", str(tmp_path / "gen"), "fleet/Pose")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert f"{folder}/fleet/Pose.lcm:3: expected token ;" in done.stderr
+    done = cli("msg", "generate", "--lang", "c", str(tmp_path / "gen"), "fleet/Pose")
+    assert (done.code, done.out) == (2, "")
+    assert f"{folder}/fleet/Pose.lcm:3: expected token ;" in done.err
     assert not (tmp_path / "gen").exists()
 
 
@@ -190,13 +190,13 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_node_in_cpp_talks_with_lcmtools(
-    programs: Path, start: Callable[..., Any], lcmtools: Run, bus_url: str
+    programs: Path, start: Callable[..., Any], cli: Run, bus_url: str
 ) -> None:
     start(str(programs / "talker"), LCM_DEFAULT_URL=bus_url).wait_for("hello world")
     at = ("--lcm-url", bus_url)
-    heard = lcmtools("echo", "-n", "1", "/chatter", *at).stdout
+    heard = cli("echo", "-n", "1", "/chatter", *at).out
     assert heard.startswith('data: "hello world ')
-    assert " * /chatter [std_msgs/String] 1 publisher\n" in lcmtools("list", "-v", *at).stdout
+    assert " * /chatter [std_msgs/String] 1 publisher\n" in cli("list", "-v", *at).out
 
 
 def test_node_in_c_hears_lcmtools(

@@ -5,9 +5,10 @@ from lcmtools.bag.contract import breaches, read_contract
 from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, document, lines, show
+from lcmtools.cli.output import document, lines, show
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
+from lcmtools.text_table import text_table
 
 
 @subcommand("check", json_option)
@@ -67,4 +68,4 @@ def du(file: str, *, as_json: bool) -> None:
         (size_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
         for one in topics
     ]
-    lines(columns(rows) if rows else [])
+    lines(text_table(rows))

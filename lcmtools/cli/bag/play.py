@@ -1,16 +1,21 @@
 """``lcmtools bag play``."""
 
+from collections.abc import Callable
+
 import click
 
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
+from lcmtools.bag.player import Position
+from lcmtools.bag.player_keys import KEYS_HELP
 from lcmtools.bag.playlist import Choice
 from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import exclude_option, refuse_no_files, topics_option, window_options
-from lcmtools.cli.bag.progress_line import ProgressLine
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, names_options
+from lcmtools.cli.output import talk
+from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
 
@@ -103,7 +108,26 @@ def command(
         waits=wait_subscribers,
         force=force,
     )
-    line = ProgressLine("lcmtools bag play", is_quiet=quiet)
-    with line:
-        result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=line.show)
+    with StatusLine("lcmtools bag play", is_quiet=quiet) as line:
+        show = _position_shower(line)
+        result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=show)
         line.talk_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
+
+
+def _position_shower(line: StatusLine) -> Callable[[Position], None]:
+    """Return a function that shows where the player is; the first time the keys, too."""
+    untold = [KEYS_HELP] if line.shows and has_keys() else []
+
+    def show(position: Position) -> None:
+        if untold:
+            talk(untold.pop())
+        line.write(_position_text(position))
+
+    return show
+
+
+def _position_text(position: Position) -> str:
+    """Return "45.2 / 75.8 s", with the rate where it is not 1."""
+    rate = "" if position.rate == 1 else f"  x{position.rate:g}" if position.rate else "  at once"
+    paused = "  paused" if position.is_paused else ""
+    return f"{position.seconds:.1f} / {position.length:.1f} s{rate}{paused}"

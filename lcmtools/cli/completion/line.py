@@ -3,13 +3,19 @@
 Plain decisions on words and the commands' descriptions, as click would parse them.
 """
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 
 from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.tree import Argument, Command, Option
-from lcmtools.cli.dashes import is_value
 
 Describe = Callable[[Sequence[str]], Command | None]
+_VALUE = re.compile(r"-(\.?\d|\.?inf|\.?nan\b|\s|--(?=\s))", re.IGNORECASE)
+
+
+def is_value(word: str) -> bool:
+    """Return whether a word that begins with "-" is no option: a negative number, or YAML."""
+    return _VALUE.match(word) is not None
 
 
 class Place:

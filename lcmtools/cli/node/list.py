@@ -3,7 +3,15 @@
 from collections import Counter
 
 from lcmtools.cli.bus import in_names, look, looking_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
+from lcmtools.cli.declare import (
+    accepted_for_ros,
+    argument,
+    duration,
+    examples,
+    flag,
+    option,
+    subcommand,
+)
 from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
 from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.graph.model import Staleness
@@ -34,28 +42,27 @@ def list_nodes(
     "*arm*".
     """
     with open_monitor("node_list", asks=True) as monitor:
-        from lcmtools.observe.reports.describe import (  # while the nodes answer
-            listed_node,
-            node_record,
-        )
+        from lcmtools.observe.reports import node_list_report  # while the nodes answer
+        from lcmtools.observe.reports.describe import listed_node
 
         if show_all:
             from lcmtools.observe.reading.senders import programs
-            from lcmtools.observe.reports.node_report import listed, listed_program, program_record
+            from lcmtools.observe.reports import program_report
 
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
-        document([*map(node_record, nodes), *(program_record(one) for one in others)])
+        records = [program_report.record(one) for one in others]
+        document([*map(node_list_report.record, nodes), *records])
     elif count:
         data(str(len(nodes)))
     elif uri:
         lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
     elif show_all:
-        lines(listed(node, graph.time) for node in nodes)
-        rows = (row for one in others for row in listed_program(one))
+        lines(node_list_report.rows(nodes, graph.time))
+        rows = (row for one in others for row in program_report.listed_rows(one))
         lines(["", _HEADING, *rows] if others else [])
     else:
         lines(map(listed_node, nodes))
@@ -90,7 +97,7 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
 
 @subcommand("cleanup", json_option, bus_options)
 @examples("node cleanup", "node cleanup --domain 3")
-@flag("-y", "--yes", expose_value=False, help="Accepted as in rosnode; no effect.")
+@accepted_for_ros("-y", "--yes")  # nothing is asked
 def cleanup(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 

@@ -1,10 +1,9 @@
 """``lcmtools param list``, ``get`` and ``describe``."""
 
-from lcmtools.cli.declare import argument, examples, flag, subcommand
+from lcmtools.cli.declare import accepted_for_ros, argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, asking_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
 from lcmtools.publish.remote_parameters import pick, value_of
 
@@ -42,15 +41,12 @@ def list_parameters(
 @argument("node", completer="bus:parameters")
 @argument("name", default="", completer="bus:parameters")
 @flag("-p", "--pretty", "is_pretty", help="Print strings without quotes.")
-@flag("--hide-type", hidden=True, help="As it is here anyway.")
-def get(
-    node: str, name: str, *, is_pretty: bool, hide_type: bool, timeout: float, as_json: bool
-) -> int:
+@accepted_for_ros("--hide-type")  # the type is never shown
+def get(node: str, name: str, *, is_pretty: bool, timeout: float, as_json: bool) -> int:
     """Print a parameter: NODE NAME, or /node/name as in rosparam.
 
     Without a name: all parameters of the node, or of all nodes in a namespace.
     """
-    del hide_type
     graph, client = look(timeout)
     target = named(graph, node, name)
     if target.is_namespace:
@@ -64,7 +60,7 @@ def get(
     parameter = pick(found, target.parameter, target.node.name)
     value = value_of(parameter)
     text = value if is_pretty and isinstance(value, str) else parameter.value
-    show(finite(value), text.split("\n"), as_json=as_json)
+    show(value, text.split("\n"), as_json=as_json)
     return 0
 
 
@@ -79,5 +75,5 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     full, wanted = target.node.name, target.parameter
     found = client.request(full)
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    rows = (row for parameter in parameters for row in report.description(full, parameter))
+    rows = (row for parameter in parameters for row in report.rows(full, parameter))
     show([report.record(full, parameter) for parameter in parameters], rows, as_json=as_json)

@@ -5,10 +5,11 @@ from pathlib import Path
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.msg.build import build_folders
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, show, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.packages.finding import find_packages, package_places, unknown_package
 from lcmtools.packages.runnable_nodes import runnables
 from lcmtools.packages.workspace import workspace
+from lcmtools.text_table import text_table
 
 
 @subcommand("list", json_option)
@@ -32,7 +33,7 @@ def list_packages(*, as_json: bool) -> None:
         for name, (folder, is_installed) in found.items()
     ]
     rows = [(name, str(folder)) for name, (folder, _) in found.items()]
-    show(record, columns(rows), as_json=as_json)
+    show(record, text_table(rows), as_json=as_json)
 
 
 @subcommand("find", json_option)

@@ -82,11 +82,8 @@ def args(service: str, *, as_json: bool) -> None:
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients."""
-    from lcmtools.observe.reports.topic_report import (  # the others do without
-        service_record,
-        service_rows,
-    )
+    from lcmtools.observe.reports import service_report  # the others do without
 
     found = _find("service_info", *services)
-    rows = (row for one in found for row in service_rows(one, is_only=len(found) == 1))
-    show(list(map(service_record, found)), rows, as_json=as_json)
+    rows = (row for one in found for row in service_report.rows(one, is_only=len(found) == 1))
+    show(list(map(service_report.record, found)), rows, as_json=as_json)

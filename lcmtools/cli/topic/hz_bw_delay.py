@@ -1,16 +1,63 @@
 """``lcmtools hz``, ``bw`` and ``delay``: a report a second, as rostopic prints it."""
 
+from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
-from lcmtools.cli.declare import examples, option, subcommand
-from lcmtools.cli.topic.measuring import measure, measured_topics, measuring_options, notify_single
+from lcmtools.cli.declare import (
+    CommandT,
+    argument,
+    duration,
+    examples,
+    flag,
+    option,
+    subcommand,
+    together,
+    whole_number,
+)
+from lcmtools.cli.ending import end_with_reader
+from lcmtools.cli.options import json_option, looking_options
+from lcmtools.cli.output import lines, talk
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.filter import Filter
-from lcmtools.observe.measuring.measure import Delays, lossy_senders
-from lcmtools.observe.measuring.rate_report import BANDWIDTH, DELAY, RATE
-from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.observe.measuring.measure import (
+    Delays,
+    ItemT,
+    ListenOptions,
+    Measurement,
+    lossy_senders,
+)
+from lcmtools.observe.measuring.rate_report import BANDWIDTH, DELAY, RATE, ReportForm
+from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow, Window
+from lcmtools.observe.reading.arrivals import SelectedPacket
 from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.monitor import BusMonitor
+
+
+def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
+    """Return the topics that are measured, and the window with its smallest and usual size."""
+    window = option(
+        "-w",
+        "--window",
+        metavar="N",
+        type=whole_number(least),
+        default=usual,
+        show_default=True,
+        help="The number of messages to average over.",
+    )
+    topics = argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics")
+    return together(topics, window)
+
+
+measuring_options = together(
+    option("--timeout", type=duration, help="Exit with code 4 if no message comes in time."),
+    option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."),
+    flag("--wall-time", help="Use real time even if a simulator publishes /clock."),
+    json_option,
+    looking_options,
+)
+"""The options whose values ``measure`` takes."""
 
 
 @subcommand("hz", measuring_options)
@@ -67,3 +114,39 @@ def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # no
     with open_monitor("delay", whole=True) as monitor:
         delays = Delays(Decoder(monitor.types_of), notify)
         measure(monitor, windows, delays, DELAY, log_time=False, **ending)
+
+
+def measure(
+    monitor: BusMonitor,
+    windows: Mapping[str, Window[ItemT, Any]],
+    item: Callable[[SelectedPacket], ItemT | None],
+    form: ReportForm,
+    *,
+    as_json: bool,
+    **options: Any,  # noqa: ANN401 - of ``ListenOptions``
+) -> None:
+    """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
+    end_with_reader()
+    wanted = ListenOptions(names=looking_names(), **options)
+    measurement = Measurement(monitor, windows, item, wanted, notify)
+    for channel in measurement.channels:
+        talk(f"subscribed to [{channel}]")
+    if measurement.is_simulated:
+        notify("times are simulated, from /clock; --wall-time for real time")
+    for report in measurement.reports():
+        if report.is_reset:
+            talk("time has reset, resetting counters")
+        else:
+            _print(report.found, form, as_json=as_json)
+
+
+def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None:
+    records = (write_json(form.record(*one)) for one in found.items())
+    lines(records if as_json else form.rows(found))
+
+
+def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
+    """Say on which topics a single message came, of which nothing can be measured."""
+    for topic, window in windows.items():
+        if window.total == 1:
+            notify(f"only one message came on {topic}: a {noun} needs two")

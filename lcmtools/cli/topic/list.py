@@ -41,7 +41,7 @@ def command(
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     with open_monitor("list", asks=True) as monitor:
         from lcmtools.observe.channels.activity import settled  # while the nodes answer
-        from lcmtools.observe.reports.topic_list import TopicList
+        from lcmtools.observe.reports.topic_list_report import TopicList
 
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
     pattern = looking_pattern(namespace, hidden=show_all)

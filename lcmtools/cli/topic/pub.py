@@ -2,18 +2,67 @@
 
 from typing import Any
 
+import click
+
 from lcmtools.arguments import split_arguments
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.declare import (
+    accepted_for_ros,
+    argument,
+    duration,
+    examples,
+    flag,
+    option,
+    subcommand,
+    together,
+    whole_number,
+)
 from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one
-from lcmtools.cli.options import bus_choice, bus_options, names_options
+from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.pub_options import notify, publish_options, tell_sent
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
-from lcmtools.messages.registry import message_class
+from lcmtools.messages.plain import to_json
+from lcmtools.messages.registry import Message, message_class
 from lcmtools.publish.incoming import read_incoming
 from lcmtools.publish.publication import check_topic, publish
+
+publish_options = together(
+    rate_option("Publish"),
+    flag("-1", "--once", help="Publish one message and exit."),
+    times_option("Publish"),
+    flag("-l", "--latch", help="Keep running; latch the last message."),
+    option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input)."),
+    option(
+        "-w",
+        "--wait-subscribers",
+        "--wait-matching-subscriptions",
+        "subscribers",
+        metavar="N",
+        type=whole_number(0),
+        help="Wait for N subscribers before the first message.",
+    ),
+    option(
+        "--timeout",
+        "--max-wait",
+        "--max-wait-time-secs",
+        type=duration,
+        help="Exit with code 4 if that takes longer.",
+    ),
+    option("--keep-alive", type=duration, help="Keep latching the last message for this long."),
+    flag("-v", "--verbose", help="Print every message to standard error."),
+    accepted_for_ros("-s", "--substitute-keywords"),  # stamps are always set on sending
+    flag("--use-rostime", "--use-sim-time", "simulated", help="Take stamps from /clock."),
+    flag("--literal", help="TOPIC is the exact LCM channel."),
+    option(
+        "-n",
+        "--name",
+        "--node-name",
+        metavar="NAME",
+        help="The name of this node; as __name:=NAME.",
+    ),
+)
+"""The options of pub."""
 
 
 @subcommand("pub", names_options, bus_options, cls=CommandWithOnce)
@@ -41,7 +90,6 @@ def command(
     timeout: float | None,
     keep_alive: float | None,
     verbose: bool,
-    substitute_keywords: bool,
     literal: bool,
     name: str | None,
     **others: Any,  # noqa: ANN401 - of ``publish``
@@ -61,7 +109,6 @@ def command(
     message is repeated. "-" in place of VALUES is standard input: each message is sent as soon as
     it is complete.
     """
-    del substitute_keywords  # stamps are always set on sending
     if once and (rate is not None or times is not None):
         raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
     check_topic(topic, literal=literal)
@@ -91,3 +138,14 @@ def command(
         on_sent=tell_sent if verbose else lambda *_: None,
         **others,
     )
+
+
+def notify(text: str) -> None:
+    """Tell the person something, also from threads that have no click context."""
+    talk(f"lcmtools pub: {text}")
+
+
+def tell_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
+    """Tell that a message was sent."""
+    again = " again, to a new subscriber" if is_again else f": {to_json(message)}"
+    talk(f"publishing #{count}{again}")

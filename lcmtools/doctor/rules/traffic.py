@@ -215,8 +215,8 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         "time-rises": "unless it was a reset, or a log that is played again: publish on /clock a"
         " time that only rises",
     },
-    evidence="/clock, the processor time of its publisher",
-    root_only="its processor time, if it is another user's program",
+    evidence="messages on /clock, the processor time of their publisher",
+    root_only="that processor time, if it is another user's program",
 )
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.

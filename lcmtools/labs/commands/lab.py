@@ -7,17 +7,18 @@ import click
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, show, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.labs.catalogue import LABS, Lab, find_lab
 from lcmtools.labs.skeletons import NAMES, copy_skeleton
+from lcmtools.text_table import text_table
 
 
 @subcommand("list", json_option)
 @examples("lab list", "lab list --json")
 def list_labs(*, as_json: bool) -> None:
     """List the labs."""
-    rows = columns([(lab.name, lab.title) for lab in LABS.values()])
+    rows = text_table([(lab.name, lab.title) for lab in LABS.values()])
     show(list(map(_plain, LABS.values())), rows, as_json=as_json)
 
 

@@ -1,7 +1,6 @@
 // A topic's latest message as a tree, with the comments and units of its type.
 
 import { element, iconButton, set, write } from "../elements.js";
-import { PANELS } from "./index.js";
 
 /**
  * @typedef {{name: string, type: string, comment: string, unit: string, isArray: boolean,
@@ -118,7 +117,7 @@ export class MessageTree {
    */
   offerPlot(row, path, isNumber) {
     const button = row.children[4];
-    if (!isNumber || !("plot" in PANELS)) button?.remove();
+    if (!isNumber) button?.remove();
     else if (!button) {
       const plot = (/** @type {Event} */ event) => {
         event.stopPropagation();

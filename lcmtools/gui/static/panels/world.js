@@ -9,6 +9,7 @@ import { Camera } from "./world/camera.js";
 import { Display } from "./world/displays.js";
 import { KINDS } from "./world/drawings.js";
 import { Frames } from "./world/frames.js";
+import { hasPlace, withNumbers } from "./world/numbers.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
 import { Simulator } from "./world/simulator.js";
@@ -235,14 +236,15 @@ export default class World {
 
   /**
    * @param {Display} display
-   * @param {any} data
+   * @param {any} sent
    * @param {ArrayBuffer} [payload]
    */
-  receive(display, data, payload) {
+  receive(display, sent, payload) {
     const now = performance.now();
+    const data = withNumbers(sent);
     if (data.kind === "frames") this.addFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
     else {
-      if (data.kind === "odometry" && data.child) {
+      if (data.kind === "odometry" && data.child && hasPlace(data)) {
         this.frames.add(display.topic, data.frame, data.child, data.pose, now, true);
       }
       display.receive(data, payload);

@@ -3,6 +3,7 @@
 import { Group } from "../../vendor/three/three.js";
 import { KINDS, LIFT, band } from "./drawings.js";
 import { dispose, matrixOf } from "./geometry.js";
+import { hasPlace } from "./numbers.js";
 import { MESH, bodyOf } from "./shapes.js";
 
 /**
@@ -55,7 +56,11 @@ export class Display {
     if (!this.latest) return;
     const { kind, frame } = this.latest;
     if (kind === "markers") this.makeBodies(this.latest.markers);
-    else if (KINDS[kind]?.draw) {
+    else if (!hasPlace(this.latest)) {
+      this.clear();
+      this.status = "not drawn: its place is not finite";
+    } else if (KINDS[kind]?.draw) {
+      this.status = "";
       if (this.parts[0]?.frame !== frame) {
         this.clear();
         this.parts = [{ frame, group: new Group() }];
@@ -66,9 +71,10 @@ export class Display {
     }
   }
 
-  /** @param {import("./shapes.js").Marker[]} markers */
-  makeBodies(markers) {
+  /** @param {import("./shapes.js").Marker[]} all */
+  makeBodies(all) {
     this.clear();
+    const markers = all.filter(hasPlace);
     /** @type {Map<string, import("./shapes.js").Marker[]>} */
     const bodies = new Map();
     for (const marker of markers) {
@@ -83,7 +89,9 @@ export class Display {
     });
     const meshes = markers.filter(({ type }) => type === MESH).length;
     const files = meshes ? `, ${meshes} not drawn: files that messages name are not read` : "";
-    this.status = `${markers.length} markers${files}`;
+    const odd = all.length - markers.length;
+    const places = odd ? `, ${odd} not drawn: their places are not finite` : "";
+    this.status = `${markers.length} markers${files}${places}`;
   }
 
   /** @param {string} color */
@@ -124,7 +132,7 @@ export class Display {
    */
   leaveTrail(frames, fixed, now) {
     const { trail, latest } = this;
-    if (latest?.kind !== "odometry") return;
+    if (latest?.kind !== "odometry" || !hasPlace(latest)) return;
     if (trail.fixed !== fixed) Object.assign(trail, { fixed, places: [], group: undefined });
     const base = frames.pose(latest.frame, fixed, now);
     const pose = base && matrixOf(base).multiply(matrixOf(latest.pose));

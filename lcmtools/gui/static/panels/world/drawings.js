@@ -44,7 +44,7 @@ export const KINDS = {
       /** @type {number[]} */
       const places = [];
       ranges.forEach((range, index) => {
-        if (!(range >= data.shortest && range <= data.longest)) return;
+        if (!(range >= data.shortest && range <= data.longest && Number.isFinite(range))) return;
         const angle = data.first + index * data.step;
         places.push(range * Math.cos(angle), range * Math.sin(angle), 0);
       });
@@ -119,7 +119,8 @@ function cloudOf(places, colors, color, size) {
 function fan(ranges, data, color) {
   const places = new Float32Array(9 * Math.max(0, ranges.length - 1));
   const ends = Array.from(ranges, (range, index) => {
-    const way = range >= data.shortest && range <= data.longest ? range : range > data.shortest ? data.longest : 0;
+    const seen = range >= data.shortest && range <= data.longest ? range : range > data.shortest ? data.longest : 0;
+    const way = Number.isFinite(seen) ? seen : 0;
     const angle = data.first + index * data.step;
     return [way * Math.cos(angle), way * Math.sin(angle)];
   });

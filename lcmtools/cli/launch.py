@@ -1,20 +1,30 @@
 """``lcmtools launch``."""
 
 import os
+import shlex
+import sys
 from collections.abc import Callable
+from dataclasses import replace
 
+from lcmtools.bus.preflight import wait_for_bus
+from lcmtools.bus.url import domain_url
+from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import CommandT, argument, duration, examples, flag, option, subcommand
-from lcmtools.cli.launch.running import notify, run
+from lcmtools.cli.launch_screen import Screen
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import show
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
+from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
+from lcmtools.launch.plan import NodePlan, Output, Plan
+from lcmtools.launch.plan_report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.reading import make_plan
-from lcmtools.launch.report import PLAN_ANSWERS, arguments_answer, list_answer
+from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
+from lcmtools.text_table import text_table
 
 
 def _question(*names: str, text: str) -> Callable[[CommandT], CommandT]:
@@ -106,3 +116,54 @@ def command(
         show(*answer, as_json=as_json)
         return 0
     return run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout), wait=wait)
+
+
+def notify(*texts: str) -> None:
+    """Tell the person something in the name of the command."""
+    for text in texts:
+        talk(f"lcmtools launch: {text}")
+
+
+def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -> int:
+    """Run the nodes of a plan until all have ended; return the exit code.
+
+    ``output`` is "screen" or "log" for all nodes; None as the file has it. With ``wait`` they wait
+    for a working bus first.
+    """
+    url = chosen_url()
+    notify(*plan.notes)
+    if wait:
+        wait_for_bus(url, notify)
+    if not plan.nodes:
+        hint = "lcmtools launch --dry-run shows it"
+        raise UsageError("the launch file has no nodes to run", hint)
+    nodes = [_with_bus(_with_output(node, output)) for node in plan.nodes]
+    # a node's print comes at once, as it would on a terminal
+    environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(url)}
+    folder = make_folder(os.environ)
+    hidden = any(node.output is Output.LOG for node in nodes)
+    talk(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
+    ended = Supervisor(nodes, environment, folder, Screen(), timeouts).run()
+    sys.stdout.flush()
+    rows = [("node", "end", "restarts", "log")]
+    for one in ended:
+        log = shlex.quote(one.log) if one.log else "-"
+        rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
+    for row in text_table(rows):
+        talk(row)
+    return int(any(one.has_failed for one in ended))
+
+
+def _with_output(node: NodePlan, output: str | None) -> NodePlan:
+    if output is None:
+        return node
+    return replace(node, output=Output.BOTH if output == "screen" else Output.LOG)
+
+
+def _with_bus(node: NodePlan) -> NodePlan:
+    """Return a node on the domain that its file sets, if any, and not on the launcher's bus."""
+    domain = node.environment.get("LCMTOOLS_DOMAIN")
+    if not domain or "LCM_DEFAULT_URL" in node.environment:
+        return node
+    url = str(domain_url(domain, f"{node.place}: LCMTOOLS_DOMAIN"))
+    return replace(node, environment={**node.environment, "LCM_DEFAULT_URL": url})

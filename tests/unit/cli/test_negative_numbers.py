@@ -2,7 +2,8 @@
 
 import pytest
 
-from lcmtools.cli.dashes import bare, is_value, shielded
+from lcmtools.cli.completion.line import is_value
+from lcmtools.cli.negative_numbers import bare, shielded
 
 
 @pytest.mark.parametrize(

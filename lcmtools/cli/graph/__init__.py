@@ -1,1 +1,0 @@
-"""``lcmtools graph``: what is seen on the bus as a diagram, and where it is written."""
