@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.processes import usage_of
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate, callback_record, callback_times
 from lcmtools.observe.reading.senders import is_here, user_name
@@ -68,8 +68,11 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
             for one in _peers(node, graph)
         ],
         "up_time": None if node.stale else up_time(node, now),
-        "callback_time": node.busy,
+        "callback_time": node.busy if node.has_details else None,
         "callback_errors": [error._asdict() for error in reversed(node.errors)],
+        "protocol_version": node.version,
+        "software": node.software or None,
+        "has_details": node.has_details,
         "user": user_name(taken.uid) if taken else None,
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,
@@ -85,9 +88,20 @@ def _process(node: Node, now: int) -> list[str]:
         rows += usage_rows(node.pid, now) if is_here(node) else []
         seconds = up_time(node, now)
         rows.append(f"Up for: {seconds:.0f} s")
-        rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
+        if node.has_details:
+            rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
+    rows += _version(node)
     errors = [f" * {printable(text)}" for text in callback_errors(node)]
     return [*rows, "Errors of callbacks:", *errors] if errors else rows
+
+
+def _version(node: Node) -> list[str]:
+    """Return the version that a node speaks, if it is another one than this program's."""
+    if node.version == VERSION and node.has_details:
+        return []
+    software = f" ({node.software})" if node.software else ""
+    part = "" if node.has_details else "; of its topics only those that it is seen to publish on"
+    return [f"Protocol: version {node.version}{software}, this program's is {VERSION}{part}"]
 
 
 def _counters(node: Node) -> list[str]:

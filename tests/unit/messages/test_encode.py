@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
-from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, visualization_msgs
+from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, trajectory_msgs
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
 from tests.fixtures.says import assert_says, raises_saying
@@ -29,13 +29,13 @@ def test_a_payload_is_what_lcm_gen_makes() -> None:
 
 
 def test_length_fields_are_set_here_and_in_nested_messages() -> None:
-    message = visualization_msgs.MarkerArray()
-    message.markers = [visualization_msgs.Marker()]
-    message.markers[0].points = [geometry_msgs.Point()]
-    message.markers[0].points[0].x = 2.0
+    message = trajectory_msgs.JointTrajectory()
+    message.points = [trajectory_msgs.JointTrajectoryPoint()]
+    message.points[0].positions = [0.5]
     payload = encode(message)
-    assert (message.markers_length, message.markers[0].points_length) == (1, 1)
-    assert visualization_msgs.MarkerArray.decode(payload).markers[0].points[0].x == 2.0
+    assert (message.points_length, message.points[0].positions_length) == (1, 1)
+    decoded = trajectory_msgs.JointTrajectory.decode(payload)
+    assert list(decoded.points[0].positions) == [0.5]
 
 
 def test_encoding_changes_nothing_but_length_fields() -> None:
