@@ -8,7 +8,7 @@ from lcmtools.bus.url import choose_url
 from lcmtools.cli.declare import examples, subcommand
 from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
 from lcmtools.cli.output import write_result
-from lcmtools.settings import SETTINGS, read_user_file, said
+from lcmtools.settings import SETTINGS, lookup, read_user_file
 from lcmtools.text_table import text_table
 
 
@@ -26,7 +26,7 @@ def command(*, as_json: bool) -> None:
     url, source = choose_url(choice.url, choice.domain, os.environ, file)
     color = click.get_current_context().meta.get(COLOR)
     flags = {"lcm_url": choice.url, "domain": choice.domain, "color": color}
-    values = {name: said(name, flags.get(name), os.environ, file) for name in SETTINGS}
+    values = {name: lookup(name, flags.get(name), os.environ, file) for name in SETTINGS}
     file_exists = file.path is not None and file.path.exists()
     record = {
         "file": str(file.path) if file.path else None,
