@@ -84,6 +84,8 @@ class Playlist(AbstractContextManager["Playlist"]):
                 for packet in log.announcements():
                     self._nodes.add(packet)
                 self._logs.append((log, list(log.blocks(self._nodes.add))))
+                if damage := log.damage(self._logs[-1][1]):
+                    notify(damage)
                 if disorder(self._logs[-1][1]):
                     notify(f"the times of {path} go back; lcmtools bag sort sorts them")
                 provide_recorded_types(log.index.types.values())

@@ -59,8 +59,8 @@ def export_(
     compress: Compression,
     force: bool,
     as_json: bool,
-) -> None:
-    """Write a log in another format.
+) -> int:
+    """Write a log in another format; the exit code is 1 if something of it is left out.
 
     OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
     (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
@@ -75,10 +75,13 @@ def export_(
             found = edits.between(found, *time_window(log_span(log), start, end))
         decoder = Decoder(known_nodes(log).types_of)
         done = export(found, decoder, Path(target), meant, compression=compress, force=force)
+        if damage := log.damage():
+            done.add_omission("damage", damage)
     for text in done.left_out.values():
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
     write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+    return 1 if done.left_out else 0
 
 
 @subcommand("import", made_options)

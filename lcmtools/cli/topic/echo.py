@@ -134,6 +134,8 @@ def command(
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
             write_data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
+        if monitor.log and not count and (damage := monitor.log.damage()):
+            notify(damage)
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:

@@ -13,6 +13,7 @@ from typing import BinaryIO
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.wire.log_compression import Compression, compression_of, decompressed
 from lcmtools.wire.log_events import SYNC, Event, events
 from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
@@ -110,6 +111,20 @@ class LogFile(AbstractContextManager["LogFile"]):
                 announced(event.packet(self.data))
         if block.channels:
             yield block
+
+    def damage(self, blocks: Iterable[Block] | None = None) -> str:
+        """Return a sentence on the bytes that belong to no message; "" if there are none.
+
+        If ``blocks`` are given, as ``blocks`` yields them, the log is not read for this.
+        """
+        if blocks is None:
+            known = sum(event.end - event.start for event in self.events())
+        else:
+            known = sum(block.event_bytes for block in blocks)
+        if known >= self.size:
+            return ""
+        what = f"{size_text(self.size - known)} of {self.path} do not belong to any message"
+        return f"{what}; lcmtools bag fix shows where"
 
     def announcements(self) -> Iterator[Packet]:
         """Yield the announcements of nodes in the index."""
