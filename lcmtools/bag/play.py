@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,6 +82,7 @@ def play(
         UsageError: There is no such topic, or the log has nothing in these times.
         LcmtoolsError: Topics are in use on the bus, and nothing was played.
     """
+    choice = replace(choice, only_utf_8=not (url.is_multicast or url.provider == "zenoh"))
     with Playlist(paths, choice, notify) as playlist:
         window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
         now = time.monotonic_ns()

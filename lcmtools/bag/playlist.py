@@ -19,7 +19,14 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.messages.registry import candidates
-from lcmtools.names import Resolver, check_channel, is_hidden, resolve_namespace, spellings
+from lcmtools.names import (
+    Resolver,
+    check_length,
+    is_hidden,
+    is_utf_8,
+    resolve_namespace,
+    spellings,
+)
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block, disorder
@@ -35,6 +42,7 @@ class Choice:
     topics: TopicChoice = field(default_factory=TopicChoice)
     names: NodeArguments = field(default_factory=NodeArguments)  # for namespace and remaps
     keeps_clock: bool = False  # True if /clock keeps its name in a namespace
+    only_utf_8: bool = False  # True if the bus has no other channels
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +99,7 @@ class Playlist(AbstractContextManager["Playlist"]):
                 provide_recorded_types(log.index.types.values())
             # The times of the first and the last message of the logs [ns since 1970].
             self.span = _span(self._logs)
-            self.tracks = self._tracks(choice)  # what is played, sorted by channel
+            self.tracks = self._tracks(choice, notify)  # what is played, sorted by channel
         except BaseException:
             self.close()
             raise
@@ -158,7 +166,7 @@ class Playlist(AbstractContextManager["Playlist"]):
                     found[channel] = messages + count.messages, number
         return found
 
-    def _tracks(self, choice: Choice) -> tuple[Track, ...]:
+    def _tracks(self, choice: Choice, notify: Callable[[str], None]) -> tuple[Track, ...]:
         counts = self._counts
         names = [name for name in sorted(counts) if not name.startswith(_NEVER)]
         choice.topics.check(names)
@@ -173,6 +181,9 @@ class Playlist(AbstractContextManager["Playlist"]):
             paths = ", ".join(str(log.path) for log, _ in self._logs)
             raise LcmtoolsError(f"no messages of {paths} are left to play", "select other topics")
         moved = _moved(chosen, choice)
+        for odd in [name for name in chosen if choice.only_utf_8 and not is_utf_8(moved[name])]:
+            chosen.remove(odd)
+            notify(f"{odd} is left out: this bus has no channel that is not UTF-8")
         types_of = self._nodes.types_of
         return tuple(
             _track(channel, moved[channel], counts[channel], types_of(channel))
@@ -218,7 +229,7 @@ def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
             TopicChoice([source]).check(channels)
         moved.update(dict.fromkeys(found, Resolver(namespace).resolve(target)))
     for topic in moved.values():
-        check_channel(topic)
+        check_length(topic)
     return moved
 
 

@@ -5,6 +5,7 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
+from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.reports.describe import UNKNOWN, size_text
 from lcmtools.text_table import text_table
 
@@ -98,7 +99,7 @@ def _facts(summary: LogSummary) -> Iterator[tuple[str, str]]:
 
 def _cells(topic: TopicSummary) -> Sequence[str]:
     return (
-        topic.name,
+        printable(topic.name),
         ", ".join(topic.types) or UNKNOWN,
         str(topic.messages),
         "-" if topic.rate is None else f"{topic.rate:.2f} Hz",

@@ -104,8 +104,7 @@ class Block:
     def event_bytes(self) -> int:
         """The bytes of all events."""
         return sum(
-            one.bytes
-            + one.messages * (HEAD_BYTES + len(name.encode("utf-8", "surrogateescape")))
+            one.bytes + one.messages * (HEAD_BYTES + len(name.encode("utf-8", "surrogateescape")))
             for name, one in self.channels.items()
         )
 
