@@ -100,7 +100,7 @@ def play(
             )
         known, graph = _check(url, playlist.tracks, notify, force=manner.force)
         with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
-            session = _Session(node, playlist.tracks, manner, notify, watch)
+            session = _Session(node, playlist, manner, notify, watch)
             session.find(graph)
             if manner.waits:
                 session.wait_for_subscribers()
@@ -130,8 +130,9 @@ class _Session:
     """Sending a log by a node."""
 
     def __init__(
-        self, node: Node, tracks: Sequence[Track], manner: Manner, notify: Notify, watch: "_Watch"
+        self, node: Node, playlist: Playlist, manner: Manner, notify: Notify, watch: "_Watch"
     ) -> None:
+        tracks, self._recorded_time = playlist.tracks, playlist.recorded_time
         self._node, self._notify, self._watch = node, notify, watch
         self._forced = manner.force
         self._commands = LastCommands(tracks)
@@ -191,7 +192,7 @@ class _Session:
                 return
             if now >= due:
                 due = now + period
-                self._tick(player.time(now))
+                self._tick(self._recorded_time(player.time(now)))
             if now - shown >= _SHOW_PERIOD:
                 shown = now
                 on_position(player.position(now))

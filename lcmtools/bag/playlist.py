@@ -4,17 +4,20 @@ Belongs here: which channels are played, and under which names. Must not know bu
 """
 
 import heapq
+from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import histogram, span_of
-from lcmtools.clock import CLOCK_TOPIC
+from lcmtools.bag.summary_report import span_text
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
@@ -29,8 +32,10 @@ from lcmtools.names import (
 )
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
+from lcmtools.wire.log_events import Event
 from lcmtools.wire.log_index import Block, disorder
 
+_STEP = NANOSECONDS  # times that go back by more are a step, after which playing goes on at once
 _SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
@@ -59,13 +64,52 @@ class Track:
 class Played(NamedTuple):
     """A message of a log."""
 
-    time: int  # time of recording [ns since 1970]
+    time: int  # time of recording [ns since 1970]; after a step back in the log, later
     topic: str
     payload: bytes
 
 
+class _ContinuousLog(LogFile):
+    """A log whose events after a step back in time have later times, as if no time had passed."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.steps: list[tuple[int, int, int]] = []  # offset, time of playing, and what is added
+        super().__init__(path)
+
+    def remove_steps(self) -> None:
+        """Find the steps, and change the times of the events after them."""
+        latest, later = None, 0
+        for event in super().events():
+            time = event.time + later
+            if latest is not None and latest - time > _STEP:
+                later += latest - time
+                time = latest
+                self.steps.append((event.start, time, later))
+            latest = time if latest is None else max(latest, time)
+        self.index = replace(self.index, blocks=[])
+
+    def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
+        """Yield the places of the events, with the times at which they are to be played."""
+        found = super().events(start, end)
+        if not self.steps:
+            return found
+        return (event._replace(time=event.time + self._later(event)) for event in found)
+
+    def recorded_time(self, time: int) -> int:
+        """Return the time of recording for a time of playing."""
+        place = bisect_right([when for _, when, _ in self.steps], time)
+        return time - self.steps[place - 1][2] if place else time
+
+    def _later(self, event: Event) -> int:
+        place = bisect_right(self.steps, event.start, key=itemgetter(0))
+        return self.steps[place - 1][2] if place else 0
+
+
 class Playlist(AbstractContextManager["Playlist"]):
     """The messages of one or more logs, merged by their times.
+
+    Where times go back by more than a second, the rest is played as if it came at once: its times
+    are later than those of recording.
 
     Hidden channels, such as those of services, are played only if they are named. Nodes' recorded
     announcements never are.
@@ -83,19 +127,24 @@ class Playlist(AbstractContextManager["Playlist"]):
         notify: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._nodes = GraphBuilder(is_log=True)
-        self._logs: list[tuple[LogFile, Sequence[Block]]] = []
+        self._logs: list[tuple[_ContinuousLog, Sequence[Block]]] = []
         try:
             for path in paths:
-                log = LogFile(path)
+                log = _ContinuousLog(path)
                 if log.size - log.index.end > _SLOW_BYTES:
                     notify(f"reading {path}; with an index (lcmtools bag reindex) this is instant")
                 for packet in log.announcements():
                     self._nodes.add(packet)
-                self._logs.append((log, list(log.blocks(self._nodes.add))))
-                if damage := log.damage(self._logs[-1][1]):
+                blocks = list(log.blocks(self._nodes.add))
+                if damage := log.damage(blocks):
                     notify(damage)
-                if disorder(self._logs[-1][1]):
-                    notify(f"the times of {path} go back; lcmtools bag sort sorts them")
+                if back := disorder(blocks):
+                    far = f", by up to {span_text(back / NANOSECONDS)}" if back > _STEP else ""
+                    notify(f"the times of {path} go back{far}; lcmtools bag sort sorts them")
+                if back > _STEP:
+                    log.remove_steps()
+                    blocks = list(log.blocks())
+                self._logs.append((log, blocks))
                 provide_recorded_types(log.index.types.values())
             # The times of the first and the last message of the logs [ns since 1970].
             self.span = _span(self._logs)
@@ -140,6 +189,10 @@ class Playlist(AbstractContextManager["Playlist"]):
                         found[one.topic] = one
                 wanted = {name: topic for name, topic in wanted.items() if topic not in found}
         return sorted(found.values(), key=lambda one: one.time)
+
+    def recorded_time(self, time: int) -> int:
+        """Return the time of recording in the first log for a time of playing."""
+        return self._logs[0][0].recorded_time(time)
 
     def histogram(self, bins: int) -> list[int]:
         """Return the number of messages in each of ``bins`` equal parts of the logs' time."""
@@ -191,7 +244,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         )
 
 
-def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
+def _span(logs: Sequence[tuple[_ContinuousLog, Sequence[Block]]]) -> tuple[int, int]:
     for log, blocks in logs:
         if not blocks:
             hint = "its first one is not complete" if log.size else "it is empty"
