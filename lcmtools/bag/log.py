@@ -124,7 +124,7 @@ class Log(AbstractContextManager["Log"]):
             LcmtoolsError: The log has no message on the topic, or none of a type that is known and
                 does not contain itself.
         """
-        first, last = self._between(start, end) or (0, sys.maxsize)
+        first, last = self._between(start, end) or (-sys.maxsize, sys.maxsize)
         decoder = Decoder(known_nodes(self._file).types_of)
         spelled = set(usual_names().spellings(topic))
         packets = (one for one in self._file.packets() if one.channel in spelled)
