@@ -9,7 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
@@ -45,7 +45,7 @@ class _Offer:
     channel: "Channel"
     is_latched: bool = False
     last: Packet | None = None  # last message of a latched topic
-    end: Callable[[], None] | None = field(default=None)  # stops following it; None if not followed
+    end: Callable[[], None] | None = None  # stops following it; None if not followed
 
 
 class Bridge(AbstractContextManager["Bridge"]):
@@ -150,8 +150,7 @@ class Bridge(AbstractContextManager["Bridge"]):
 
     def _begin(self, topic: str) -> None:
         self._subscribers[topic] += 1
-        offer = self._offers.get(topic)
-        if offer and offer.last:
+        if (offer := self._offers.get(topic)) and offer.last:
             self._send(offer, offer.last)
         self._attend(topic)
 
@@ -166,11 +165,8 @@ class Bridge(AbstractContextManager["Bridge"]):
         Returns whether there is more to offer.
         """
         most = len(self._offers) + _AT_ONCE
-        topics = {
-            one.name: one
-            for one in graph.topics()
-            if one.name.isprintable() and self._topics.includes(one.name)
-        }
+        printable = {one.name: one for one in graph.topics() if one.name.isprintable()}
+        topics = {name: one for name, one in printable.items() if self._topics.includes(name)}
         for name in self._offers.keys() - topics.keys():
             self._take_back(name)
         for name, topic in topics.items():
@@ -245,7 +241,6 @@ class Bridge(AbstractContextManager["Bridge"]):
         return None
 
     def _tell(self, text: str) -> None:
-        """Notify the user of something once."""
         if text not in self._told:
             self._told.add(text)
             self._notify(text)

@@ -31,7 +31,9 @@ class Schemas:
             try:
                 self._found[cls] = ROS1, self._types.schema(cls)
             except LcmtoolsError:
-                self._found[cls] = JSON, _open_schema(type_name(cls))
+                name = type_name(cls)
+                schema = json.dumps({"title": name, "type": "object"}).encode()
+                self._found[cls] = JSON, Schema(name, "jsonschema", schema)
         return self._found[cls]
 
     def write(self, message: Message) -> bytes:
@@ -51,7 +53,3 @@ class Schemas:
         except (ValueError, ValueMismatch) as error:
             raise DecodeError(f"no {type_name(cls)}: {error}") from error
         return message
-
-
-def _open_schema(name: str) -> Schema:
-    return Schema(name, "jsonschema", json.dumps({"title": name, "type": "object"}).encode())

@@ -10,8 +10,8 @@ from lcmtools.errors import UsageError
 from lcmtools.names import resolve, resolve_namespace
 
 _ASSIGNMENT = re.compile(r"([^\s:=]+):=(.*)", re.DOTALL)
+# ROS's special names that mean nothing with LCM; accepted so that old command lines work
 _MEANINGLESS = ("__log", "__ip", "__hostname", "__master")
-"""ROS's special names that mean nothing with LCM; accepted so that old command lines work."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,9 @@ from lcmtools.packages.workspace import workspace
 
 LABS = Path(__file__).parent / "files"
 """The packages that the labs' texts name, each with its launch files."""
-LARGEST = 1_000_000
-"""Bytes of a file."""
+LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
-_MOST_FILES = 10_000
-"""The most files of a package that are searched: it may be a home folder."""
+_MOST_FILES = 10_000  # of a package that are searched: it may be a home folder
 
 
 def path_from(folder: Path, name: str) -> Path:
@@ -75,11 +73,7 @@ def lab_packages() -> list[str]:
 
 def lab_files() -> list[tuple[str, str]]:
     """Return the labs' launch files, each with its package."""
-    return [
-        (package, path.name)
-        for package in lab_packages()
-        for path in sorted((LABS / package / "launch").iterdir())
-    ]
+    return sorted((path.parts[-3], path.name) for path in LABS.glob("*/launch/*"))
 
 
 def launch_files(package: str) -> list[str]:
@@ -161,12 +155,8 @@ def _only_file(folder: Path, package: str) -> Path:
 
 
 def _launch_files(folder: Path) -> list[Path]:
-    """Return the files in the usual places of launch files."""
-    return [
-        path
-        for path in files_below(folder)
-        if path.suffix in SUFFIXES and path.parent.name == "launch"
-    ]
+    files = files_below(folder)
+    return [path for path in files if path.suffix in SUFFIXES and path.parent.name == "launch"]
 
 
 def _spellings(name: str) -> list[str]:
