@@ -30,8 +30,7 @@ Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json
 Frame: TypeAlias = str | bytes
 
 SUBPROTOCOL = "lcmtools.1"
-LONGEST_REQUEST = 1 << 20
-"""Bytes of the longest text that a page may send, such as a form with long arrays."""
+LONGEST_REQUEST = 1 << 20  # bytes of a text that a page may send, such as a form with long arrays
 _LONGEST_TEXT = 1000  # characters of a name
 _MOST_TEXTS = 1000  # names in a list
 _LARGEST_ID = 1 << 31

@@ -56,7 +56,8 @@ class Server:
     ) -> None:
         self._source, self._access, self._view, self._notify = source, access, view, notify
         self._streams = StreamPool(source)
-        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in _files()}
+        files = (path for path in STATIC.rglob("*") if path.is_file())
+        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in files}
         self._files["/"] = STATIC / "index.html"
         self._pages = 0
         self._said: set[str] = set()
@@ -168,9 +169,8 @@ class Server:
         rights = self._rights(request)
         self._pages += 1
         try:
-            await BrowserPage(connection, self._source, self._streams, rights).serve(
-                self._hello(rights)
-            )
+            page = BrowserPage(connection, self._source, self._streams, rights)
+            await page.serve(self._hello(rights))
         except ConnectionClosed:
             pass
         except Rubbish as rubbish:
@@ -233,10 +233,6 @@ def _cancelled_by_signals(
             signal.raise_signal(came[0])
 
 
-def _files() -> list[Path]:
-    return [path for path in STATIC.rglob("*") if path.is_file()]
-
-
 def _one(request: Request, name: str) -> str | None:
     """Return the value of a header that occurs once."""
     values = request.headers.get_all(name)
@@ -253,9 +249,8 @@ def _file_response(path: Path, known: str | None) -> Response:
 
 
 def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Response:
-    kind = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
     headers = Headers(HEADERS)
-    headers["Content-Type"] = kind
+    headers["Content-Type"] = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
     headers["Content-Length"] = str(len(body))
     headers["Cache-Control"] = "no-cache"  # revalidate with the tag
     headers["Connection"] = "close"
@@ -266,14 +261,11 @@ def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Resp
 
 def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
     if error.errno == errno.EADDRINUSE:
-        hint = (
-            f"another window may be open at http://{address}:{port}; else choose: --port {port + 1}"
-        )
-        return LcmtoolsError(f"port {port} is in use", hint)
+        hint = f"another window may be open at http://{address}:{port}"
+        return LcmtoolsError(f"port {port} is in use", f"{hint}; else choose: --port {port + 1}")
     if error.errno == errno.EACCES:
-        return LcmtoolsError(
-            f"port {port} is not permitted", "choose one from 1024 on: --port 7680"
-        )
+        hint = "choose one from 1024 on: --port 7680"
+        return LcmtoolsError(f"port {port} is not permitted", hint)
     # asyncio replaces the system's message; negative numbers are name look-up errors
     number = error.errno or 0
     reason = os.strerror(number) if number > 0 else error.strerror or str(error)

@@ -80,8 +80,5 @@ class DoctorFindings(PageStream):
                 process.kill()
                 self._fault = "" if self._ends_soon.is_set() else "wtf could not look"
                 return None
-        return [
-            {key: record[key] for key in _KEPT}
-            for record in records
-            if record["severity"] != "unchecked"
-        ]
+        checked = [record for record in records if record["severity"] != "unchecked"]
+        return [{key: record[key] for key in _KEPT} for record in checked]
