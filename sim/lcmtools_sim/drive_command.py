@@ -28,11 +28,17 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
     if isinstance(message, Twist):
         forward = _finite("linear.x", message.linear.x)
         return side_speeds(forward, _finite("angular.z", message.angular.z), model.drive)
-    if isinstance(message, JointState):
-        return _from_joint_state(message, model)
-    raise ValueMismatch(
-        f"a {type(message).__name__} is not a command", "send a JointState or a Twist"
-    )
+    if not isinstance(message, JointState):
+        what = f"a {type(message).__name__} is not a command"
+        raise ValueMismatch(what, "send a JointState or a Twist")
+    if message.effort:
+        left, right = _by_side("effort", message.effort, message.name, model)
+        full = model.drive.full_speed
+        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
+    if message.velocity:
+        speeds = _wheel_speeds(message, model)
+        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
+    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
 
 
 def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
@@ -58,17 +64,6 @@ def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
         if abs(value) > limit * _ROUNDING:
             return f"{name} is {value:.4g}{unit}, the limit {limit:g}{unit}"
     return ""
-
-
-def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
-    if state.effort:
-        left, right = _by_side("effort", state.effort, state.name, model)
-        full = model.drive.full_speed
-        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
-    if state.velocity:
-        speeds = _wheel_speeds(state, model)
-        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
-    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
 
 
 def _wheel_speeds(state: JointState, model: RobotModel) -> SideSpeeds:

@@ -36,8 +36,7 @@ class Robot:
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
-        self.model = placement.model  # its model
-        self.namespace = placement.namespace  # global
+        self.model, self.namespace = placement.model, placement.namespace
         self.world = world  # the engine's world
         self.is_free = False  # True if the engine does not move it
         # An upper bound of the distance of any point from the centre of mass [m].
@@ -72,11 +71,8 @@ class Robot:
         """
         depth, other = self.world.overlap(self.body)
         if depth > START_OVERLAP:
-            raise InvalidFile(
-                f"{where}: the {self.model.name} {self.namespace} starts {depth:.2f} m inside"
-                f" {other}",
-                "change its pose",
-            )
+            what = f"the {self.model.name} {self.namespace} starts {depth:.2f} m inside {other}"
+            raise InvalidFile(f"{where}: {what}", "change its pose")
 
     def command(self, message: JointState | Twist) -> None:
         """Execute a command until the next one or the timeout.
@@ -195,8 +191,7 @@ class Robot:
         """Return the state that its sensors measure; ``time`` is simulated [ns]."""
         if self.is_free:
             return self.vehicles.state(time, self.index)
-        values = self.vehicles.row(self.index)
-        return measured(*self.motions, values, (time, self._dt))
+        return measured(*self.motions, self.vehicles.row(self.index), (time, self._dt))
 
     def _frame(self, height: float) -> Frame:
         """Return a frame at this height above its base_footprint [m], in the world."""

@@ -23,8 +23,7 @@ WOOD: Color = (0.7, 0.6, 0.45)
 class Ground:
     """The plane z = 0."""
 
-    # Coulomb coefficient; multiplied by a box's or a tyre's coefficient.
-    friction: float = 1.0
+    friction: float = 1.0  # Coulomb coefficient; multiplied by a box's or a tyre's
     color: Color = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
 
 
@@ -37,8 +36,7 @@ class SceneObject:
     pose: Pose = ORIGIN  # of that frame in the world
     mass: float = 0.0  # [kg]; 0 for an immovable object
     friction: float = FRICTION  # Coulomb coefficient
-    # Its file and line ("yard.yaml:12"), for messages.
-    where: str = field(default="", compare=False)
+    where: str = field(default="", compare=False)  # file and line, for messages ("yard.yaml:12")
 
 
 def box(
@@ -56,8 +54,7 @@ class RobotPlacement:
     namespace: str  # full namespace: "/husky0"
     pose: Pose = ORIGIN  # of the point on the ground between its wheels
     cmd_timeout: float | None = None  # simulated seconds after which a command ends; None for never
-    # Its file and line ("yard.yaml:12"), for messages.
-    where: str = field(default="", compare=False)
+    where: str = field(default="", compare=False)  # file and line, for messages ("yard.yaml:12")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +78,7 @@ class Scene:
     objects: tuple[SceneObject, ...] = ()  # boxes, pieces of walls, tables and so on
     robots: tuple[RobotPlacement, ...] = ()  # in the order of the file
     paths: tuple[MarkedPath, ...] = ()  # in the order of the file
-    # Notes on content of its files that the simulator ignores, one line each.
-    notes: tuple[str, ...] = field(default=(), compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)  # on ignored content, one line each
 
     @property
     def lines(self) -> tuple[Line, ...]:

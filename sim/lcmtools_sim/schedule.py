@@ -82,8 +82,7 @@ class Pacer:
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self.period = period  # wall-clock seconds per step, may be changed; 0 never waits
-        self._now = now
-        self._sleep = sleep
+        self._now, self._sleep = now, sleep
         self._deadline = now()
 
     def restart(self) -> None:

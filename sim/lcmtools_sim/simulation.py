@@ -21,8 +21,7 @@ from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
-CLOCK_RATE = 50.0
-"""[Hz] Lowest rate of the clock; it also ticks with every step that publishes something."""
+CLOCK_RATE = 50.0  # [Hz] lowest rate of the clock; it also ticks with every step that publishes
 
 _TICK = None  # due if only the clock is due
 _CLOCK = PayloadTemplate(Clock(), "clock")
@@ -40,10 +39,8 @@ class Simulation(AbstractContextManager["Simulation"]):
     """
 
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
-        self.scene = scene
-        self.leads = leads
-        # True if its steps return the clock; else only ``tick`` returns it
-        self.publishes_clock = leads
+        self.scene, self.leads = scene, leads
+        self.publishes_clock = leads  # True if its steps return the clock; else only ``tick`` does
         self._plans: dict[frozenset[float], _Plan] = {}
         """The sensors that are measured when these rates are due, until the fleet changes."""
         self._world = World(scene, engine=engine)

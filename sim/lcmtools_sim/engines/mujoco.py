@@ -86,9 +86,8 @@ class Mujoco:
     def add(self, body: RigidBody) -> int:
         """Add a body and return its number."""
         self._last += 1
-        handle = self._spec.worldbody.add_body(
-            name=str(self._last), pos=body.position, quat=_wxyz(body.rotation)
-        )
+        world, name = self._spec.worldbody, str(self._last)
+        handle = world.add_body(name=name, pos=body.position, quat=_wxyz(body.rotation))
         if body.mass:
             handle.add_freejoint()
             handle.explicitinertial = True
@@ -208,16 +207,11 @@ class Mujoco:
         for i in np.flatnonzero((first == own) | (second == own)).tolist():
             is_first = first[i] == own
             mujoco.mj_contactForce(self._model, self._data, i, force)
-            normal = contact.frame[i, :3] * (-1.0 if is_first else 1.0)
-            found.append(
-                ContactPoint(
-                    self._number[second[i] if is_first else first[i]],
-                    _vector(contact.pos[i]),
-                    _vector(normal),
-                    float(force[0]),
-                    -float(contact.dist[i]),
-                )
-            )
+            other = self._number[second[i] if is_first else first[i]]
+            place = _vector(contact.pos[i])
+            normal = _vector(contact.frame[i, :3] * (-1.0 if is_first else 1.0))
+            depth = -float(contact.dist[i])
+            found.append(ContactPoint(other, place, normal, float(force[0]), depth))
         return found
 
     def warnings(self) -> list[str]:
@@ -247,8 +241,7 @@ class Mujoco:
         # It scales the solver's tolerance: a robot's motion must not depend on other bodies.
         model.stat.meaninertia = 1.0
         self._qpos, self._qvel = self._data.qpos, self._data.qvel
-        kinds = mujoco.mjtWarning
-        found = self._data.warning
+        found, kinds = self._data.warning, mujoco.mjtWarning
         self._full = found[kinds.mjWARN_CONTACTFULL], found[kinds.mjWARN_CNSTRFULL]
         self._number = [0, *(int(model.body(i).name) for i in range(1, model.nbody))]
         self._free = {}
@@ -273,7 +266,6 @@ class Mujoco:
             self._set_enabled(number, is_enabled=False)
 
     def _constrain(self) -> None:
-        """Find the contacts and their constraints."""
         self.detect_contacts()
         self._set_friction()
         mujoco.mj_makeConstraint(self._model, self._data)

@@ -73,15 +73,9 @@ def read_link(
     if element.all("visual") and not element.all("collision"):
         left_out["visuals without collisions"] += len(element.all("visual"))
     mass, centre = _inertial(element)
-    return SdfLink(
-        name,
-        Frame(frame.point(centre), frame.rotation),
-        tuple(parts),
-        mass,
-        _FRICTION if friction is None else friction,
-        static,
-        ground,
-    )
+    centred = Frame(frame.point(centre), frame.rotation)
+    friction = _FRICTION if friction is None else friction
+    return SdfLink(name, centred, tuple(parts), mass, friction, static, ground)
 
 
 def read_pose(element: Element, parents: Collection[str]) -> Frame:
@@ -91,10 +85,8 @@ def read_pose(element: Element, parents: Collection[str]) -> Frame:
         return Frame()
     relative_to = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
     if relative_to and relative_to not in parents:
-        raise pose.error(
-            f"the pose of {element} is relative to '{relative_to}'",
-            "only poses relative to the enclosing element are supported",
-        )
+        what = f"the pose of {element} is relative to '{relative_to}'"
+        raise pose.error(what, "only poses relative to the enclosing element are supported")
     x, y, z, *angles = pose.numbers("", (6, 7))
     if len(angles) == 4:  # noqa: PLR2004 - a quaternion
         size = math.hypot(*angles)

@@ -23,8 +23,7 @@ _DRIVE_KEYS = (
 _NEAR = 0.01  # [m] two places this close to each other count as one
 _PARALLEL = 0.99  # cosine of the largest angle between parallel axes
 _CLEARANCE = 0.004  # [m] the least height of all parts above the ground: only the feet touch it
-_DEEPEST = 0.05
-"""[m] A part that reaches farther below the wheels would carry the robot in their place."""
+_DEEPEST = 0.05  # [m] a part that reaches farther below the wheels would carry the robot instead
 _NEAR_GROUND = 0.01  # [m] a part this close to the ground supports the robot
 _TURNING = ("continuous", "revolute")
 
@@ -97,9 +96,8 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     if joint is None:
         turning = [n for n, one in urdf.joints.items() if one.kind in _TURNING]
         known = f"joints that turn: {', '.join(turning) or 'none'}"
-        raise item.error(
-            f"{urdf.root.source} has no joint '{name}'", did_you_mean(name, turning) or known
-        )
+        hint = did_you_mean(name, turning) or known
+        raise item.error(f"{urdf.root.source} has no joint '{name}'", hint)
     _check_axis(urdf, joint)
     link = urdf.links[joint.child]
     round_parts = [p for p in link.parts if isinstance(p.shape, Cylinder | Sphere)]
@@ -107,10 +105,9 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     if largest is None:
         return _Wheel(name, joint.child, link.frame.position)
     if isinstance(largest.shape, Cylinder) and abs(axes(largest.rotation)[2][1]) < _PARALLEL:
-        raise link.element.error(
-            f"the cylinder of the wheel '{joint.child}' does not lie along its axle",
-            'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y',
-        )
+        what = f"the cylinder of the wheel '{joint.child}' does not lie along its axle"
+        hint = 'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y'
+        raise link.element.error(what, hint)
     return _Wheel(name, joint.child, largest.position, _radius(largest), largest)
 
 
@@ -121,10 +118,8 @@ def _check_axis(urdf: Urdf, joint: Joint) -> None:
     own = axis.vector("xyz") if axis else (1.0, 0.0, 0.0)
     size = math.hypot(*own)
     if not size or abs(rotate(own, urdf.links[joint.child].frame.rotation)[1]) / size < _PARALLEL:
-        raise joint.element.error(
-            f"{joint.element} does not turn about the y axis of base_link, as wheels do",
-            'give it <axis xyz="0 1 0"/>',
-        )
+        what = f"{joint.element} does not turn about the y axis of base_link, as wheels do"
+        raise joint.element.error(what, 'give it <axis xyz="0 1 0"/>')
 
 
 def _radius(part: Part) -> float:
@@ -149,9 +144,8 @@ def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
             raise item.error(f"the wheel of '{joint}' has no round shape", "set wheel_radius")
     smallest, largest = min(radii.values()), max(radii.values())
     if largest > 1.01 * smallest:
-        raise item.error(
-            f"the wheels have radii from {smallest:g} to {largest:g} m", "set wheel_radius"
-        )
+        what = f"the wheels have radii from {smallest:g} to {largest:g} m"
+        raise item.error(what, "set wheel_radius")
     return largest
 
 

@@ -45,10 +45,8 @@ def find_world(world: str) -> tuple[str, str]:
     name = ALIASES.get(world, world)
     if name not in world_names():
         hint = did_you_mean(world, [*world_names(), *ALIASES])
-        raise UsageError(
-            f"there is no world '{world}'",
-            hint or f"worlds: {', '.join(world_names())}; or give a file, ./{world}.yaml",
-        )
+        hint = hint or f"worlds: {', '.join(world_names())}; or give a file, ./{world}.yaml"
+        raise UsageError(f"there is no world '{world}'", hint)
     return _packaged(name), f"{name}.yaml"
 
 
