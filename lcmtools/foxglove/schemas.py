@@ -9,16 +9,11 @@ from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, type_name
 
 ROS1, JSON = "ros1", "json"
-ENCODINGS = (JSON, ROS1)
-"""The encodings of clients' messages, the preferred one first."""
+ENCODINGS = (JSON, ROS1)  # of clients' messages, the preferred one first
 
 
 class Schemas:
-    """Conversion of LCM types and messages to Foxglove's, and back.
-
-    Raises:
-        MissingExtra: The library for ROS's formats is missing.
-    """
+    """Conversion of LCM types and messages to Foxglove's, and back; MissingExtra if it cannot."""
 
     def __init__(self) -> None:
         with needing_extra("foxglove", "foxglove needs"):  # it also has ROS's types

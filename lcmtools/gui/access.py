@@ -46,11 +46,7 @@ class Access:
     is_read_only: bool = False  # True if nobody may command
 
     def rights(self, host: str, target: str) -> tuple[str, ...]:
-        """Return the rights for a request for ``target`` (path and query) at ``host`` (the header).
-
-        Raises:
-            Refused: There are none.
-        """
+        """Return the rights for ``target`` (path and query) at ``host``; Refused for none."""
         self.check_host(host)
         every = (WATCH,) if self.is_read_only else (WATCH, COMMAND)
         if not self.tokens:
@@ -72,22 +68,14 @@ class Access:
         return {WATCH if self.is_read_only else COMMAND: start}
 
     def check_host(self, host: str) -> None:
-        """Refuse a host name that is not this server's: a website's name that points here.
-
-        Raises:
-            Refused: It is not this server's.
-        """
+        """Raise Refused for a host name that is not this server's: a website's that points here."""
         name = _host_name(host)
         if name in self.names or (self.any_address and _is_address(name)):
             return
         raise Refused(HTTPStatus.FORBIDDEN, "This server does not answer to that name.")
 
     def check_origin(self, host: str, origin: str | None) -> None:
-        """Refuse a connection opened by a page of another server.
-
-        Raises:
-            Refused: It is one, or its origin is not given.
-        """
+        """Raise Refused for a connection by another server's page, or without an origin."""
         if origin is None or origin.casefold() not in (f"http://{host}", f"https://{host}"):
             raise Refused(HTTPStatus.FORBIDDEN, "This server answers its own pages only.")
 

@@ -53,11 +53,7 @@ class BrowserPage:
         self._refusals: dict[int, str] = {}
 
     async def serve(self, hello: Mapping[str, Json]) -> None:
-        """Serve the page until it is gone.
-
-        Raises:
-            Rubbish: It sends data that no page of this server would.
-        """
+        """Serve the page until it is gone; Rubbish if it sends data that no page of ours would."""
         self._outbox.append(text_frame({"hello": hello}))
         both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
         try:

@@ -42,11 +42,7 @@ class Rubbish(LcmtoolsError):  # noqa: N818 - named for what came
 
 
 class Parameters:
-    """The values of a request, each checked as it is read.
-
-    Raises:
-        Rubbish: Raised by every method if a value is not as expected.
-    """
+    """The values of a request; every method raises Rubbish if a value is not as expected."""
 
     def __init__(self, values: Mapping[str, Json]) -> None:
         self._values = values

@@ -76,11 +76,7 @@ class Server:
 
     @contextlib.contextmanager
     def serving(self, address: str, port: int) -> Iterator[int]:
-        """Serve on a thread of its own within the block, which gets the port; then close all pages.
-
-        Raises:
-            LcmtoolsError: The port is in use, or the address is not this computer's.
-        """
+        """Serve on a thread within the block, which gets the port; close all pages; see ``run``."""
         started: Future[int] = Future()
         with contextlib.closing(asyncio.new_event_loop()) as loop:
             task = loop.create_task(self.run(address, port, started.set_result))
@@ -166,7 +162,9 @@ class Server:
     async def _serve_page(self, connection: ServerConnection) -> None:
         request = connection.request
         assert request is not None, "it has been answered"
-        rights = self._rights(request)
+        rights = self._access.rights(_one(request, "Host") or "", request.path)
+        if self._source.kind == "log":  # the right to command a bus is the right to play a log
+            rights = tuple(PLAY if one == COMMAND else one for one in rights)
         self._pages += 1
         try:
             page = BrowserPage(connection, self._source, self._streams, rights)
@@ -180,12 +178,6 @@ class Server:
             self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
             self._pages -= 1
-
-    def _rights(self, request: Request) -> tuple[str, ...]:
-        """Return a page's rights; the right to command a bus is the right to play a log."""
-        rights = self._access.rights(_one(request, "Host") or "", request.path)
-        is_log = self._source.kind == "log"
-        return tuple(PLAY if is_log and one == COMMAND else one for one in rights)
 
     def _hello(self, rights: tuple[str, ...]) -> Mapping[str, Json]:
         return {

@@ -31,11 +31,7 @@ class Steering:
         self._is_over = False
 
     def take(self, page: int, request: PageRequest) -> str:
-        """Execute a page's command, "drive", "release" or "stop"; returns the same as ``drive``.
-
-        Raises:
-            Rubbish: It is another command.
-        """
+        """Execute "drive", "release" or "stop"; return the same as ``drive``; else Rubbish."""
         topic = request.text("topic")
         if request.op == "release":
             self.release(page, topic)

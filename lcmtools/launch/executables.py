@@ -49,13 +49,10 @@ class Executable:
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:
-    """Return the command of a package's node, as ``pkg`` and ``type`` name it.
+    """Return the command of a package's node, as ``pkg`` and ``type`` name it; UsageError for none.
 
     The package is in the workspace (also that of the launch file's folder), installed, or one that
     the labs' texts name. A script's name may have its suffix.
-
-    Raises:
-        UsageError: There is no such package, or no such node in it.
     """
     plain = name.removesuffix(".py")
     known = _nodes_from(Path.cwd(), folder)

@@ -1,7 +1,6 @@
 """Packages and the launch files in them: from names to folders and files.
 
-A package is one of the workspace, an installed Python package, or one of the labs' packages, which
-are part of lcmtools.
+A package is one of the workspace, an installed Python package, or one of lcmtools' own, the labs'.
 """
 
 import os
@@ -15,8 +14,7 @@ from lcmtools.names import did_you_mean
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
-LABS = Path(__file__).parent / "files"
-"""The packages that the labs' texts name, each with its launch files."""
+LABS = Path(__file__).parent / "files"  # packages that the labs' texts name, with launch files
 LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 _MOST_FILES = 10_000  # of a package that are searched: it may be a home folder

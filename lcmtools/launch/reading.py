@@ -166,14 +166,9 @@ class _Reading:
         file = read_file(path, element.place)
         if not takes_all:
             check_passed(element, passed, file.root)
-        inside = replace(
-            inside,
-            folder=file.folder,
-            arguments={},
-            passed={**(scope.arguments if takes_all else {}), **passed},
-            is_included=True,
-            takes_all=takes_all,
-        )
+        passed = {**(scope.arguments if takes_all else {}), **passed}
+        inside = replace(inside, folder=file.folder, is_included=True, takes_all=takes_all)
+        inside = replace(inside, arguments={}, passed=passed)
         self.depth += 1
         self.read(file, inside)
         self.depth -= 1

@@ -49,12 +49,9 @@ class Supervisor:
         timeouts: StopTimeouts,
     ) -> None:
         self._nodes = [NodeProcess(plan, i, folder) for i, plan in enumerate(nodes, 1)]
-        self._environment = environment
-        self._watcher = watcher
-        self._timeouts = timeouts
+        self._environment, self._watcher, self._timeouts = environment, watcher, timeouts
         self._signals = SignalWaiter()
-        self._is_stopping = False
-        self._is_watched = True
+        self._is_stopping, self._is_watched = False, True
 
     def run(self) -> Sequence[NodeProcess]:
         """Run everything; return the nodes after they have ended."""

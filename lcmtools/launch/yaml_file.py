@@ -33,8 +33,7 @@ _NODE = (
 _GROUP = ("ns", "if", "unless")
 _INCLUDE = ("file", "ns", "pass_all_args", "if", "unless")
 _EXAMPLES = {"a node": "run: talker", "remap": "chatter: news", "param": "kp: 0.5"}
-_FIRST = ("args", "remap", "param", "env")
-"""The keys that apply to the others wherever they stand."""
+_FIRST = ("args", "remap", "param", "env")  # they apply to the others wherever they stand
 
 
 def read_yaml(text: str, source: str) -> Element:

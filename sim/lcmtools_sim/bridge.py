@@ -19,10 +19,8 @@ from lcmtools_sim.robots.model import CommandTopic
 from lcmtools_sim.simulation import Simulation
 
 Command = JointState | Twist
-
 _Steered = tuple[str, tuple[CommandTopic, ...]]
 """A robot's namespace and command topics; after a reset another object has them."""
-
 _UPDATE_PERIOD = 0.1  # [s] the longest delay of a new subscriber's first picture, or an idle clock
 _REPEAT_PERIOD = 0.5  # [s] between the repetitions of a warning: ``wtf`` listens for about a second
 
@@ -47,8 +45,7 @@ class Bridge:
         self._subscriptions: dict[_Steered, list[Subscription]] = {}
         # probes the nodes, which will have answered by the first update
         self._subscribed: tuple[frozenset[str], bool] = node.subscribed_topics(), True
-        self._next_update = 0.0
-        self._published_time = simulation.time
+        self._next_update, self._published_time = 0.0, simulation.time
         self.refresh()
 
     def receive(self, timeout: float = 0.0) -> None:

@@ -187,11 +187,7 @@ def _answered(
 
 
 def _read_pose(message: geometry_msgs.Pose) -> Pose:
-    """Read a pose message; its quaternion may have any length except zero.
-
-    Raises:
-        UsageError: It is not a pose in the world.
-    """
+    """Read a pose, with a quaternion of any length except zero; UsageError for a bad one."""
     place, turn = message.position, message.orientation
     rotation = turn.x, turn.y, turn.z, turn.w
     length = math.hypot(*rotation)

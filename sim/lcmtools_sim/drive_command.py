@@ -1,7 +1,6 @@
 """Interpreting commands: from JointState or Twist to the speeds of the two sides.
 
-Pure decisions on one message. Wrong ones are refused with the reason; a message's sender and time
-are not known here.
+Pure decisions on one message, without its sender and time. Wrong ones are refused with the reason.
 """
 
 import math
@@ -20,10 +19,8 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
     """Return the side speeds [m/s] for a command, within the robot's limits.
 
     A Twist gives the forward speed and turn rate; a JointState gives the efforts of the sides
-    (fractions of full power) or, without efforts, their wheel speeds [rad/s].
-
-    Raises:
-        ValueMismatch: The message is not a command; the error names the field.
+    (fractions of full power) or, without efforts, their wheel speeds [rad/s]. For another message,
+    ValueMismatch names the field.
     """
     if isinstance(message, Twist):
         forward = _finite("linear.x", message.linear.x)

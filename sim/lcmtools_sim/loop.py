@@ -14,8 +14,7 @@ class Loop:
 
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. While it is
     ``paused``, it waits for ``step``. ``let_step`` is called before each step with a function; it
-    waits until the step may be done or the function returns False, and returns True after a long
-    wait.
+    waits until the step may be done or the function returns False; True means a long wait.
     """
 
     def __init__(

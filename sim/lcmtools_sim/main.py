@@ -21,11 +21,7 @@ from lcmtools_sim.worlds import describe, find_world, world_names
 
 
 def run(arguments: Sequence[str]) -> None:
-    """Execute the command; ``arguments`` are without the program's name.
-
-    Raises:
-        LcmtoolsError: It cannot be executed.
-    """
+    """Execute the command with these arguments; LcmtoolsError if that is impossible."""
     _, own = split_arguments(arguments)
     options = parse_options(own)
     if _inform(options):

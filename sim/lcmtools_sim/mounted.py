@@ -56,10 +56,6 @@ class MountedSensor:
         self.throttled: tuple[str, ...] = ()
         self._count = 0
 
-    def topics(self) -> dict[str, type[Message]]:
-        """Its topics and their types."""
-        return dict(self.labels.values())
-
     @property
     def is_idle(self) -> bool:
         """True if no output can have a subscriber."""
@@ -113,9 +109,7 @@ def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
     context = SensorContext(robot.namespace, robot.body, robot.world, *of_scene)
     mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
     mounts.sort(key=lambda one: one[0].needs_frames)
-    return [
-        MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
-    ]
+    return [MountedSensor(robot, one, kind.make(one, context), kind.bulky) for kind, one in mounts]
 
 
 def _topic(namespace: str, mount: SensorMount, output: str) -> str:

@@ -55,11 +55,7 @@ class Options:
 
 
 def parse_options(arguments: Sequence[str]) -> Options:
-    """Parse the command line; ``--help`` prints and ends the program.
-
-    Raises:
-        UsageError: It is wrong.
-    """
+    """Parse the command line; UsageError if it is wrong; ``--help`` prints and ends the program."""
     values = vars(_parser().parse_args(arguments))
     world, option = values["world"], values.pop("world_option")
     if world and option and world != option:

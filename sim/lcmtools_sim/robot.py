@@ -31,8 +31,7 @@ class Robot:
     """A robot, which executes the last command.
 
     Where it may touch something, the engine moves its body. On level ground with nothing near, its
-    ``vehicles`` do so, with the same motion: the body slides there without friction, pulled by
-    tyres.
+    ``vehicles`` do so, with the same motion: tyres pull the body, which has no friction.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
@@ -64,10 +63,8 @@ class Robot:
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
 
-        The world's contacts must have been detected.
-
-        Raises:
-            InvalidFile: The error names the other body; ``where`` is the robot's place in its file.
+        The world's contacts must have been detected. InvalidFile names the other body; ``where`` is
+        the robot's place in its file.
         """
         depth, other = self.world.overlap(self.body)
         if depth > START_OVERLAP:
@@ -75,11 +72,7 @@ class Robot:
             raise InvalidFile(f"{where}: {what}", "change its pose")
 
     def command(self, message: JointState | Twist) -> None:
-        """Execute a command until the next one or the timeout.
-
-        Raises:
-            ValueMismatch: It is not a command; the last one remains in effect.
-        """
+        """Execute a command until the next or the timeout; after ValueMismatch the last one remains."""
         left, right = interpret(message, self.model)
         self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
 
@@ -162,10 +155,7 @@ class Robot:
     def place(self, pose: Pose) -> None:
         """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
 
-        The engine must move it, and know where all bodies are.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
+        The engine must move it, and know where all bodies are; see also ``World.place``.
         """
         centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
         self.world.place(self.body, centre, pose.rotation)

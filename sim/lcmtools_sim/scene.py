@@ -89,10 +89,7 @@ class Scene:
 def fleet(scene: Scene, size: int) -> Scene:
     """Return the scene with this number of robots like its first one, in rows.
 
-    Their namespaces are the first one's with other numbers at the end.
-
-    Raises:
-        UsageError: The scene has no robot.
+    Their namespaces are the first one's with other numbers at the end. UsageError without a robot.
     """
     if not scene.robots:
         raise UsageError(f"the world {scene.name} has no robot to copy")
@@ -116,11 +113,7 @@ def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
 
 
 def selected(scene: Scene, names: Sequence[str]) -> Scene:
-    """Return the scene with only these robots, named with or without a leading slash.
-
-    Raises:
-        UsageError: One does not exist.
-    """
+    """Return the scene with only these robots, slash in front or not; UsageError for unknown ones."""
     robots = {robot.namespace: robot for robot in scene.robots}
     wanted = [f"/{name.strip('/')}" for name in names]
     for name in wanted:

@@ -19,10 +19,8 @@ class Timetable(Generic[Item]):
     """Items that are due at rates that need not divide the rate of the steps.
 
     The k-th time of an item is the first step at or after k / rate, so that 50 Hz on a grid of
-    240 Hz is exact on average and never drifts. All items of a rate are due together.
-
-    Args:
-        dt: Duration of a step [s].
+    240 Hz is exact on average and never drifts. All items of a rate are due together. ``dt`` is the
+    duration of a step [s].
     """
 
     def __init__(self, dt: float) -> None:

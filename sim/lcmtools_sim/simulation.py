@@ -22,7 +22,6 @@ from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
 CLOCK_RATE = 50.0  # [Hz] lowest rate of the clock; it also ticks with every step that publishes
-
 _TICK = None  # due if only the clock is due
 _CLOCK = PayloadTemplate(Clock(), "clock")
 _Plan = list[tuple[Robot | Robots, MountedSensor | MountedBatch]]
@@ -70,11 +69,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return self._objects
 
     def place(self, body: Robot | MovableObject, pose: Pose) -> None:
-        """Put a robot or an object at a pose.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
-        """
+        """Put a robot or an object at a pose; UsageError, and no move, if inside another body."""
         self._fleet.hold_all()
         body.place(pose)
 
@@ -96,7 +91,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self.leads else {}
         for robot in self.robots:
             for sensor in self._sensors[robot.namespace]:
-                found.update(sensor.topics())
+                found.update(sensor.labels.values())
         return found
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
@@ -129,11 +124,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._begin(steps)
 
     def add(self, placement: RobotPlacement) -> Robot:
-        """Add a robot; ``reset`` removes it again.
-
-        Raises:
-            InvalidFile: It would be inside another body; nothing has been added.
-        """
+        """Add a robot, until ``reset``; InvalidFile, and no robot, if inside another body."""
         self._fleet.hold_all()
         (robot,) = self._add([placement])
         return robot

@@ -192,9 +192,8 @@ class Vehicles:
         s, c = ops.sin(heading), ops.cos(heading)
         vx, vy, turn_rate = now.vx, now.vy, now.turn_rate
         now.before_vx, now.before_vy, now.before_turn_rate = vx, vy, turn_rate
-        along, across, twist = self.tyres(
-            vx * c + vy * s, vy * c - vx * s, turn_rate, left, right, k.largest_impulse
-        )
+        forward, aside, largest = vx * c + vy * s, vy * c - vx * s, k.largest_impulse
+        along, across, twist = self.tyres(forward, aside, turn_rate, left, right, largest)
         now.vx, now.vy = vx, vy = vx + along * c - across * s, vy + along * s + across * c
         now.turn_rate = turn_rate = turn_rate + twist
         now.x, now.y, now.yaw = now.x + vx * dt, now.y + vy * dt, now.yaw + turn_rate * dt

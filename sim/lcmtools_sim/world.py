@@ -26,10 +26,7 @@ class World(AbstractContextManager["World"]):
     """A scene's ground and objects in an engine; robots are added to it.
 
     A context manager: it owns the engine's world. ``engine`` is one of ENGINES or "" (see
-    engines.chosen_engine).
-
-    Raises:
-        MissingExtra: There is no engine.
+    engines.chosen_engine); MissingExtra without it.
     """
 
     def __init__(self, scene: Scene, *, engine: str = "") -> None:
@@ -252,10 +249,6 @@ class MovableObject:
         return Frame(Frame(position, rotation).point((0.0, 0.0, -self._height)), rotation)
 
     def place(self, pose: Pose) -> None:
-        """Put its frame at a pose, at rest. The engine must know where all bodies are.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
-        """
+        """Put its frame at a pose, at rest; see ``World.place``."""
         centre = pose.frame.point((0.0, 0.0, self._height))
         self._world.place(self._body, centre, pose.rotation)

@@ -1,7 +1,6 @@
 """The stream of wtf's findings.
 
-A separate process looks every few seconds, because it reads all messages for a moment, which would
-delay the pages here.
+A separate process looks every few seconds: it reads all messages for a moment, which delays pages.
 """
 
 import json

@@ -1,7 +1,6 @@
 """The streams of the world: drawable topics, frames, markers, and others' newest messages.
 
-Each has a ``topic``, except the first one. The form in which a page gets messages is in
-``gui.drawings``.
+Each has a ``topic``, except the first one. ``gui.drawings`` has the form of messages for a page.
 """
 
 import threading

@@ -2,8 +2,7 @@
 
 Its contacts are soft and convex: the settings here keep contacts as hard, and sliding bodies as
 low, as textbook rigid bodies. A step calls the stages of mj_step one by one, because friction is
-set between collisions and constraints. Names of stages and fields are MuJoCo's (see "Computation"
-in its documentation).
+set between collisions and constraints. Stages and fields have MuJoCo's names (its "Computation").
 """
 
 import math
@@ -23,8 +22,7 @@ from lcmtools_sim.shapes import Cuboid, Cylinder, Shape, Sphere
 _IMPEDANCE = (0.99, 0.999)
 """The share of a contact's acceleration set by the constraint, at the surface and below it."""
 _STEPS = 2  # time constant of contacts, in steps. MuJoCo allows no less than 2.
-_DAMPING = 2.0
-"""Damping ratio of contacts: colliding bodies separate at 6 % of their speed; with 1, at 16 %."""
+_DAMPING = 2.0  # ratio, of contacts: bodies separate at 6 % of their speed; with 1, at 16 %
 _BRAKING = 20.0  # [m/s^2] the most that friction's reference demands: see _set_friction
 _LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo allows no less
 _LEAST_MASS = 1e-14  # [kg, kg m^2] above mjMINVAL, likewise
@@ -41,8 +39,7 @@ _Places = npt.NDArray[np.intp]
 class Mujoco:
     """A MuJoCo world (see engine.Engine).
 
-    Added and removed bodies are compiled into the model when it is next used, so that a fleet costs
-    one compilation.
+    Added and removed bodies are compiled when the model is next used: once for a whole fleet.
     """
 
     ground = 0
@@ -67,8 +64,7 @@ class Mujoco:
         geom.solref = [_STEPS * scene.dt, _DAMPING]
         geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
         # A body on one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
-        # With it as margin, the contact carries the weight at depth 0, so that bodies start at
-        # rest.
+        # With it as margin, the contact carries the weight at depth 0: bodies start at rest.
         low, high = _IMPEDANCE
         self._rest = (1 - low) / low * scene.gravity * (high * _STEPS * scene.dt * _DAMPING) ** 2
         kind = mujoco.mjtGeom.mjGEOM_PLANE

@@ -29,7 +29,6 @@ from lcmtools_sim.vision.surfaces import Floats32
 RAW = "image_raw"
 COMPRESSED = "image_raw/compressed"
 INFO = "camera_info"
-
 DEPTH_RAW = "depth/image_raw"
 DEPTH_METRES = "depth/image"
 DEPTH_COMPRESSED = "depth/image_raw/compressed"

@@ -49,7 +49,6 @@ def _robot(item: Item, notes: list[str]) -> RobotPlacement:
 
 
 def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """Return the model with the entry's changes."""
     model = _plain_model(keys, item, notes)
     if value(keys, "gazebo_quirks", Item.flag, default=False):
         if model.gazebo_drive is None:
@@ -183,19 +182,14 @@ def _settings(keys: dict[str, Item], settings: Settings) -> Settings:
         if setting.name in keys
     }
     changed = replace(settings, **given)
-    _check_order(keys, changed)
-    return changed
-
-
-def _check_order(keys: dict[str, Item], settings: Settings) -> None:
-    """Refuse settings in the wrong order, such as a shortest range above the longest one."""
-    for setting in fields(settings):
+    for setting in fields(changed):  # a shortest range must not be above the longest one
         low, high = setting.metadata["above"], setting.name
-        given = keys.get(low) or keys.get(high)
-        if low and given:
-            least, most = getattr(settings, low), getattr(settings, high)
+        item = keys.get(low) or keys.get(high)
+        if low and item:
+            least, most = getattr(changed, low), getattr(changed, high)
             if least >= most:
-                raise given.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
+                raise item.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
+    return changed
 
 
 def _setting(item: Item, setting: Field[float]) -> float:

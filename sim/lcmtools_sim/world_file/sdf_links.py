@@ -63,8 +63,10 @@ def read_link(
     for collision in element.all("collision"):
         place = frame.place(read_pose(collision, {own}))
         color = _color(element, collision)
-        rough = _friction(collision)
-        if _is_ground(collision, place):
+        mu = collision.path("surface", "friction", "ode", "mu")
+        rough = min(_MOST_FRICTION, mu.number(lowest=0.0)) if mu else _FRICTION
+        is_level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
+        if is_level and collision.path("geometry", "plane"):
             ground = Ground(rough, color)
             continue
         found = _parts(collision.needed("geometry"), color, left_out)
@@ -118,17 +120,6 @@ def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part
         return [Part(Cuboid((x, y, _SLAB)), (0.0, 0.0, -_SLAB / 2), color=color)]
     left_out[geometry.children[0].tag if geometry.children else "empty geometry"] += 1
     return []
-
-
-def _is_ground(collision: Element, place: Frame) -> bool:
-    """Return whether it is the plane z = 0."""
-    level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
-    return level and collision.path("geometry", "plane") is not None
-
-
-def _friction(collision: Element) -> float:
-    found = collision.path("surface", "friction", "ode", "mu")
-    return min(_MOST_FRICTION, found.number(lowest=0.0)) if found else _FRICTION
 
 
 def _inertial(link: Element) -> tuple[float, Vector]:

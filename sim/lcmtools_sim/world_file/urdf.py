@@ -28,16 +28,13 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint between two links, by name; ``frame`` is the child's in the parent, at zero.
-
-    ``kind`` is URDF's type: fixed, continuous, revolute and so on.
-    """
+    """A joint between two links, by name."""
 
     element: Element
-    kind: str
+    kind: str  # URDF's type: fixed, continuous, revolute and so on
     parent: str
     child: str
-    frame: Frame
+    frame: Frame  # the child's in the parent, at zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +43,7 @@ class Urdf:
 
     root: Element  # the root element, for messages
     name: str  # the robot's
-    # By name, in the frame of base_link (or of the first link, without a base_link).
-    links: dict[str, Link]
+    links: dict[str, Link]  # by name, in the frame of base_link, or of the first link without one
     joints: dict[str, Joint]  # by name
     notes: tuple[str, ...]  # notes on links that were left out
 

@@ -1,8 +1,7 @@
 """A robot model from a URDF file: its wheels' joints, and one rigid body of all links.
 
 The body slides on frictionless feet, as in all models. As the tyre model requires, its mass is
-assumed to lie above the middle between the wheels, with the moments of inertia of all links about
-that line.
+assumed above the middle between the wheels, with all links' moments of inertia about that line.
 """
 
 import math
@@ -42,9 +41,7 @@ class _Wheel:
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
     """Return the robot of a URDF file, with the drive in ``item``, and notes about it."""
     keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
-    left, right = (
-        [_wheel(urdf, joint) for joint in keys[side].items()] for side in ("left", "right")
-    )
+    left, right = ([_wheel(urdf, one) for one in keys[side].items()] for side in ("left", "right"))
     _check_sides(item, left, right)
     wheels = [*left, *right]
     radius = value(keys, "wheel_radius", length, 0.0) or _common_radius(item, wheels)
@@ -163,12 +160,7 @@ def _body(
     inertia = moments(inertials, (middle[0], middle[1], centre[2]))
     if min(inertia) <= 0:
         raise urdf.root.error("the moments of inertia must be above 0")
-    to_footprint = scaled(middle, -1.0)
-    linked = [
-        (name, part.placed(to_footprint))
-        for name, link in urdf.links.items()
-        for part in link.parts
-    ]
+    linked = _placed(urdf, middle)
     if not linked:
         raise urdf.root.error("no link has a shape", "boxes, cylinders and spheres are supported")
     parts = tuple(_lifted(urdf, name, part) for name, part in linked)
@@ -189,15 +181,15 @@ def _body(
     )
 
 
+def _placed(urdf: Urdf, middle: Vector) -> list[tuple[str, Part]]:
+    """Return all parts in base_footprint, each with the name of its link."""
+    parts = [(name, part) for name, link in urdf.links.items() for part in link.parts]
+    return [(name, part.placed(scaled(middle, -1.0))) for name, part in parts]
+
+
 def _look(urdf: Urdf, wheels: Sequence[_Wheel], middle: Vector) -> Look:
-    """Return the robot's look for viewers, with wheels that turn."""
     turning = {wheel.link for wheel in wheels}
-    parts = [
-        part.placed(scaled(middle, -1.0))
-        for name, link in urdf.links.items()
-        for part in link.parts
-        if name not in turning
-    ]
+    parts = [part for name, part in _placed(urdf, middle) if name not in turning]
     if not parts:
         return Look()  # shown as its body
     return Look(tuple(parts), tuple(_turning(urdf, wheel, middle) for wheel in wheels))

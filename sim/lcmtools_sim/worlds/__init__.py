@@ -28,15 +28,10 @@ def describe(name: str) -> str:
 
 
 def find_world(world: str) -> tuple[str, str]:
-    """Return a world file's text and its name for messages.
+    """Return a world file's text and its name for messages; UsageError for an unknown name.
 
-    Args:
-        world: The name of an included world, or a file: a name with a slash or the
-            ending .yaml, .yml, .sdf or .world.
-
-    Raises:
-        UsageError: There is no world with this name.
-        InvalidFile: The file cannot be read.
+    ``world`` is the name of an included world, or a file: a name with a slash or the ending .yaml,
+    .yml, .sdf or .world; InvalidFile if that cannot be read.
     """
     if "/" in world or world.endswith(_ENDINGS):
         from lcmtools_sim.world_file.values import read_file
