@@ -72,7 +72,7 @@ class Robot:
             raise InvalidFile(f"{where}: {what}", "change its pose")
 
     def command(self, message: JointState | Twist) -> None:
-        """Execute a command until the next or the timeout; after ValueMismatch the last one remains."""
+        """Execute a command until the next or the timeout; ValueMismatch leaves the last one."""
         left, right = interpret(message, self.model)
         self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
 

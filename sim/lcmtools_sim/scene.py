@@ -113,7 +113,7 @@ def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
 
 
 def selected(scene: Scene, names: Sequence[str]) -> Scene:
-    """Return the scene with only these robots, slash in front or not; UsageError for unknown ones."""
+    """Return the scene with only these robots, with a slash or not; UsageError for unknown ones."""
     robots = {robot.namespace: robot for robot in scene.robots}
     wanted = [f"/{name.strip('/')}" for name in names]
     for name in wanted:

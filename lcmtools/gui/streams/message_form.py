@@ -37,7 +37,7 @@ class FilledForm:
         self._template = filled_in(parameters)
 
     def send(self) -> None:
-        """Publish it, after setting the times of sending; BusError if the bus accepts none."""
+        """Publish it, after setting the times of sending; BusError if the bus refuses it."""
         payload = self._template.payload(time.time_ns())
         self._publishers.publish(self._topic, type(self._template.message), payload)
 
