@@ -15,7 +15,14 @@ from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
-from lcmtools.gui.protocol import Frame, Json, PageRequest, Rubbish, read_request, text_frame
+from lcmtools.gui.protocol import (
+    Frame,
+    Json,
+    MalformedRequest,
+    PageRequest,
+    read_request,
+    text_frame,
+)
 from lcmtools.gui.requests import ACTIONS, ASKS, answer
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
@@ -53,7 +60,7 @@ class BrowserPage:
         self._refusals: dict[int, str] = {}
 
     async def serve(self, hello: Mapping[str, Json]) -> None:
-        """Serve the page until it is gone; Rubbish if it sends data that no page of ours would."""
+        """Serve the page until it is gone; MalformedRequest if it sends what no page would."""
         self._outbox.append(text_frame({"hello": hello}))
         both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
         try:
@@ -75,7 +82,7 @@ class BrowserPage:
             if request.op in _ANSWERED:
                 await self._has_room()
             if request.op not in self._operations:
-                raise Rubbish(f"there is no operation '{request.op[:40]}'")
+                raise MalformedRequest(f"there is no operation '{request.op[:40]}'")
             self._operations[request.op](request)
 
     async def _has_room(self) -> None:
@@ -117,7 +124,7 @@ class BrowserPage:
         """Command a robot; if the command is ignored, tell its stream why."""
         steering, refusal = self._source.steering, _MAY_NOT
         if steering and COMMAND in self._rights:
-            refusal = steering.take(id(self), request)
+            refusal = steering.execute(id(self), request)
         if refusal != self._refusals.get(request.id, ""):
             self._refusals[request.id] = refusal
             self._send({"id": request.id, "data": {"refused": refusal}})

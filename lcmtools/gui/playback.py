@@ -2,7 +2,7 @@
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.log_source import LogSource
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 
 _DAY = 86_400.0
@@ -25,7 +25,7 @@ def play(source: Source, parameters: Parameters) -> Json:
     elif action == "rate":
         log.set_rate(parameters.number("rate", None, _SLOWEST, _FASTEST))
     else:
-        raise Rubbish(f"a log cannot '{action[:40]}'")
+        raise MalformedRequest(f"a log cannot '{action[:40]}'")
     return None
 
 

@@ -30,8 +30,8 @@ class Steering:
         self._thread: threading.Thread | None = None
         self._is_over = False
 
-    def take(self, page: int, request: PageRequest) -> str:
-        """Execute "drive", "release" or "stop"; return the same as ``drive``; else Rubbish."""
+    def execute(self, page: int, request: PageRequest) -> str:
+        """Execute "drive", "release" or "stop"; return as ``drive``; else MalformedRequest."""
         topic = request.text("topic")
         if request.op == "release":
             self.release(page, topic)

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from lcmtools.gui.protocol import Rubbish
+from lcmtools.gui.protocol import MalformedRequest
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
@@ -24,9 +24,9 @@ STREAMS = {
 
 
 def stream_class(name: str) -> type[PageStream]:
-    """Return a kind of stream; Rubbish if there is none with this name."""
+    """Return a kind of stream; MalformedRequest if there is none with this name."""
     if name not in STREAMS:
-        raise Rubbish(f"there is no stream '{name[:40]}'")
+        raise MalformedRequest(f"there is no stream '{name[:40]}'")
     module, attribute = STREAMS[name].split(":")
     found: type[PageStream] = getattr(import_module(f"lcmtools.gui.streams.{module}"), attribute)
     return found

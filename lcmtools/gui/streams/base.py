@@ -30,8 +30,8 @@ class Update:
 class PageStream(ABC):
     """A stream; made, updated and closed on the server's thread.
 
-    A stream that follows a topic calls ``self.follow(topic, self.take)`` in its ``__init__``.
-    ``take`` is then called on the source's thread; it must be quick, and lock shared data.
+    A stream that follows a topic calls ``self.follow(topic, self.receive)`` in its ``__init__``.
+    ``receive`` is then called on the source's thread; it must be quick, and lock shared data.
     """
 
     period: ClassVar[float] = 0.1  # the shortest time between two updates [s]

@@ -49,7 +49,7 @@ class StreamPool:
         self._shared: dict[tuple[str, str], OpenStream] = {}
 
     def open(self, name: str, parameters: Parameters) -> OpenStream:
-        """Open a stream, or use another page's; Rubbish for an unknown name or wrong parameters."""
+        """Open a stream, or use another page's; MalformedRequest for a bad name or parameters."""
         key = name, parameters.key
         found = self._shared.get(key)
         if found is None:
