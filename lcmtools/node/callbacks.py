@@ -109,7 +109,7 @@ class Callbacks:
 
     def answer(self, service: Service[Message, Message]) -> None:
         """Run the callback of the oldest waiting request."""
-        request = service.take()
+        request = service.pop_request()
         if request is None:
             return
         with service.stopwatch:

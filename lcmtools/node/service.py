@@ -96,7 +96,7 @@ class Service(Generic[RequestT, ResponseT]):
             self._waiting.append(request)
         self.on_ready()
 
-    def take(self) -> ServiceRequest | None:
+    def pop_request(self) -> ServiceRequest | None:
         """Return the oldest waiting request; None if there is none."""
         with self._lock:
             return self._waiting.pop(0) if self._waiting else None

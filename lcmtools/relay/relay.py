@@ -110,7 +110,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._next_report = 0.0
         self._error: BaseException | None = None
         self._troubles = ["", ""]
-        self._has_said: bool | None = None
+        self._has_notified: bool | None = None
         self._awaited = ""
         self._ends = threading.Event()
         self._stopped = threading.Event()
@@ -132,16 +132,16 @@ class Relay(AbstractContextManager["Relay"]):
         """Send waiting messages for a moment, say goodbye and leave the buses."""
         self._ends.set()
         deadline = time.monotonic() + _FLUSH
-        while any(side.outbox.is_waiting for side in self._sides) and time.monotonic() < deadline:
+        while any(side.queue.is_waiting for side in self._sides) and time.monotonic() < deadline:
             time.sleep(0.005)
         self._stopped.set()
         for side in self._sides:
-            side.outbox.close()
+            side.queue.close()
         for thread in self._threads:
             thread.join(1.0)
         self._known.update(State.LEFT, self._states())
         for side, presence in zip(self._sides, self._presences, strict=True):
-            side.outbox.clear()
+            side.queue.clear()
             with contextlib.suppress(BusError):
                 report = Knowledge(side.identifier, (self._known.own,))
                 side.end.send(LineMessage(RELAY_CHANNEL, encode_report(report)))
@@ -194,7 +194,7 @@ class Relay(AbstractContextManager["Relay"]):
                 continue
             talk, passed = side.sort(packets, other, passes=self._carries)
             if passed:
-                other.take(passed)
+                other.send(passed)
             if talk:
                 with self._lock:
                     for packet in talk:
@@ -204,7 +204,7 @@ class Relay(AbstractContextManager["Relay"]):
         """Send to one bus until the relay ends."""
         with self._kept_errors():
             while not self._stopped.is_set():
-                self._sides[index].send()
+                self._sides[index].send_waiting()
 
     @contextlib.contextmanager
     def _kept_errors(self) -> Iterator[None]:
@@ -224,7 +224,7 @@ class Relay(AbstractContextManager["Relay"]):
             side = self._sides[index]
             now = time.monotonic_ns()
             address = packet.sender.address if packet.sender else ""
-            if report and self._known.learn(report, side.identifier, now, address):
+            if report and self._known.add_report(report, side.identifier, now, address):
                 self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
@@ -238,15 +238,15 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _pass_announcement(self, index: int, packet: Packet) -> None:
         side, other = self._sides[index], self._sides[1 - index]
-        said = side.learn(packet)
-        if said is None or said.node.id == self._known.own.id:
+        announcement = side.add_announcement(packet)
+        if announcement is None or announcement.node.id == self._known.own.id:
             return
         if side.is_news(packet):
             other.forget_routes()
             side.forget_routes()
-        if not self._carries or other.has(said.node.id):
+        if not self._carries or other.has(announcement.node.id):
             return
-        passed = self._announced[index].convert(said, time.monotonic_ns())
+        passed = self._announced[index].convert(announcement, time.monotonic_ns())
         if passed is not None:
             other.talk(NODE_CHANNEL, encode_announcement(passed))
 
@@ -266,8 +266,8 @@ class Relay(AbstractContextManager["Relay"]):
                 again = encode_probe(Probe(target, probe.nonce))
                 self._sides[1 - index].talk(PROBE_CHANNEL, again)
             return
-        for said in announced.recent(time.monotonic_ns()):
-            side.talk(NODE_CHANNEL, encode_announcement(said))
+        for announcement in announced.recent(time.monotonic_ns()):
+            side.talk(NODE_CHANNEL, encode_announcement(announcement))
 
     def _payload(self, side: Side) -> bytes:
         return encode_report(Knowledge(side.identifier, self._known.links()))
@@ -290,8 +290,8 @@ class Relay(AbstractContextManager["Relay"]):
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits
-        if carries != self._has_said and not waits:
-            self._has_said = carries
+        if carries != self._has_notified and not waits:
+            self._has_notified = carries
             self._say_state(active)
         if carries == self._carries:
             return
@@ -303,7 +303,7 @@ class Relay(AbstractContextManager["Relay"]):
                 side.talk(PROBE_CHANNEL, encode_probe(Probe()))
         else:
             for side, announced in zip(self._sides, self._announced, strict=True):
-                side.outbox.clear()  # it would mix with the next relay's messages
+                side.queue.clear()  # it would mix with the next relay's messages
                 announced.forget()
         self._report(now)
 
@@ -313,20 +313,20 @@ class Relay(AbstractContextManager["Relay"]):
     def _repeat_latched(self, index: int) -> None:
         """Send latched messages again to a bus where they may have been lost."""
         if self._carries:
-            self._sides[index].outbox.add(self._sides[1 - index].latched())
+            self._sides[index].queue.add(self._sides[1 - index].latched())
 
     def _say_awaited(self, identifier: str) -> None:
         """Notify once if another relay is heard on the other bus, but not yet over this line."""
         if identifier and identifier != self._awaited:
             here, there = self._sides
             line, other = (here, there) if identifier == here.identifier else (there, here)
-            said = f"another relay is on {other.bus}"
-            self._notify(f"{said}; waiting some seconds for its answer on {line.bus}")
+            problem = f"another relay is on {other.bus}"
+            self._notify(f"{problem}; waiting some seconds for its answer on {line.bus}")
         self._awaited = identifier
 
     def _say_state(self, active: Collection[str]) -> None:
         here, there = (side.bus for side in self._sides)
-        if self._has_said:
+        if self._has_notified:
             ways = f"from {here} to" if self._rules.one_way else f"between {here} and"
             self._notify(f"carries messages {ways} {there}")
         elif active and not any(self._troubles):

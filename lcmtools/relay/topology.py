@@ -1,7 +1,7 @@
 """Which relays carry messages, so that no message runs in a loop or arrives twice.
 
 Pure: states in, decisions out. Each relay joins two buses. It reports on both what it knows of all
-relays, so that each relay learns all joined pairs, even several buses away. A report itself is
+relays, so that each relay knows all joined pairs, even several buses away. A report itself is
 never passed on: hearing it shows that its sender is on the same bus.
 
 Buses have no identity: two networks may have the same group, and one bus two URLs. Therefore, two
@@ -73,8 +73,8 @@ class KnownRelays:
         self._forgotten: dict[str, int] = {}  # with their last numbers, as others may repeat these
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
-    def learn(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
-        """Learn from a report that arrived at an own end; return whether more than counts changed.
+    def add_report(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
+        """Add a report that arrived at an own end; return whether more than counts changed.
 
         ``address`` is its sender's, if the bus shows it.
         """

@@ -43,8 +43,8 @@ class LeftOut:
             " (add --tools)": tools,
             f"{hidden} name{'s' * (hidden > 1)} with a part that begins with _ (add --all)": hidden,
         }
-        said = "; ".join(text for text, count in parts.items() if count)
-        return f"not drawn: {said}" if said else ""
+        listed = "; ".join(text for text, count in parts.items() if count)
+        return f"not drawn: {listed}" if listed else ""
 
 
 def select(diagram: Diagram, wanted: DiagramOptions) -> tuple[Diagram, LeftOut]:
