@@ -51,12 +51,7 @@ class Node(Parametric, Factory):
 
     @explained
     def __init__(
-        self,
-        name: str,
-        *,
-        namespace: str = "",
-        tool: bool = False,
-        context: Context | None = None,
+        self, name: str, *, namespace: str = "", tool: bool = False, context: Context | None = None
     ) -> None:
         self.__context = context = context or current_context()
         checks.check_text("Node", "name", name)

@@ -121,9 +121,7 @@ class Service(Generic[RequestT, ResponseT]):
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
         return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)._replace(
-            calls=self.stopwatch.calls,
-            busy=self.stopwatch.busy(),
-            longest=self.stopwatch.longest(),
+            calls=self.stopwatch.calls, busy=self.stopwatch.busy(), longest=self.stopwatch.longest()
         )
 
     def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:

@@ -17,11 +17,7 @@ from typing import NamedTuple, TypeAlias
 from lcmtools.errors import InvalidFile, UsageError, ValueMismatch
 from lcmtools.messages.documents import LONGEST
 from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.message_template import (
-    MessageTemplate,
-    draft_from_values,
-    drafts_from_lines,
-)
+from lcmtools.messages.message_template import MessageTemplate, draft_from_values, drafts_from_lines
 from lcmtools.messages.registry import Message
 
 Template: TypeAlias = MessageTemplate[Message]

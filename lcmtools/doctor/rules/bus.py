@@ -71,10 +71,7 @@ def _obstacles(host: Host) -> Iterator[Statement]:
     "no-traffic",
     remedy="start a node, or choose the bus it is on: --lcm-url, --domain",
     title="There are no nodes on {bus}, and nothing came in {listened:g} s",
-    facts={
-        **MAY_PUBLISH,
-        "listens": "{listener} listens",
-    },
+    facts={**MAY_PUBLISH, "listens": "{listener} listens"},
     remedies={
         "compare-buses": "if it runs already, it may be on another bus: compare LCM_DEFAULT_URL"
         " and LCMTOOLS_DOMAIN in both shells",
@@ -239,10 +236,7 @@ def _place(url: str) -> str:
         "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
         "ttl-far": "The following let routers forward their messages to other networks:",
     },
-    facts={
-        **PROGRAM,
-        "sends-with-ttl": "{sender} sends with ttl={ttl}",
-    },
+    facts={**PROGRAM, "sends-with-ttl": "{sender} sends with ttl={ttl}"},
     remedies={
         "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
         "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",

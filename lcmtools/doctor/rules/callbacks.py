@@ -145,11 +145,7 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
         "received": "{node} has received {messages} messages of {topic}",
         "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
     },
-    remedies={
-        **_BUSIEST_LESS,
-        **_SPIN,
-        "callback-less": "let the callback of {topic} do less",
-    },
+    remedies={**_BUSIEST_LESS, **_SPIN, "callback-less": "let the callback of {topic} do less"},
     evidence="the counters in two announcements; the time that programs waited for a processor",
     root_only="the waiting of other users' programs",
 )

@@ -19,9 +19,7 @@ from lcmtools.graph.model import Role
 from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
-MAY_PUBLISH = {
-    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely",
-}
+MAY_PUBLISH = {"may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely"}
 _NODE_TOPICS = {"node-topics": "{node}:"}
 _LONG_NAME = 60  # bytes; LCM takes 63
 

@@ -106,10 +106,7 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
     "interfaces",
     remedy="restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X",
     title="The route to the bus leads to {interface}, but programs listen elsewhere:",
-    facts={
-        "joined-on": "on {interface}",
-        "listens-on": "{listener}: on {interfaces:and}",
-    },
+    facts={"joined-on": "on {interface}", "listens-on": "{listener}: on {interfaces:and}"},
     remedies={
         "restart-listeners": "restart the listeners, or set the route to their interface:"
         " `ip route show 224.0.0.0/4`",

@@ -89,8 +89,7 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     title="The following relays stand by, because others join the same buses:",
     facts={"relay-standby": "{relay} on {host}"},
     remedies={
-        "end-standby": "if it should not take over from the other one:"
-        " `lcmtools node kill {relay}`",
+        "end-standby": "if it should not take over from the other one: `lcmtools node kill {relay}`"
     },
     evidence="the reports of relays",
 )

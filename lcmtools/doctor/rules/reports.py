@@ -15,8 +15,7 @@ _RECENT = 10.0  # [s]
     severity=Severity.ERROR,
     title="Callbacks of the following raise exceptions:",
     facts={
-        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in"
-        " {callback:call})",
+        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in {callback:call})"
     },
     remedies={"correct": "correct {place}, and start {node} again"},
     evidence="the exceptions that nodes announce",

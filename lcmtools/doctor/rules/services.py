@@ -19,10 +19,7 @@ from lcmtools.names import base_name_of, is_hidden
         " request:",
         "unconnected-clients": "The following call services that no node offers:",
     },
-    facts={
-        "calls": "{node} calls {service}",
-        "offered": "{service}: {nodes:and}",
-    },
+    facts={"calls": "{node} calls {service}", "offered": "{service}: {nodes:and}"},
     remedies={
         **REMAPS,
         **END_OR_REMAP,

@@ -204,10 +204,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         " the simulator is overloaded",
         "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
     },
-    facts={
-        **PROGRAM,
-        "jumps-back": "{program}: {count:times}",
-    },
+    facts={**PROGRAM, "jumps-back": "{program}: {count:times}"},
     remedies={
         "resume": "if that was not intended: `lcmtools sim resume`",
         "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
