@@ -86,10 +86,8 @@ def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
     side = _SQUARES[len(values)]
     for row in range(side):
         if values[row * side + row] < 0:
-            yield (
-                "covariance",
-                f"{path}[{row * side + row}], a variance, is {values[row * side + row]:g}",
-            )
+            place = row * side + row
+            yield "covariance", f"{path}[{place}], a variance, is {values[place]:g}"
             return
         for column in range(row):
             one, other = values[row * side + column], values[column * side + row]

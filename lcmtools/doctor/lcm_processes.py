@@ -84,7 +84,8 @@ def lcm_processes(
             buses[pid] = ""
         elif not multicast:
             sending.setdefault(pid, set()).add(row.port)
-        elif _probably_uses_lcm(holders[row.inode]):
+        # a guess: for Java only the command line can tell
+        elif "lcm" in holders[row.inode].command or uses_lcm(pid):
             buses.setdefault(pid, f"{row.address}:{row.port}")
     guessed = set()
     for pid, ports in sending.items():
@@ -101,14 +102,8 @@ def lcm_processes(
     )
 
 
-def _probably_uses_lcm(process: Process) -> bool:
-    """Guess whether a process uses LCM. For Java only the command line can tell."""
-    return "lcm" in process.command or uses_lcm(process.pid)
-
-
 def _pids_of(user: int) -> set[int]:
-    """Return the processes of a user in this network namespace."""
-    found = set()
+    found = set()  # in this network namespace
     for folder in _PROC.glob("[0-9]*"):
         with contextlib.suppress(OSError):
             is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
@@ -162,15 +157,9 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
         if sys.platform == "linux":
             most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
-    return LcmProcess(
-        pid,
-        shortened(process.command, LONGEST_COMMAND) if process else "",
-        bus,
-        next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
-        open_files,
-        most,
-        state_of(pid),
-    )
+    command = shortened(process.command, LONGEST_COMMAND) if process else ""
+    variable = next((f"{name}={value}" for name, value in _variables(pid).items()), "")
+    return LcmProcess(pid, command, bus, variable, open_files, most, state_of(pid))
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
@@ -274,9 +263,6 @@ class ProgramNames:
 
     def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
         """Return the senders of datagrams that are not LCM's, with the reasons."""
-        found = []
-        for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
-            process = self.senders.process(sender)
-            who = f"{sender}, {self.of_process(process)}" if process else str(sender)
-            found.append((who, reason))
-        return tuple(found)
+        malformed = monitor.tap.malformed if monitor.tap else {}
+        known = ((sender, self.senders.process(sender), why) for sender, why in malformed.items())
+        return tuple((f"{s}, {self.of_process(p)}" if p else str(s), why) for s, p, why in known)

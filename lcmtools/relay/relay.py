@@ -26,17 +26,8 @@ from typing import NoReturn
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.graph import protocol
 from lcmtools.graph.model import RelayStep
-from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
-    PERIOD,
-    PROBE_CHANNEL,
-    RELAY_CHANNEL,
-    Probe,
-    decode_probe,
-    encode_announcement,
-    encode_probe,
-)
 from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
 from lcmtools.names import check_node
 from lcmtools.observe.reading.presence import Presence, own_node
@@ -125,7 +116,7 @@ class Relay(AbstractContextManager["Relay"]):
         for thread in self._threads:
             thread.start()
         for side in self._sides:
-            side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+            side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -144,7 +135,7 @@ class Relay(AbstractContextManager["Relay"]):
             side.queue.clear()
             with contextlib.suppress(BusError):
                 report = Knowledge(side.identifier, (self._known.own,))
-                side.end.send(LineMessage(RELAY_CHANNEL, encode_report(report)))
+                side.end.send(LineMessage(protocol.RELAY_CHANNEL, encode_report(report)))
             presence.send = side.talk_now
             presence.announce(leaving=True)
             side.end.close()
@@ -157,7 +148,7 @@ class Relay(AbstractContextManager["Relay"]):
         now = time.monotonic()
         with self._lock:
             changed = self._known.expire(time.monotonic_ns()) | self._tell_troubles(now)
-            early = self._waits(now) and now + PERIOD - _EARLY >= self._next_report
+            early = self._waits(now) and now + protocol.PERIOD - _EARLY >= self._next_report
             if changed or early or now >= self._next_report:
                 self._report(now)
             self._decide(now)
@@ -217,9 +208,9 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _hear(self, index: int, packet: Packet) -> None:
         """Handle a message of the protocol."""
-        if packet.channel == NODE_CHANNEL:
+        if packet.channel == protocol.NODE_CHANNEL:
             self._pass_announcement(index, packet)
-        elif packet.channel == RELAY_CHANNEL:
+        elif packet.channel == protocol.RELAY_CHANNEL:
             report = decode_report(packet.payload)
             side = self._sides[index]
             now = time.monotonic_ns()
@@ -229,10 +220,10 @@ class Relay(AbstractContextManager["Relay"]):
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
         else:
-            if packet.channel == PROBE_CHANNEL:
+            if packet.channel == protocol.PROBE_CHANNEL:
                 self._answer(index, packet.payload)
                 side = self._sides[index]
-                side.talk(RELAY_CHANNEL, self._payload(side))
+                side.talk(protocol.RELAY_CHANNEL, self._payload(side))
             # last: a program that has the relay's answer then has those of the nodes behind it
             self._presences[index].answer(packet.channel, packet.payload)
 
@@ -248,7 +239,7 @@ class Relay(AbstractContextManager["Relay"]):
             return
         passed = self._announced[index].convert(announcement, time.monotonic_ns())
         if passed is not None:
-            other.talk(NODE_CHANNEL, encode_announcement(passed))
+            other.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(passed))
 
     def _answer(self, index: int, payload: bytes) -> None:
         """Answer a probe on one bus for the nodes of the other one, or pass it on to one of them.
@@ -256,29 +247,29 @@ class Relay(AbstractContextManager["Relay"]):
         Nodes that were announced there within the last second are known here, so that a slow line
         delays no answer.
         """
-        probe = decode_probe(payload)
+        probe = protocol.decode_probe(payload)
         if probe is None or not self._carries:
             return
         side, announced = self._sides[index], self._announced[1 - index]
         if probe.target:
             target = announced.target(probe.target)
             if target is not None:
-                again = encode_probe(Probe(target, probe.nonce))
-                self._sides[1 - index].talk(PROBE_CHANNEL, again)
+                again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
+                self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
             return
         for announcement in announced.recent(time.monotonic_ns()):
-            side.talk(NODE_CHANNEL, encode_announcement(announcement))
+            side.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(announcement))
 
     def _payload(self, side: Side) -> bytes:
         return encode_report(Knowledge(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
         """Report all known relays on both buses."""
-        self._next_report = now + PERIOD
+        self._next_report = now + protocol.PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())
         for side in self._sides:
-            side.talk(RELAY_CHANNEL, self._payload(side))
+            side.talk(protocol.RELAY_CHANNEL, self._payload(side))
 
     def _decide(self, now: float) -> None:
         """Begin or stop carrying messages."""
@@ -300,7 +291,7 @@ class Relay(AbstractContextManager["Relay"]):
             for index, side in enumerate(self._sides):
                 side.forget_routes()
                 self._repeat_latched(index)
-                side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+                side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         else:
             for side, announced in zip(self._sides, self._announced, strict=True):
                 side.queue.clear()  # it would mix with the next relay's messages

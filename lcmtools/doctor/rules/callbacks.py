@@ -82,13 +82,13 @@ class _Subscription:
         """
         return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - wait_share)
 
+    def has_run_enough(self) -> bool:
+        """Return whether its callback has run often or long enough to be judged."""
+        return self.endpoint.calls >= _ENOUGH_CALLS or self.endpoint.longest >= _HANGS
+
     def pace(self) -> dict[str, Part]:
         """Return the time of a call, and the time between two messages [s]."""
         return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
-
-    def hanging(self) -> dict[str, Part]:
-        """Return the time since the start of the call that does not end [s]."""
-        return {"seconds": self.hangs / 1e9}
 
 
 @rule(
@@ -160,12 +160,17 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """
     lossy, slow, busy = _slow_work(evidence)
     facts = [
-        state("hanging-callback", node=x.node, topic=x.topic, **x.hanging())
+        state("hanging-callback", node=x.node, topic=x.topic, seconds=x.hangs / 1e9)
         if x.hangs
         else state("slow-callback", node=x.node, topic=x.topic, **x.pace())
         for x in slow
     ]
-    remedies = [_never_wait(x) if x.hangs else state("callback-less", topic=x.topic) for x in slow]
+    remedies = [
+        state("busiest-less", node=x.node, busiest=x.topic)
+        if x.hangs
+        else state("callback-less", topic=x.topic)
+        for x in slow
+    ]
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
@@ -201,13 +206,8 @@ def _slow_work(
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
     reported = {one.node.id for one in lossy}
-    slow = [
-        one
-        for one in subscriptions
-        if one.is_too_slow(wait_share)
-        and _has_run_enough(one.endpoint)
-        and one.node.id not in reported
-    ]
+    others = [one for one in subscriptions if one.node.id not in reported]
+    slow = [one for one in others if one.is_too_slow(wait_share) and one.has_run_enough()]
     reported |= {one.node.id for one in slow}
     busy = [
         (work.node, share, busiest)
@@ -231,30 +231,28 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     share, busiest = busy_share(one.work.earlier, node), one.work.busiest(but=endpoint)
     if share is None:
         return lost("by-queue"), state("callback-less-or-depth", topic=topic)
+
+    def less(busiest: str) -> Statement:
+        return state("busiest-less", node=node, busiest=busiest)
+
     if one.is_too_slow():
         remedy = state("callback-less-or-rate", topic=topic, seconds=one.took / 1e9)
         slow = lost("slow-callback", **one.pace()), remedy
-        return (lost("hanging", **one.hanging()), _never_wait(one)) if one.hangs else slow
+        return (lost("hanging", seconds=one.hangs / 1e9), less(topic)) if one.hangs else slow
     if not share:
         return lost("without-spin"), state("spin", node=node)
     if share >= _NEARLY_ALL and busiest:
-        remedy = state("busiest-less", node=node, busiest=busiest)
-        return lost("by-busy-node", busiest=busiest), remedy
+        return lost("by-busy-node", busiest=busiest), less(busiest)
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
     held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
         cause = lost("long-call", seconds=endpoint.longest / 1e9)
         remedy = state("never-wait-or-depth", topic=topic)
     elif held_up_by:
-        cause = lost("held-up", busiest=held_up_by, seconds=took / 1e9)
-        remedy = state("busiest-less", node=node, busiest=held_up_by)
+        cause, remedy = lost("held-up", busiest=held_up_by, seconds=took / 1e9), less(held_up_by)
     else:
         cause, remedy = lost("in-bursts"), state("depth", topic=topic)
     return cause, remedy
-
-
-def _never_wait(one: _Subscription) -> Statement:
-    return state("busiest-less", node=one.node, busiest=one.topic)
 
 
 def needed_duration(evidence: Evidence) -> float:
@@ -299,12 +297,6 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
 
 
-def _has_run_enough(endpoint: Endpoint) -> bool:
-    """Return whether a callback has run often or long enough to be judged."""
-    return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
-
-
 def _has_other_work(node: Node) -> bool:
-    """Return whether a node has subscriptions or services that a slow callback delays."""
     waiting = Role.SUBSCRIBER, Role.SERVICE
     return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

@@ -5,13 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import (
-    CONNECTIONS,
-    ConnectionFinder,
-    End,
-    Suggestion,
-    unconnected_ends,
-)
+from lcmtools.doctor import connecting
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import REMAPS
@@ -30,7 +24,7 @@ _LONG_NAME = 60  # bytes; LCM takes 63
     title="The following node subscriptions are unconnected:",
     facts=MAY_PUBLISH | _NODE_TOPICS,
     remedies={
-        **CONNECTIONS,
+        **connecting.CONNECTIONS,
         "start-publisher": "start a publisher of {topics:and}; to see what is published:"
         " `lcmtools list -v`",
     },
@@ -88,7 +82,7 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     awaited = {topic for process in evidence.processes for topic in process.awaited}
     unconnected = [
         (node, end)
-        for node, end in unconnected_ends(evidence.graph, Role.PUBLISHER)
+        for node, end in connecting.unconnected_ends(evidence.graph, Role.PUBLISHER)
         if (node.id, end.topic) not in known
         if end.topic not in awaited | evidence.stale_subscribed
         if node.id not in moving and not is_simulator(node)
@@ -111,26 +105,26 @@ def missed_topics(evidence: Evidence) -> set[str]:
 
 
 @derived
-def unconnected_subscriptions(evidence: Evidence) -> list[End]:
+def unconnected_subscriptions(evidence: Evidence) -> list[connecting.End]:
     """Return the subscriptions of live nodes without a publisher."""
     nodes = {node.pid for node in evidence.own_nodes()}
     plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
     beside_plain = evidence.has_others() or any(plain)
-    return unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
+    return connecting.unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
 
 
 @derived
-def all_suggestions(evidence: Evidence) -> list[Suggestion]:
+def all_suggestions(evidence: Evidence) -> list[connecting.Suggestion]:
     """Return the suggestions for all unconnected subscriptions, so that no rule repeats them."""
     return _connection_finder(evidence).suggestions(unconnected_subscriptions(evidence))
 
 
 @derived
-def _connection_finder(evidence: Evidence) -> ConnectionFinder:
-    return ConnectionFinder(evidence.graph, channel_names(evidence))
+def _connection_finder(evidence: Evidence) -> connecting.ConnectionFinder:
+    return connecting.ConnectionFinder(evidence.graph, channel_names(evidence))
 
 
-def _facts(unconnected: Iterable[End]) -> Iterator[Statement]:
+def _facts(unconnected: Iterable[connecting.End]) -> Iterator[Statement]:
     for _, group in groupby(unconnected, key=lambda end: end[0].id):
         ends = list(group)
         yield state("node-topics", node=ends[0][0], topics=dict.fromkeys(e.topic for _, e in ends))

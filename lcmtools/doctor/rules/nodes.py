@@ -5,16 +5,7 @@ from collections.abc import Iterator
 
 from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import (
-    Finding,
-    Part,
-    Severity,
-    Statement,
-    Subject,
-    finding,
-    rule,
-    state,
-)
+from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, finding, rule, state
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import VERSION, Node, Staleness
@@ -77,15 +68,14 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
     """Return the fact and the remedy; a process number is valid only on its own computer."""
-    known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
+    pid, why = node.pid, str(node.stale)
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
-        fact = state("stale-elsewhere", node=node, host=host, **known)
+        fact = state("stale-elsewhere", node=node, host=host, pid=pid, why=why)
         return fact, state("look-there", host=node.host)
-    fact = state("stale", node=node, **known)
-    if _runs(node):
-        return fact, state("wake-or-end", pid=node.pid)
-    return fact, state("restart-or-forget", node=node)
+    fact = state("stale", node=node, pid=pid, why=why)
+    wake, forget = state("wake-or-end", pid=pid), state("restart-or-forget", node=node)
+    return fact, wake if _runs(node) else forget
 
 
 def _runs(node: Node) -> bool:
