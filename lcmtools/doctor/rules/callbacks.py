@@ -166,14 +166,11 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
         for x in slow
     ]
     remedies = [
-        state("busiest-less", node=x.node, busiest=x.topic)
-        if x.hangs
-        else state("callback-less", topic=x.topic)
-        for x in slow
+        _less(x.node, x.topic) if x.hangs else state("callback-less", topic=x.topic) for x in slow
     ]
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
-        remedies.append(state("busiest-less", node=node, busiest=busiest))
+        remedies.append(_less(node, busiest))
     yield from finding("slow-callbacks", facts, *remedies)
     reported = {one.node.id for one in lossy}
     waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in reported]
@@ -232,27 +229,29 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     if share is None:
         return lost("by-queue"), state("callback-less-or-depth", topic=topic)
 
-    def less(busiest: str) -> Statement:
-        return state("busiest-less", node=node, busiest=busiest)
-
     if one.is_too_slow():
         remedy = state("callback-less-or-rate", topic=topic, seconds=one.took / 1e9)
         slow = lost("slow-callback", **one.pace()), remedy
-        return (lost("hanging", seconds=one.hangs / 1e9), less(topic)) if one.hangs else slow
+        return (lost("hanging", seconds=one.hangs / 1e9), _less(node, topic)) if one.hangs else slow
     if not share:
         return lost("without-spin"), state("spin", node=node)
     if share >= _NEARLY_ALL and busiest:
-        return lost("by-busy-node", busiest=busiest), less(busiest)
+        return lost("by-busy-node", busiest=busiest), _less(node, busiest)
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
     held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
         cause = lost("long-call", seconds=endpoint.longest / 1e9)
         remedy = state("never-wait-or-depth", topic=topic)
     elif held_up_by:
-        cause, remedy = lost("held-up", busiest=held_up_by, seconds=took / 1e9), less(held_up_by)
+        cause = lost("held-up", busiest=held_up_by, seconds=took / 1e9)
+        remedy = _less(node, held_up_by)
     else:
         cause, remedy = lost("in-bursts"), state("depth", topic=topic)
     return cause, remedy
+
+
+def _less(node: Node, busiest: str) -> Statement:
+    return state("busiest-less", node=node, busiest=busiest)
 
 
 def needed_duration(evidence: Evidence) -> float:

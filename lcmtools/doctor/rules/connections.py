@@ -39,21 +39,16 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
     elsewhere |= evidence.stale_published
-    unconnected = [
-        (node, end)
-        for node, end in unconnected_subscriptions(evidence)
-        if end.topic not in elsewhere
-    ]
-    remedies = [
-        suggestion.remedy for suggestion in _connection_finder(evidence).suggestions(unconnected)
-    ]
+    every = unconnected_subscriptions(evidence)
+    unconnected = [(node, end) for node, end in every if end.topic not in elsewhere]
+    remedies = [one.remedy for one in _connection_finder(evidence).suggestions(unconnected)]
     facts, severity = list(_facts(unconnected)), Severity.WARNING
     if not remedies:
         topics = dict.fromkeys(end.topic for _, end in unconnected)
         remedies.append(state("start-publisher", topics=topics))
-        if facts and (quiet := quiet_programs(evidence)):
-            facts += [state("may-publish", process=one) for one in quiet]
-            severity = Severity.NOTE
+        quiet = quiet_programs(evidence) if facts else []
+        facts += [state("may-publish", process=one) for one in quiet]
+        severity = Severity.NOTE if quiet else severity
     return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
 
 
@@ -159,10 +154,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     suggested = {one.channel for one in all_suggestions(evidence)}  # reported with a subscription
     senders = {s.channel: s.name for s in evidence.streams if s.channel not in suggested}
     bad = {channel: reason for channel in senders if (reason := _name_fault(channel))}
-    odd = (
-        state("odd-channel", topic=channel, sender=senders[channel], reason=reason)
-        for channel, reason in bad.items()
-    )
+    odd = (state("odd-channel", topic=c, sender=senders[c], reason=why) for c, why in bad.items())
     patterns = [channel for channel, reason in bad.items() if reason == _IS_PATTERN]
     remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
     yield from finding("unusable-names", odd, "plain-name", *remedies)
