@@ -114,10 +114,8 @@ class LcmBus(ReceivingBus):
         self._connection.leave_to_parent()
 
     def _missing(self) -> BusError:
-        """Return the error for a bus without an instance."""
-        if self._closed:
-            return self._refusal()
-        return BusError(f"the connection to {self.url} is lost")
+        lost = BusError(f"the connection to {self.url} is lost")
+        return self._refusal() if self._closed else lost
 
     def _instance(self) -> Instance:
         instance = self._connection.instance

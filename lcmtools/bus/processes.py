@@ -190,24 +190,15 @@ def silent_senders(
     if not _is_joined(group):
         return set()
     rows = udp_sockets()
-    silent = [
-        row
-        for row in rows
-        if row.address == "0.0.0.0"  # noqa: S104 - a comparison
-        and row.port not in seen_ports
-        and os.getuid() in (0, row.uid)
-    ]
+    unbound = (row for row in rows if row.address == "0.0.0.0")  # noqa: S104 - a comparison
+    own = (row for row in unbound if os.getuid() in (0, row.uid))
+    silent = [row for row in own if row.port not in seen_ports]
     if not silent:  # finding the owners means inspecting every open file
         return set()
     holders = owners(row.inode for row in rows)
     known = known_pids | {os.getpid()} | _listening_elsewhere(rows, holders, group_port)
-    return {
-        row.port
-        for row in silent
-        if (process := holders.get(row.inode))
-        and process.pid not in known
-        and uses_lcm(process.pid)
-    }
+    held = ((row.port, holders[row.inode].pid) for row in silent if row.inode in holders)
+    return {port for port, pid in held if pid not in known and uses_lcm(pid)}
 
 
 def _listening_elsewhere(

@@ -206,9 +206,7 @@ def _encode_details(node: Node) -> bytes:
     details.ports, details.busy = list(node.ports), node.busy
     details.endpoints = appendables(map(_endpoint_message, node.endpoints))
     newest = node.errors[-_MOST_ERRORS:]
-    details.errors = appendables(
-        _filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest
-    )
+    details.errors = appendables(_filled(msgs.CallbackError(), e, _OF_ERROR) for e in newest)
     return encode_appendable(details)
 
 
@@ -270,11 +268,11 @@ def _decode_remote(payload: bytes) -> Announcement | None:
     if message is None or not message.steps or inner.startswith(_REMOTE):
         return None
     announcement = decode_announcement(inner)
-    if announcement is None:
-        return None
     try:
         steps = [decode_appendable(msgs.RelayStep, step.data) for step in message.steps]
     except DecodeError:
+        return None
+    if announcement is None:
         return None
     path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in steps)
     return announcement._replace(node=announcement.node._replace(path=path, ports=()))

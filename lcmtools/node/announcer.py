@@ -11,6 +11,7 @@ from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
 from lcmtools.graph.model import Endpoint, Node
+from lcmtools.graph.protocol import ANSWER_SPREAD, PERIOD
 
 _CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
 _SHARE = 0.9  # of a period, after which the counters for the rates are replaced
@@ -91,7 +92,7 @@ class Announcer:
         if probe.target:
             self.answer(probe.target, probe.nonce)
             return
-        answer = time.monotonic() + random.uniform(0, protocol.ANSWER_SPREAD)  # noqa: S311
+        answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
         with self._changed:
             self._nonce = probe.nonce or self._nonce
             # a second probe is sent in case an answer is lost: it gets an answer of its own
@@ -107,16 +108,15 @@ class Announcer:
                 if self._closed:
                     return
                 began = time.monotonic()
-                self._due = began + protocol.PERIOD
-                spread = protocol.ANSWER_SPREAD if self._owes_another else math.inf
-                self._answer_due = began + spread
+                self._due = began + PERIOD
+                self._answer_due = began + ANSWER_SPREAD if self._owes_another else math.inf
                 self._owes_another = False
                 nonce, self._nonce = self._nonce, 0
             work_began = time.thread_time()  # CPU time: on a busy computer no node seems large
             with self._sending:
                 self._send_all(nonce)
             worked = time.thread_time() - work_began
-            self._rested = min(time.monotonic() + _REST * worked, began + protocol.PERIOD)
+            self._rested = min(time.monotonic() + _REST * worked, began + PERIOD)
 
     def _left(self) -> float:
         """Return the time until the next announcement [s]."""
@@ -131,15 +131,14 @@ class Announcer:
             if target in ("", node.name):
                 self._send(protocol.Announcement(self._with_rates(node), answers=nonce))
         if (now := time.monotonic()) >= self._next_count:
-            self._before, self._next_count = self._latest, now + _SHARE * protocol.PERIOD
+            self._before, self._next_count = self._latest, now + _SHARE * PERIOD
             self._latest = {(node.id, end.key): end for node in nodes for end in node.endpoints}
 
     def _with_rates(self, node: Node) -> Node:
         """Return a node with the rates of its endpoints over the last one or two periods."""
         rated = []
         for end in node.endpoints:
-            key = (node.id, end.key)
-            was = self._before.get(key) or self._latest.get(key)
+            was = self._before.get((node.id, end.key)) or self._latest.get((node.id, end.key))
             rated.append(end._replace(rate=(was and end.rate_since(was)) or 0.0))
         return node._replace(endpoints=tuple(rated))
 

@@ -69,9 +69,8 @@ class Callbacks:
 
     def time(self) -> int:
         """Return the timers' time [ns]: simulated time, or else a monotonic clock's."""
-        if isinstance(self.clock, ManualClock):
-            return self.clock.now()
-        return time.monotonic_ns()
+        is_simulated = isinstance(self.clock, ManualClock)
+        return self.clock.now() if is_simulated else time.monotonic_ns()
 
     def busy(self) -> int:
         """Return the time spent in callbacks so far [ns]; callable from any thread."""

@@ -120,9 +120,11 @@ class Service(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)._replace(
-            calls=self.stopwatch.calls, busy=self.stopwatch.busy(), longest=self.stopwatch.longest()
+        end, watch = (
+            _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
+            self.stopwatch,
         )
+        return end._replace(calls=watch.calls, busy=watch.busy(), longest=watch.longest())
 
     def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:
         self._calls += 1
@@ -198,10 +200,8 @@ class Client(Generic[RequestT, ResponseT]):
         if reply is None and self.is_interrupted():
             raise ServiceError(f"{self.name} had not answered when the program had to end")
         if reply is None:
-            raise ServiceTimeout(
-                f"{self.name} did not answer within {timeout:g} s",
-                "see whether its node runs: lcmtools node list",
-            )
+            what = f"{self.name} did not answer within {timeout:g} s"
+            raise ServiceTimeout(what, "see whether its node runs: lcmtools node list")
         if reply.status != ServiceReply.OK:
             raise ServiceError(f"{self.name}: {reply.error or 'it failed, and does not say why'}")
         try:
@@ -254,10 +254,5 @@ def _endpoint(
     name: str, role: Role, service_type: ServiceType[RequestT, ResponseT], calls: int
 ) -> Endpoint:
     request = service_type.Request
-    return Endpoint(
-        topic=name,
-        role=role,
-        types=(type_name(request).removesuffix("_Request"),),
-        fingerprints=(fingerprint(request),),
-        messages=calls,
-    )
+    types = (type_name(request).removesuffix("_Request"),)
+    return Endpoint(name, role, types, (fingerprint(request),), messages=calls)

@@ -76,24 +76,14 @@ class Relay(AbstractContextManager["Relay"]):
         here, there = self._sides
         ends = here.state(), there.state()
         self._known = KnownRelays(Link(identifier, node.name, node.host, ends))
-        self._presences = tuple(
-            Presence(
-                node._replace(ports=side.end.ports[1:]),
-                side.talk,
-                on_shutdown,
-                NodeRecords(url, os.environ),
-            )
-            for side, url in zip(self._sides, urls, strict=True)
-        )
-        self._announced = tuple(
-            Announced(
-                RelayStep(identifier, node.name, one.bus),
-                one.direction,
-                other.direction,
-                one_way=rules.one_way,
-            )
-            for one, other in ((here, there), (there, here))
-        )
+        self._presences = []
+        for side, url in zip(self._sides, urls, strict=True):
+            own, records = node._replace(ports=side.end.ports[1:]), NodeRecords(url, os.environ)
+            self._presences.append(Presence(own, side.talk, on_shutdown, records))
+        self._announced = []
+        for one, other in ((here, there), (there, here)):
+            step, ways = RelayStep(identifier, node.name, one.bus), (one.direction, other.direction)
+            self._announced.append(Announced(step, *ways, one_way=rules.one_way))
         self._lock = threading.RLock()
         self._carries = False
         lines = (side.identifier for side in self._sides if not side.end.is_quick)
@@ -173,26 +163,17 @@ class Relay(AbstractContextManager["Relay"]):
         return here.state(there), there.state(here)
 
     def _receive(self, index: int) -> None:
-        """Receive from one bus until the relay ends."""
-        with self._kept_errors():
-            self._pump(index)
-
-    def _pump(self, index: int) -> None:
         side, other = self._sides[index], self._sides[1 - index]
-        while not self._ends.is_set():
-            packets = side.end.receive(_WAIT)
-            if not packets:
-                continue
-            talk, passed = side.sort(packets, other, passes=self._carries)
-            if passed:
-                other.send(passed)
-            if talk:
-                with self._lock:
-                    for packet in talk:
-                        self._hear(index, packet)
+        with self._kept_errors():
+            while not self._ends.is_set():
+                packets = side.end.receive(_WAIT)
+                talk, passed = side.sort(packets, other, passes=self._carries)
+                if passed:
+                    other.send(passed)
+                if talk:
+                    self._hear_all(index, talk)
 
     def _send(self, index: int) -> None:
-        """Send to one bus until the relay ends."""
         with self._kept_errors():
             while not self._stopped.is_set():
                 self._sides[index].send_waiting()
@@ -206,16 +187,19 @@ class Relay(AbstractContextManager["Relay"]):
             self._error = error
             self._ends.set()
 
+    def _hear_all(self, index: int, talk: list[Packet]) -> None:
+        with self._lock:
+            for packet in talk:
+                self._hear(index, packet)
+
     def _hear(self, index: int, packet: Packet) -> None:
-        """Handle a message of the protocol."""
         if packet.channel == protocol.NODE_CHANNEL:
             self._pass_announcement(index, packet)
         elif packet.channel == protocol.RELAY_CHANNEL:
             report = decode_report(packet.payload)
-            side = self._sides[index]
-            now = time.monotonic_ns()
+            end, now = self._sides[index].identifier, time.monotonic_ns()
             address = packet.sender.address if packet.sender else ""
-            if report and self._known.add_report(report, side.identifier, now, address):
+            if report and self._known.add_report(report, end, now, address):
                 self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
@@ -251,20 +235,16 @@ class Relay(AbstractContextManager["Relay"]):
         if probe is None or not self._carries:
             return
         side, announced = self._sides[index], self._announced[1 - index]
-        if probe.target:
-            target = announced.target(probe.target)
-            if target is not None:
-                again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
-                self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
-            return
-        for announcement in announced.recent(time.monotonic_ns()):
+        if probe.target and (target := announced.target(probe.target)) is not None:
+            again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
+            self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
+        for announcement in () if probe.target else announced.recent(time.monotonic_ns()):
             side.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(announcement))
 
     def _payload(self, side: Side) -> bytes:
         return encode_report(Knowledge(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
-        """Report all known relays on both buses."""
         self._next_report = now + protocol.PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())
@@ -273,8 +253,7 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _decide(self, now: float) -> None:
         """Begin or stop carrying messages."""
-        active = self._known.carrying()
-        own = self._known.own.id
+        active, own = self._known.carrying(), self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)
         self._hold.update(self._known.links(), active, now)

@@ -35,42 +35,30 @@ class PatternError(LcmtoolsError):
     """A pattern that is not a regular expression, or uses unsupported syntax."""
 
 
-class _One(NamedTuple):
-    """One character of a set."""
-
+class _One(NamedTuple):  # one character of a set
     characters: re.Pattern[str]
 
 
-class _Row(NamedTuple):
-    """Parts that follow each other."""
-
+class _Row(NamedTuple):  # parts that follow each other
     parts: "tuple[_Part, ...]"
 
 
-class _Choice(NamedTuple):
-    """Alternatives, one of which must match."""
-
+class _Choice(NamedTuple):  # alternatives, one of which must match
     parts: "tuple[_Part, ...]"
 
 
-class _Repeat(NamedTuple):
-    """A repeated part; ``most`` is None for no limit."""
-
+class _Repeat(NamedTuple):  # a repeated part
     part: "_Part"
     least: int
-    most: int | None
+    most: int | None  # None for no limit
 
 
-class _Ahead(NamedTuple):
-    """A lookahead: a part that must follow, or must not, and is not part of the match."""
-
+class _Ahead(NamedTuple):  # a part that must follow, or must not, and is not part of the match
     part: "_Part"
     wanted: bool
 
 
-class _Anchor(NamedTuple):
-    """The beginning or the end of the name."""
-
+class _Anchor(NamedTuple):  # the beginning or the end of the name
     place: str
 
 

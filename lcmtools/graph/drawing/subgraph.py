@@ -131,11 +131,7 @@ def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
     kept = {edge for edge in diagram.edges if edge.source in near or edge.target in near}
     fed = {edge.target for edge in kept} & channels  # channels on which a selected member publishes
     feeding = {edge.source for edge in kept} & channels
-    edges = [
-        edge
-        for edge in diagram.edges
-        if edge in kept or edge.source in fed or edge.target in feeding
-    ]
+    edges = [e for e in diagram.edges if e in kept or e.source in fed or e.target in feeding]
     there = near | {edge.source for edge in edges} | {edge.target for edge in edges}
     return replace(
         diagram,
@@ -170,15 +166,11 @@ def _is_named(channel: Channel, wanted: DiagramOptions) -> bool:
 
 def _active(diagram: Diagram, wanted: DiagramOptions) -> list[Channel]:
     # topics that carry messages or have both sides, and all services
-    fed = {edge.target for edge in diagram.edges}
-    feeding = {edge.source for edge in diagram.edges}
+    both = {edge.target for edge in diagram.edges} & {edge.source for edge in diagram.edges}
     return [
-        channel
-        for channel in diagram.channels
-        if channel.is_service
-        or channel.messages
-        or channel.id in fed & feeding
-        or _is_named(channel, wanted)
+        c
+        for c in diagram.channels
+        if c.is_service or c.messages or c.id in both or _is_named(c, wanted)
     ]
 
 
@@ -187,9 +179,5 @@ def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channe
     there = {member.id for member in members} | {channel.id for channel in channels}
     edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
     used = Counter(end for edge in edges for end in (edge.source, edge.target))
-    return replace(
-        diagram,
-        members=tuple(members),
-        channels=tuple(channel for channel in channels if used[channel.id]),
-        edges=edges,
-    )
+    drawn = tuple(channel for channel in channels if used[channel.id])
+    return replace(diagram, members=tuple(members), channels=drawn, edges=edges)
