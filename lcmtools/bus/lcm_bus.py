@@ -202,7 +202,6 @@ class LcmBus(ReceivingBus):
         return has_come
 
     def _receive_on_own_thread(self) -> None:
-        """Wait for messages, requests and attempts to connect, and handle them."""
         instance = None if self._has_ended else self._connection.instance
         works, readable = self._wait(instance)
         wake = self._right.wakeup.fileno()

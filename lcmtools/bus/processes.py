@@ -177,22 +177,20 @@ def is_local(address: str) -> bool:
     return True
 
 
-def silent_senders(
-    group: str, group_port: int, seen_ports: set[int], known_pids: set[int]
-) -> set[int]:
+def silent_senders(group: str, group_port: int, seen: set[int], known_pids: set[int]) -> set[int]:
     """Return the ports of programs here that may publish to the group but have not done so yet.
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
     Candidates are such sockets of processes that use liblcm, except processes that listen only on
-    other buses. ``known_pids`` are processes whose publications are known in another way (announced
-    nodes).
+    other buses. ``seen`` are ports; ``known_pids`` are processes whose publications are known in
+    another way (announced nodes).
     """
     if not _is_joined(group):
         return set()
     rows = udp_sockets()
     unbound = (row for row in rows if row.address == "0.0.0.0")  # noqa: S104 - a comparison
     own = (row for row in unbound if os.getuid() in (0, row.uid))
-    silent = [row for row in own if row.port not in seen_ports]
+    silent = [row for row in own if row.port not in seen]
     if not silent:  # finding the owners means inspecting every open file
         return set()
     holders = owners(row.inode for row in rows)

@@ -103,9 +103,7 @@ def _observe(
 
 
 @dataclass(frozen=True, slots=True)
-class _Baseline:
-    """The state of the bus and of this computer at the start of a look."""
-
+class _Baseline:  # the state of the bus and of this computer at the start of a look
     graph: Graph
     table: SocketTable
     on_bus: frozenset[int]  # the inodes of the sockets that receive from it
@@ -211,7 +209,6 @@ def _without_departed(graph: Graph, before: Graph) -> Graph:
 
 
 def _may_answer(node: Node) -> bool:
-    """Return whether a node has not answered yet, but still may."""
     if not node.stale or node.stale is Staleness.ENDED or node.is_hidden:
         return False
     return not (is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t"))

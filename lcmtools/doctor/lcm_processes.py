@@ -96,10 +96,8 @@ def lcm_processes(
     without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
     named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
     buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
-    return tuple(
-        replace(_lcm_process(pid, bus), is_guess=pid in guessed)
-        for pid, bus in sorted(buses.items())
-    )
+    ordered = sorted(buses.items())
+    return tuple(replace(_lcm_process(pid, bus), is_guess=pid in guessed) for pid, bus in ordered)
 
 
 def _pids_of(user: int) -> set[int]:
@@ -126,7 +124,6 @@ def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
 
 
 def _argument_url(pid: int) -> str:
-    """Return the URL of a bus in a process's command line; "" if there is none."""
     found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
     return found[0] if found else ""
 

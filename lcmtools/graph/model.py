@@ -257,7 +257,6 @@ class Graph(_Known):  # a separate class, to cache the table of topics
 
     @cached_property
     def _topics(self) -> dict[str, Topic]:
-        """Return every channel with a message, a publisher or a subscriber, sorted."""
         ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = defaultdict(list)
         for node in self.nodes:
             for end in node.endpoints:

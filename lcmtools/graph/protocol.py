@@ -234,7 +234,7 @@ def _decode_version_0(payload: bytes) -> Announcement | None:
     try:
         name, host = read_string(cursor, "name"), read_string(cursor, "host")
         pid, start_time = struct.unpack_from(">iq", payload, cursor.take(12, "pid"))
-        identifier = read_string(cursor, "id")
+        id_ = read_string(cursor, "id")
         state, _, tool = struct.unpack_from(">bq?", payload, cursor.take(10, "state"))
         command = read_string(cursor, "command")
         (answers,) = struct.unpack_from(">q", payload, cursor.take(8, "answers"))
@@ -242,9 +242,7 @@ def _decode_version_0(payload: bytes) -> Announcement | None:
         return None
     if not _is_node_name(name):
         return None
-    node = Node(
-        name, identifier, host, pid, start_time, command, tool, version=0, has_details=False
-    )
+    node = Node(name, id_, host, pid, start_time, command, tool, version=0, has_details=False)
     return Announcement(node, state == msgs.Announcement.LEAVING, answers)
 
 

@@ -134,7 +134,6 @@ class Callbacks:
         return has_run
 
     def _note(self, name: str, error: Exception, callback: Callable[..., object]) -> None:
-        """Log and count an exception of user code."""
         if isinstance(error, LcmtoolsError) and not self._go_on():
             return  # not a fault: a call failed because the program is ending
         self._errors.add(name, error, callback)

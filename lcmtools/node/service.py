@@ -120,10 +120,8 @@ class Service(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        end, watch = (
-            _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
-            self.stopwatch,
-        )
+        watch = self.stopwatch
+        end = _endpoint(self.name, Role.SERVICE, self.service_type.Request, self._calls)
         return end._replace(calls=watch.calls, busy=watch.busy(), longest=watch.longest())
 
     def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:
@@ -222,7 +220,7 @@ class Client(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
+        return _endpoint(self.name, Role.CLIENT, self.service_type.Request, self._sequence)
 
     def _exchange(self, request: bytes, deadline: float) -> ServiceReply | None:
         with self._changed:
@@ -250,9 +248,6 @@ def _key(request: ServiceRequest) -> Key:
     return request.client, request.sequence
 
 
-def _endpoint(
-    name: str, role: Role, service_type: ServiceType[RequestT, ResponseT], calls: int
-) -> Endpoint:
-    request = service_type.Request
+def _endpoint(name: str, role: Role, request: type[Message], calls: int) -> Endpoint:
     types = (type_name(request).removesuffix("_Request"),)
     return Endpoint(name, role, types, (fingerprint(request),), messages=calls)

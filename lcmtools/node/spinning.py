@@ -48,7 +48,6 @@ def _run(context: Context, callbacks: Sequence[Callbacks]) -> None:
 
 
 def _check_node(call: str, node: object) -> None:
-    """Make sure that this is a node."""
     if isinstance(node, Node):
         if node.context.is_of_parent:
             raise refusal(is_of_parent=True)

@@ -164,7 +164,6 @@ class ScheduledPublisher:
                 time.sleep(step)
 
     def _attend(self) -> None:
-        """Send the last message again if there is a new subscriber."""
         if self._spins:
             spin_once(self.node)
         if not self.latch or self._last is None or time.monotonic() < self._next_look:

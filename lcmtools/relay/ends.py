@@ -50,9 +50,7 @@ class BusEnd(Protocol):
         """Leave the bus."""
 
 
-class _UdpmEnd:
-    """An end at a multicast group: short messages are sent at once, large ones paced."""
-
+class _UdpmEnd:  # an end at a multicast group: short messages are sent at once, large ones paced
     takes_origin, is_quick = False, True
 
     def __init__(self, url: BusUrl) -> None:
@@ -96,9 +94,7 @@ class _UdpmEnd:
         return sender in self._own
 
 
-class _ZenohEnd:
-    """An end at a Zenoh bus, which carries each message's origin with it."""
-
+class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin with it
     ports: tuple[int, ...] = (0,)
     takes_origin, is_quick = True, False
 
@@ -136,9 +132,7 @@ class _ZenohEnd:
         self.trouble = trouble
 
 
-class _TcpqEnd:
-    """An end at a server, which sends everything back."""
-
+class _TcpqEnd:  # an end at a server, which sends everything back
     ports: tuple[int, ...] = ()
     takes_origin = is_quick = False
 

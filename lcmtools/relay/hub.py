@@ -56,9 +56,7 @@ class HubCounts:
     dropped: int = 0  # not delivered to slow clients
 
 
-class _Client:
-    """One client: its connection, its patterns, and the frames that wait for it."""
-
+class _Client:  # one client: its connection, its patterns, and the frames that wait for it
     def __init__(self, connection: socket.socket, name: str, now: float) -> None:
         self.connection = connection
         self.name = name
@@ -160,10 +158,6 @@ class Hub(AbstractContextManager["Hub"]):
         self._selector.register(self._listener, selectors.EVENT_READ)
 
     def __exit__(self, *_: object) -> None:
-        """End."""
-        self.close()
-
-    def close(self) -> None:
         """Close all connections."""
         for client in list(self._clients.values()):
             with contextlib.suppress(OSError):
@@ -220,7 +214,6 @@ class Hub(AbstractContextManager["Hub"]):
         self._changed.add(client)
 
     def _serve(self, client: _Client) -> Iterator[Frame]:
-        """Read from a client and execute its frames; yield its messages."""
         try:
             data = client.connection.recv(_READ_BYTES)
         except BlockingIOError:

@@ -252,7 +252,6 @@ class Relay(AbstractContextManager["Relay"]):
             side.talk(protocol.RELAY_CHANNEL, self._payload(side))
 
     def _decide(self, now: float) -> None:
-        """Begin or stop carrying messages."""
         active, own = self._known.carrying(), self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)

@@ -38,9 +38,7 @@ def carrying(links: Iterable[Link]) -> frozenset[str]:
     return frozenset(found)
 
 
-class _Sets:
-    """Disjoint sets."""
-
+class _Sets:  # disjoint sets
     def __init__(self, members: Iterable[str]) -> None:
         self._above = {member: member for member in members}
 
@@ -131,7 +129,6 @@ class KnownRelays:
         )
 
     def _refresh(self, now: int) -> None:
-        """Update which ends are heard now."""
         ends = []
         for end in self.own.ends:
             heard = self._heard[end.id]

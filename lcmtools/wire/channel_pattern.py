@@ -81,9 +81,7 @@ class ChannelPattern:
         return len(name) in _Match(name).ends(self._whole, 0)
 
 
-class _Reader:
-    """Parses a pattern from its tokens."""
-
+class _Reader:  # parses a pattern from its tokens
     def __init__(self, text: str) -> None:
         self._flags = re.ASCII
         self._text = text
@@ -99,9 +97,8 @@ class _Reader:
         return whole
 
     def _malformed(self) -> PatternError:
-        return PatternError(
-            f"the pattern '{self._text}' is not supported from character {self._place + 1} on"
-        )
+        place = f"from character {self._place + 1} on"
+        return PatternError(f"the pattern '{self._text}' is not supported {place}")
 
     def _choice(self) -> _Part:
         self._nested += 1
@@ -146,7 +143,6 @@ class _Reader:
         return self._one(token["escaped"] or token["plain"])
 
     def _closed(self) -> _Part:
-        """Parse the content of a group and skip its end."""
         part = self._choice()
         if self._text[self._place : self._place + 1] != ")":
             raise self._malformed()

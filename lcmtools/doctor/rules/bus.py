@@ -258,7 +258,6 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
-    """Return the names of senders with a subscriber on another computer."""
     nodes = evidence.graph.nodes
     far = [node for node in nodes if node.id in evidence.remote and not node.stale]
     topics = {end.topic for node in far for end in node.having(Role.SUBSCRIBER)}

@@ -27,9 +27,7 @@ _SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Work:
-    """A node's work between the start and the end of the look."""
-
+class _Work:  # a node's work between the start and the end of the look
     earlier: Node
     node: Node  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
@@ -57,9 +55,7 @@ class _Work:
 
 
 @dataclass(frozen=True, slots=True)
-class _Subscription:
-    """A subscription with a queue, between the start and the end of the look."""
-
+class _Subscription:  # a subscription with a queue, between the start and the end of the look
     work: _Work
     endpoint: Endpoint  # as it is now
     lost: int  # messages that its full queue dropped meanwhile
@@ -218,7 +214,6 @@ def _slow_work(
 
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:
-    """Return the fact that messages were lost, with the cause if known, and the remedy."""
     node, topic, endpoint = one.node, one.topic, one.endpoint
 
     def lost(cause: str, **parts: Part) -> Statement:

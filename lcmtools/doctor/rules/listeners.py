@@ -229,7 +229,6 @@ def _largest(evidence: Evidence) -> Stream | None:
 
 
 def _too_small(evidence: Evidence) -> list[Listener]:
-    """Return the listeners whose buffers are too small for the largest message."""
     largest = _largest(evidence)
     needed = _PER_MESSAGE * largest.largest if largest else 0
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]

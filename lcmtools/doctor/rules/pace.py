@@ -35,9 +35,7 @@ SHORTEST = 0.1  # [s] an interval that is worth reporting
 
 
 @dataclass(frozen=True, slots=True)
-class _Pace:
-    """A publisher's messages during the look, and its usual rate."""
-
+class _Pace:  # a publisher's messages during the look, and its usual rate
     fact: str  # the kind of its fact
     publisher: Observed
     name: str  # of the publisher, as it is displayed
@@ -310,6 +308,5 @@ def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:
 
 
 def _wanted_streams(evidence: Evidence) -> list[Stream]:
-    """Return the streams of publishers that have a reason to publish."""
     wanted, busy = _wanted_topics(evidence), busy_nodes(evidence)  # reported by another rule
     return [s for s in evidence.streams if wanted(s.channel) and s.name not in busy]

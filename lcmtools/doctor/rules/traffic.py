@@ -169,7 +169,6 @@ def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
 
 
 def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
-    """Return the remedy for publishers that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     known = {"pids": pids if len(pids) > 1 else ()}

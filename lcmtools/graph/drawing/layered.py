@@ -147,7 +147,6 @@ def _sort(column: list[_Cell]) -> None:
 
 
 def _crossings(columns: Iterable[Sequence[_Cell]]) -> int:
-    """Count the pairs of arrows that cross between neighbouring columns."""
     count = 0
     for column in columns:
         ends: list[float] = []
