@@ -59,17 +59,13 @@ def collect(
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
-    return replace(
-        evidence,
-        processes=processes,
-        stale_published=records.topics(stale, Role.PUBLISHER),
-        stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
-        host=replace(
-            here,
-            reassembly_failures=computer.reassembly_failures() - failures,
-            rp_filter_drops=computer.rp_filter_drops() - filtered,
-        ),
-    )
+    sides = (Role.PUBLISHER, Role.SUBSCRIBER)
+    published, subscribed = (records.topics(stale, side) for side in sides)
+    evidence = replace(evidence, stale_published=published, stale_subscribed=subscribed)
+    failures = computer.reassembly_failures() - failures
+    drops = computer.rp_filter_drops() - filtered
+    here = replace(here, reassembly_failures=failures, rp_filter_drops=drops)
+    return replace(evidence, processes=processes, host=here)
 
 
 def unusable(error: UsageError) -> Evidence:

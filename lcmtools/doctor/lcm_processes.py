@@ -71,11 +71,8 @@ def lcm_processes(
     process without UDP.
     """
     own = os.getuid()
-    mine = [
-        (process.pid, row)
-        for row in sockets
-        if (process := holders.get(row.inode)) and row.uid == own and process.pid != os.getpid()
-    ]
+    held = ((holders[one.inode].pid, one) for one in sockets if one.inode in holders)
+    mine = [(pid, row) for pid, row in held if row.uid == own and pid != os.getpid()]
     buses: dict[int, str] = {}
     sending: dict[int, set[int]] = {}
     for pid, row in mine:
@@ -172,14 +169,12 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
     if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
     topics, awaited = _topics([process for process in every if process.bus], missed)
-    return tuple(
-        replace(
-            one,
-            topics=tuple(sorted(topics[one.bus])),
-            awaited=tuple(sorted(awaited[one.pid] & offered - topics[one.bus])),
-        )
-        for one in every
-    )
+    found = []
+    for one in every:
+        there, missing = topics[one.bus], awaited[one.pid] & offered - topics[one.bus]
+        known = tuple(sorted(there)), tuple(sorted(missing))
+        found.append(replace(one, topics=known[0], awaited=known[1]))
+    return tuple(found)
 
 
 def _topics(

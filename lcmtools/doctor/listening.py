@@ -288,13 +288,10 @@ class RelayReports:
 
     def ends(self) -> tuple[RelayEnd, ...]:
         """Return both ends of each relay that has not left."""
-        return tuple(
-            RelayEnd(
-                *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
-                commands=tuple(end.commands),
-                stands_by=last.state == State.STANDBY,
-            )
-            for first, last in self._found.values()
-            if last.state != State.LEFT
-            for before, end in zip(first.ends, last.ends, strict=False)
-        )
+        found = []
+        for first, last in self._found.values():
+            for was, end in zip(first.ends, last.ends, strict=True):
+                known = last.name, last.host, end.bus, end.trouble, end.dropped - was.dropped
+                if last.state != State.LEFT:
+                    found.append(RelayEnd(*known, end.commands, last.state == State.STANDBY))
+        return tuple(found)

@@ -5,7 +5,7 @@ Pure: findings in, lines and plain values out.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import groupby
 
 from lcmtools.color import BOLD, RED, YELLOW, paint
@@ -104,10 +104,7 @@ def record(finding: Finding) -> dict[str, object]:
         "text": words.title,
         "items": [item.strip(" *") for item in words.items],
         "remedies": list(words.remedies),
-        "subjects": [
-            {"kind": one.kind, "name": one.name, "pid": one.pid, "address": one.address or None}
-            for one in finding.subjects()
-        ],
+        "subjects": [{**asdict(x), "address": x.address or None} for x in finding.subjects()],
         "values": _plain(finding.title),
         "facts": [_plain(fact) for fact in finding.facts],
         "actions": [

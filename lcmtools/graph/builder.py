@@ -131,11 +131,9 @@ class GraphBuilder:
     def snapshot(self, now: int) -> Graph:
         """Return the graph at the time ``now`` [ns since 1970]."""
         announced = [x if x.is_recorded else _aged(x, now) for x in self._nodes.values()]
-        silent = [
-            node._replace(stale=node.stale or Staleness.UNANSWERED)
-            for identifier, node in self._recorded.items()
-            if identifier not in self._nodes and identifier not in self._left
-        ]
+        heard = self.heard()
+        unheard = (node for id_, node in self._recorded.items() if id_ not in heard)
+        silent = [node._replace(stale=node.stale or Staleness.UNANSWERED) for node in unheard]
         traffic = tuple(self._traffic_seen())
         known = [x if x.has_details else _with_observed_topics(x, traffic) for x in announced]
         nodes = sorted(known + silent, key=lambda node: (node.name, node.start_time))

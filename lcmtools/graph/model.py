@@ -268,13 +268,10 @@ class Graph(_Known):  # a separate class, to cache the table of topics
         announced = {name for name, role in ends if role in (Role.PUBLISHER, Role.SUBSCRIBER)}
         found = {}
         for name in sorted(announced | traffic.keys()):
-            publishers = tuple(ends.get((name, Role.PUBLISHER), ()))
+            sides = (Role.PUBLISHER, Role.SUBSCRIBER)
+            publishers, subscribers = (tuple(ends.get((name, role), ())) for role in sides)
             explained = senders | {None} if publishers else senders
-            found[name] = Topic(
-                name,
-                publishers,
-                tuple(ends.get((name, Role.SUBSCRIBER), ())),
-                tuple(traffic.get(name, ())),
-                tuple(seen for seen in traffic.get(name, ()) if seen.sender not in explained),
-            )
+            every = tuple(traffic.get(name, ()))
+            foreign = tuple(seen for seen in every if seen.sender not in explained)
+            found[name] = Topic(name, publishers, subscribers, every, foreign)
         return found

@@ -112,11 +112,8 @@ class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin w
         except EOFError:  # it is closing
             return []
         own = self._listener.sender
-        return [
-            packet
-            for packet in packets
-            if packet.sender != own and (packet.origin is None or packet.origin.hops < _MOST_HOPS)
-        ]
+        others = (packet for packet in packets if packet.sender != own)
+        return [one for one in others if one.origin is None or one.origin.hops < _MOST_HOPS]
 
     def send(self, message: LineMessage) -> None:
         is_state = message.due == math.inf

@@ -168,11 +168,9 @@ class Side:
 
     def awaited(self, commands: Mapping[str, str]) -> tuple[str, ...]:
         """Return the commands of the other bus to which a node of this one subscribes."""
-        return tuple(
-            topic
-            for topic, name in list(commands.items())
-            if any(not node.tool for node, _ in self.graph().topic(name).subscribers)
-        )
+        topic, names = self.graph().topic, list(commands.items())
+        ends = ((command, topic(name).subscribers) for command, name in names)
+        return tuple(command for command, subs in ends if any(not node.tool for node, _ in subs))
 
     def state(self, other: "Side | None" = None) -> End:
         """Return the state of the end, with its counts; its messages go to ``other``."""

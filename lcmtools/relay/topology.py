@@ -119,14 +119,9 @@ class KnownRelays:
     def idle(self, at_end: str, active: Collection[str]) -> frozenset[Sender]:
         """Return the senders at an own end that belong to relays which should not carry."""
         heard = self._heard[at_end]
-        others = (link for link in self.links()[1:] if link.id not in active)
-        return frozenset(
-            Sender(self._addresses[end.id], port)
-            for link in others
-            for end in link.ends
-            if end.id in heard
-            for port in end.ports
-        )
+        others = (end for link in self.links()[1:] if link.id not in active for end in link.ends)
+        ends = ((self._addresses[end.id], end.ports) for end in others if end.id in heard)
+        return frozenset(Sender(address, port) for address, ports in ends for port in ports)
 
     def _refresh(self, now: int) -> None:
         ends = []

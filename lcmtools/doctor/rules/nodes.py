@@ -157,11 +157,8 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     limit of the process is.
     """
     limits = [(p, min(p.most_files or _SELECT, _SELECT)) for p in evidence.processes if not p.bus]
-    facts = (
-        state("open-files", process=p, open_files=p.open_files, most_files=most)
-        for p, most in limits
-        if p.open_files > _MOST_FILES * most
-    )
+    near = ((p, p.open_files, most) for p, most in limits if p.open_files > _MOST_FILES * most)
+    facts = (state("open-files", process=p, open_files=n, most_files=most) for p, n, most in near)
     return finding("open-files", facts, "close-files")
 
 

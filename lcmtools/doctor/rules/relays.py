@@ -45,11 +45,8 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     A relay drops messages if a line is slower than the messages for it: a message that has waited
     for a second is not sent.
     """
-    facts = (
-        state("relay-dropped", **_relay_and_host(end), bus=end.bus, count=end.dropped)
-        for end in evidence.relays
-        if end.dropped
-    )
+    ends = [end for end in evidence.relays if end.dropped]
+    facts = (state("relay-dropped", **_relay_and_host(x), bus=x.bus, count=x.dropped) for x in ends)
     return finding("relay-losses", facts, "carry-less")
 
 

@@ -109,13 +109,10 @@ def _pattern(word: str) -> Pattern:
 
 def _named(diagram: Diagram, wanted: DiagramOptions) -> Diagram:
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
-    channels = [
-        channel
-        for channel in diagram.channels
-        if (wanted.services or not channel.is_service)
-        and not _is_topic(channel.name, wanted.excluded)
-        and (not wanted.topics or _is_topic(channel.name, wanted.topics))
-    ]
+    channels = [c for c in diagram.channels if not _is_topic(c.name, wanted.excluded)]
+    channels = [c for c in channels if wanted.services or not c.is_service]
+    if wanted.topics:
+        channels = [c for c in channels if _is_topic(c.name, wanted.topics)]
     there = _with(diagram, members, channels)
     if wanted.topics:
         using = {end for edge in there.edges for end in (edge.source, edge.target)}
@@ -133,12 +130,9 @@ def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
     feeding = {edge.source for edge in kept} & channels
     edges = [e for e in diagram.edges if e in kept or e.source in fed or e.target in feeding]
     there = near | {edge.source for edge in edges} | {edge.target for edge in edges}
-    return replace(
-        diagram,
-        members=tuple(m for m in diagram.members if m.id in there),
-        channels=tuple(c for c in diagram.channels if c.id in there),
-        edges=tuple(edges),
-    )
+    members = tuple(m for m in diagram.members if m.id in there)
+    shown = tuple(c for c in diagram.channels if c.id in there)
+    return replace(diagram, members=members, channels=shown, edges=tuple(edges))
 
 
 def _is_any(member: Member, words: Iterable[str]) -> bool:
