@@ -97,7 +97,7 @@ class LastCommands:
         """Note a message that was published."""
         self._last[topic] = payload
 
-    def take(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
+    def pop(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
         """Return the commands that are still in effect and would be obeyed, then forget them.
 
         If others are ``heard``, programs that are not nodes may listen too.

@@ -38,7 +38,7 @@ _LARGEST_ID = 1 << 31
 _ALIGNMENT = 8
 
 
-class Rubbish(LcmtoolsError):  # noqa: N818 - named for what came
+class MalformedRequest(LcmtoolsError):  # noqa: N818 - named for what happened, as in errors.py
     """A page has sent data that no page of this server would."""
 
 
@@ -46,7 +46,7 @@ class Parameters:
     """The values of a request, each checked as it is read.
 
     Raises:
-        Rubbish: Raised by every method if a value is not as expected.
+        MalformedRequest: Raised by every method if a value is not as expected.
     """
 
     def __init__(self, values: Mapping[str, Json]) -> None:
@@ -61,14 +61,14 @@ class Parameters:
         """Return a name or another short text."""
         value = self._get(name, default)
         if not isinstance(value, str) or len(value) > _LONGEST_TEXT:
-            raise Rubbish(f"'{name}' is not a short text")
+            raise MalformedRequest(f"'{name}' is not a short text")
         return value
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return a list of short texts; empty if there is none."""
         value = self._get(name, [])
         if not isinstance(value, list) or len(value) > _MOST_TEXTS:
-            raise Rubbish(f"'{name}' is not a short list")
+            raise MalformedRequest(f"'{name}' is not a short list")
         return tuple(Parameters({name: one}).text(name) for one in value)
 
     def number(
@@ -81,16 +81,16 @@ class Parameters:
         """Return a finite number within bounds."""
         value = self._get(name, default)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise Rubbish(f"'{name}' is not a number")
+            raise MalformedRequest(f"'{name}' is not a number")
         if not (abs(value) <= sys.float_info.max and lowest <= value <= highest):
-            raise Rubbish(f"'{name}' is not within {lowest:g} to {highest:g}")
+            raise MalformedRequest(f"'{name}' is not within {lowest:g} to {highest:g}")
         return float(value)
 
     def flag(self, name: str, *, default: bool = False) -> bool:
         """Return true or false."""
         value = self._get(name, default)
         if not isinstance(value, bool):
-            raise Rubbish(f"'{name}' is neither true nor false")
+            raise MalformedRequest(f"'{name}' is neither true nor false")
         return value
 
     def value(self, name: str) -> Json:
@@ -104,7 +104,7 @@ class Parameters:
     def _get(self, name: str, default: Json) -> Json:
         value = self._values.get(name, default)
         if value is None:
-            raise Rubbish(f"'{name}' is missing")
+            raise MalformedRequest(f"'{name}' is missing")
         return value
 
 
@@ -122,15 +122,15 @@ class PageRequest(Parameters):
 
 
 def read_request(data: str | bytes) -> PageRequest:
-    """Return the request in a WebSocket message; Rubbish if it is none."""
+    """Return the request in a WebSocket message; MalformedRequest if it is none."""
     if isinstance(data, bytes):
-        raise Rubbish("it sent bytes")
+        raise MalformedRequest("it sent bytes")
     try:
         values = json.loads(data, parse_constant=_refuse)
     except (ValueError, RecursionError):
-        raise Rubbish("it sent what is not JSON") from None
+        raise MalformedRequest("it sent what is not JSON") from None
     if not isinstance(values, dict):
-        raise Rubbish("it sent JSON that is not an object")
+        raise MalformedRequest("it sent JSON that is not an object")
     return PageRequest(cast("dict[str, Json]", values))
 
 

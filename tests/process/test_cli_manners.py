@@ -21,6 +21,7 @@ from typing import IO, Any
 
 import pytest
 from fixtures.commands import COMMANDS, command_of, has_json
+from fixtures.says import assert_says
 
 _ROBOT = """
 import lcmtools
@@ -272,9 +273,8 @@ def check_full(outcome: Outcome, path: tuple[str, ...]) -> None:
     if not outcome.signal and "No space left" in outcome.error:
         assert outcome.code == (64 if path == ("lcmtools", "wtf") else 1)  # there 1 is a warning
         said = [line for line in outcome.error.splitlines() if "cannot write" in line]
-        assert said == [
-            f"{' '.join(path)}: cannot write to standard output: No space left on device"
-        ]
+        (line,) = said
+        assert_says(line, f"{' '.join(path)}: ", "standard output: No space left on device")
     elif not outcome.signal and path not in _NO_DATA:
         assert outcome.error, "what cannot be written must be told"
 

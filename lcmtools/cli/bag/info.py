@@ -5,7 +5,7 @@ from lcmtools.bag.reindex import reindex_log
 from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import document, lines, progress, show
+from lcmtools.cli.output import progress, write_document, write_lines, write_result
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
 
@@ -23,11 +23,11 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
     """
     found = list(map(summary_of, files))
     if as_json:
-        document(list(map(summary_report.record, found)))
+        write_document(list(map(summary_report.record, found)))
         return
     for number, summary in enumerate(found):
-        lines([""] if number else [])
-        lines(summary_report.rows(summary))
+        write_lines([""] if number else [])
+        write_lines(summary_report.rows(summary))
 
 
 @subcommand("reindex", json_option)
@@ -44,4 +44,4 @@ def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
             sizes[file] = reindex_log(log, report)
     records = [{"path": file, "indexed_bytes": size} for file, size in sizes.items()]
     rows = [f"{file}: {size_text(size)} indexed" for file, size in sizes.items()]
-    show(records, rows, as_json=as_json)
+    write_result(records, rows, as_json=as_json)

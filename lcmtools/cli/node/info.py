@@ -5,7 +5,7 @@ import time
 from lcmtools.cli.bus import in_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import write_document, write_lines
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.node_requests import find_programs
@@ -38,19 +38,19 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = graph.time if monitor.is_log else time.time_ns()
     if as_json:
-        document([_record(one, graph, known, now) for one in found])
+        write_document([_record(one, graph, known, now) for one in found])
         return
     for one in found:
         if isinstance(one, Program):
-            lines(program_report.rows(one, now, quiet=quiet))
+            write_lines(program_report.rows(one, now, quiet=quiet))
             continue
         if quiet:
-            lines(node_report.roles(one, show_hidden=show_hidden))
+            write_lines(node_report.roles(one, show_hidden=show_hidden))
             if one.stale:
                 notify(f"{one.name} is stale: {one.stale}")
             continue
         parameters = _parameters(one, known)
-        lines(node_report.rows(one, graph, now, parameters, show_hidden=show_hidden))
+        write_lines(node_report.rows(one, graph, now, parameters, show_hidden=show_hidden))
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:

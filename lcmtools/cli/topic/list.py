@@ -3,7 +3,7 @@
 from lcmtools.cli.bus import looking_pattern, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import data, show
+from lcmtools.cli.output import write_data, write_result
 from lcmtools.errors import UsageError
 
 
@@ -49,8 +49,8 @@ def command(
     known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
     topics = list(filter(listed.has, known))
     if count_topics:
-        data(str(len(topics)))
+        write_data(str(len(topics)))
         return
     rows = listed.rows_by_host(topics) if by_hosts else listed.rows(topics)
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
-    show(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
+    write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)

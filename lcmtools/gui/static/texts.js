@@ -1,7 +1,7 @@
-// Numbers, times and mistakes as text, where several panels show the same.
+// Numbers, times and errors as text, shared by several panels.
 
 /**
- * The time of the day, to a millisecond.
+ * Format the time of day, in milliseconds.
  * @param {number} time [s since 1970]
  */
 export function clockText(time) {

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.log import Log
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import MissingExtra
 from lcmtools.folders import write_whole
@@ -37,7 +37,7 @@ def picture_file(plot: Path | None) -> Path | None:
     try:
         empty_figure(1, 1)
     except MissingExtra as error:
-        talk(f"lcmtools lab check: {error}; checking without a picture")
+        write_note(f"lcmtools lab check: {error}; checking without a picture")
         return None
     return plot
 
@@ -78,7 +78,7 @@ def check_one(
             reports.append(report)
     if plot:
         draw_check(world, reports, plot)
-        talk(f"saved {plot}")
+        write_note(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
 

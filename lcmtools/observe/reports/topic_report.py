@@ -85,6 +85,6 @@ def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _lost_record(loss: Loss | None) -> dict[str, object]:
-    """The messages that did not arrive and all that were sent; null if unknown."""
+    """Return the numbers of lost and of sent messages; null if unknown."""
     known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

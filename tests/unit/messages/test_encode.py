@@ -6,6 +6,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
@@ -271,7 +272,7 @@ def test_arrays_that_share_a_length_must_agree(odd: ModuleType) -> None:
     message.left, message.right = [1.0, 2.0], ["a"]
     with pytest.raises(ValueMismatch) as caught:
         encode(message)
-    assert str(caught.value) == "right: has 1 elements where left has 2; they must be equal"
+    assert_says(str(caught.value), "right: ", "1 elements", "left has 2")
 
 
 def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleType) -> None:
@@ -279,7 +280,7 @@ def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleTyp
     message.left, message.right = [0.0] * 128, [""] * 128
     with pytest.raises(ValueMismatch) as caught:
         encode(message)
-    assert str(caught.value) == "left: has 128 elements; its length field, int8, holds 127 at most"
+    assert_says(str(caught.value), "left: ", "128 elements", "int8", "127")
 
 
 @pytest.mark.parametrize(
@@ -317,5 +318,5 @@ def test_a_message_that_contains_itself_is_refused(odd: ModuleType) -> None:
 
 
 def test_what_is_no_message_is_refused() -> None:
-    with pytest.raises(ValueMismatch, match="str: expected a message, got 'hello'"):
+    with raises_saying(ValueMismatch, "str: expected a message", "'hello'"):
         encode("hello")  # type: ignore[arg-type] # wrong on purpose

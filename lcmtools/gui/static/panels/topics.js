@@ -1,4 +1,4 @@
-// The topics: a table of all, sorted and filtered; of the chosen one the message, and a form.
+// The table of all topics, sorted and filtered, with the chosen topic's message or a form to publish.
 
 import { button, element, fill, iconButton, set, write } from "../elements.js";
 import { ageText, lossText, rateText, sizeText } from "../texts.js";
@@ -32,7 +32,7 @@ const COLUMNS = [
   { name: "listeners", title: "Listeners", text: (row) => row.listeners.join(", ") || "–", key: (row) => row.listeners[0] ?? null },
 ];
 
-/** The panel of the topics. */
+/** The topics panel. */
 export default class Topics {
   /**
    * @param {import("../context.js").Context} context
@@ -55,7 +55,7 @@ export default class Topics {
     });
     this.filter.value = typeof settings.filter === "string" ? settings.filter : "";
     this.count = element("span", { class: "muted", role: "status" });
-    /** The topic in the lower part, null for none, "" for one to be named. @type {string | null} */
+    /** The topic in the lower part, null for none, "" if the user enters it. @type {string | null} */
     this.chosen = typeof settings.topic === "string" ? settings.topic : null;
     this.isPublishing = settings.publish === true;
     /** @type {MessageTree | PublishForm | null} */
@@ -159,8 +159,8 @@ export default class Topics {
       return;
     }
     if (this.part instanceof PublishForm && !this.part.type.value && row.types[0]) {
-      this.part.type.value = row.types[0]; // it was opened before the topics were known
-      this.part.learn();
+      this.part.type.value = row.types[0]; // the form was opened before the topics were known
+      this.part.loadType();
     }
     const jitter = row.jitter === null ? "–" : `${(row.jitter * 1000).toFixed(1)} ms`;
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
