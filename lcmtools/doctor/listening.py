@@ -111,10 +111,8 @@ class Listening:
                 stream.format = foreign_format(packet.payload, is_whole=is_whole)
             return
         now = time.monotonic()
-        if (
-            packet.channel in (CLOCK_TOPIC, _LOG)
-            or self._spent <= self._share * (now - self._start) + 0.05
-        ):
+        has_time = self._spent <= self._share * (now - self._start) + 0.05
+        if has_time or packet.channel in (CLOCK_TOPIC, _LOG):
             self._inspect(packet, key)
             self._spent += time.monotonic() - now
 
@@ -138,8 +136,8 @@ class Listening:
             # a constant utime may belong to a message that is sent repeatedly
             if (kind, place) != ("old", "utime") or self._replayed(key) == "replayed"
             if kind != "boot" or not self.clock_ticks  # the clock started later
-            if kind not in ("future", "old")
-            or len(self._clocks) <= 1  # with several clocks it is ambiguous
+            # with several clocks these are ambiguous
+            if kind not in ("future", "old") or len(self._clocks) <= 1
         )
 
     def _replayed(self, key: _Key) -> str:
@@ -230,9 +228,8 @@ class Listening:
         if stamped is None:
             stamped, place = utime(message), "utime"
             if stamped and (unit := _unit(stamped // 1000, arrival)):
-                self._add_oddity(
-                    "unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds"
-                )
+                text = f"utime is {stamped // 1000}: {unit}, not microseconds"
+                self._add_oddity("unit", key, text)
                 return
         if not stamped or (place == "utime" and stamped < _SIMULATED):  # by another clock
             return
@@ -252,8 +249,7 @@ class Listening:
     def _add_oddity(self, kind: str, key: _Key, text: str) -> None:
         """Count an oddity by its kind and its place, the first word of its text."""
         place = (kind, key, text.partition(" ")[0])
-        known = self._odd.get(place)
-        if known:
+        if known := self._odd.get(place):
             self._odd[place] = replace(known, count=known.count + 1)
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
@@ -292,13 +288,10 @@ class RelayReports:
 
     def ends(self) -> tuple[RelayEnd, ...]:
         """Return both ends of each relay that has not left."""
-        return tuple(
-            RelayEnd(
-                *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
-                commands=tuple(end.commands),
-                stands_by=last.state == State.STANDBY,
-            )
-            for first, last in self._found.values()
-            if last.state != State.LEFT
-            for before, end in zip(first.ends, last.ends, strict=False)
-        )
+        found = []
+        for first, last in self._found.values():
+            for was, end in zip(first.ends, last.ends, strict=True):
+                known = last.name, last.host, end.bus, end.trouble, end.dropped - was.dropped
+                if last.state != State.LEFT:
+                    found.append(RelayEnd(*known, end.commands, last.state == State.STANDBY))
+        return tuple(found)
