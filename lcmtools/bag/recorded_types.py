@@ -28,7 +28,7 @@ def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[Recorded
 
 def _recorded(kind: type[Message]) -> RecordedType:
     name = type_name(kind)
-    path = f"{name.rpartition('/')[0]}/{PurePath(source_file(name)).name}"
+    path = f"{name.rpartition('/')[0]}/{PurePath(source_file(kind)).name}"
     return RecordedType(name, fingerprint(kind), path, source_text(kind) + "\n")
 
 

@@ -5,7 +5,7 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.observe.reports.describe import UNKNOWN, size_text
+from lcmtools.observe.reports.describe import kinds_text, size_text
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
 _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")
@@ -58,7 +58,7 @@ def topic_table(topics: Sequence[TopicSummary]) -> list[Sequence[str]]:
     rows = [
         (
             topic.name,
-            ", ".join(topic.types) or UNKNOWN,
+            kinds_text(topic.kinds, topic.name),
             str(topic.messages),
             "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
             size_text(topic.mean_bytes),

@@ -22,35 +22,63 @@ from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
 _INDEX = "index.json"  # the table of the types in a folder
-_FORM = "3"  # version of the index; a change invalidates the cache
+_FORM = "4"  # version of the index; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
 
 
 def cached_types(
-    files: Sequence[LcmFile], environment: Mapping[str, str], shipped: Mapping[str, int]
+    files: Sequence[LcmFile],
+    environment: Mapping[str, str],
+    shipped: Mapping[str, int],
+    home: str = "lcmtools.types",
 ) -> TypeSource:
     """Return the types of some files, ready to import; compile them if necessary.
 
     The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
+    A folder whose files define some types differently is compiled once more: there, its files take
+    precedence, so that these versions of the types, and of those made of them, are known too.
 
     Raises:
         MissingExtra: There is no lcm-gen.
         LcmtoolsError: The result cannot be written.
     """
-    prefix = _PREFIX + digest(files)
+    prefix = _PREFIX + digest(files, home)
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
         if _read_index(prefix, root / prefix) is None:
-            _make(files, prefix, root, shipped)
-        return _importable(prefix, root / prefix)
+            _make(files, prefix, root, shipped, home)
+        source = _importable(prefix, root / prefix)
+    return _with_versions(source, files, environment, shipped)
 
 
-def digest(files: Sequence[LcmFile]) -> str:
-    """A digest of the files' content and of the versions of lcm-gen and lcmtools that read them."""
+def _with_versions(
+    source: TypeSource,
+    files: Sequence[LcmFile],
+    environment: Mapping[str, str],
+    shipped: Mapping[str, int],
+) -> TypeSource:
+    """Add the other versions of types; those that are made of types of their own folder replace."""
+    known = {**shipped, **source.fingerprints}
+    versions: list[TypeSource] = []
+    mixed: dict[str, int] = {}  # types with fields of another folder's version
+    for place in source.places:
+        inside = [one for one in files if Path(place) in (one.path, *one.path.parents)]
+        inside.sort(key=lambda one: len(one.path.parts))
+        for one in cached_types(inside, environment, known, source.prefix).with_versions():
+            new = {n: f for n, f in one.fingerprints.items() if known.get(n) != f}
+            versions += [TypeSource(one.prefix, new, files=one.files)] if new else []
+            mixed |= {n: known[n] for n in new if one.files[n] == source.files.get(n)}
+    versions += [TypeSource(source.prefix, mixed, files=source.files)] if mixed else []
+    own = {n: f for n, f in source.fingerprints.items() if n not in mixed}
+    return source._replace(fingerprints=own, versions=versions)
+
+
+def digest(files: Sequence[LcmFile], home: str) -> str:
+    """A digest of the files' content, and of all that the result depends on beside them."""
     program = Path(find_lcm_gen()).stat()
-    known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns}"
+    known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns} {home}"
     total = hashlib.sha256(known.encode())
     for file in files:
         content = hashlib.sha256(file.content).digest()
@@ -81,12 +109,15 @@ def _read_index(prefix: str, folder: Path) -> TypeSource | None:
             table["files"],
             [Problem(**problem) for problem in table["problems"]],
             table["notes"],
+            table["places"],
         )
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         return None
 
 
-def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int]) -> None:
+def _make(
+    files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int], home: str
+) -> None:
     import shutil
     import tempfile
 
@@ -96,7 +127,7 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
         scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=root))
     target = root / prefix
     try:
-        table = build(files, prefix, scratch, shipped)
+        table = build(files, prefix, scratch, shipped, home)
         (scratch / _INDEX).write_text(json.dumps(table), "utf-8")
         if _read_index(prefix, target) is None:  # else another process made it first
             shutil.rmtree(target, ignore_errors=True)

@@ -17,6 +17,7 @@ from lcmtools.messages.registry import (
     Message,
     ServiceType,
     default_registry,
+    fingerprint,
     message_class,
     packages,
     service_class,
@@ -89,7 +90,10 @@ class UserTypes:
         for files, source in self._recorded.items():
             if source is None:
                 found = self._compiled(files)
-                self._recorded[files] = TypeSource(found.prefix, found.fingerprints)
+                versions = [TypeSource(one.prefix, one.fingerprints) for one in found.versions]
+                self._recorded[files] = TypeSource(
+                    found.prefix, found.fingerprints, versions=versions
+                )
         return [source for source in self._recorded.values() if source]
 
     def add_recorded(self, types: "Iterable[RecordedType]") -> None:
@@ -170,14 +174,15 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
-def source_file(name: str) -> str:
+def source_file(kind: type[Message]) -> str:
     """Return the path of a message type's file, a .lcm or ROS file."""
-    return default_registry().file(name) or f"{shipped_folder() / name}.lcm"
+    name = type_name(kind)
+    return default_registry().file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
-    file = source_file(type_name(kind))
+    file = source_file(kind)
     with os_errors_as(f"cannot read {file}, which defines {type_name(kind)}"):
         return Path(file).read_text("utf-8").strip()
 

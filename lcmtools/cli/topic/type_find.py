@@ -3,14 +3,20 @@
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import data, show
+from lcmtools.cli.output import data, show, talk
 from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.find import find_topic_and_path, is_of_type
-from lcmtools.observe.reports.describe import UNKNOWN, fingerprint_rows, type_text
+from lcmtools.observe.reports.describe import (
+    NO_TYPE,
+    UNKNOWN,
+    fingerprint_rows,
+    topic_kinds,
+    types_record,
+)
 
 
 @subcommand("type", json_option, looking_options)
@@ -28,13 +34,19 @@ def print_type(topic: str, *, as_json: bool) -> None:
     names = looking_names()
     names.spellings(topic)  # an empty name is wrong whatever the bus is
     found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
-    text = type_text(found)
+    kinds = topic_kinds(found)
+    record = types_record(kinds, found.name)
+    text = str(record["type"] or NO_TYPE)
     if path.steps:
         _show_field(found, text, path, as_json=as_json)
         return
     if text == UNKNOWN and not as_json:
         raise _unknown(found)
-    show({"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json)
+    for names in kinds:
+        if len(names) > 1:
+            talk(f"{names[0]} is one of several types with the same fields: {', '.join(names)}")
+    type_ = None if text == UNKNOWN else record["type"]
+    show({"topic": found.name, **record, "type": type_}, [text], as_json=as_json)
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:

@@ -11,7 +11,10 @@ from lcmtools.messages.registry import (
     message_class,
     problems,
     type_name,
+    versioned,
 )
+from lcmtools.messages.type_names import full_name
+from lcmtools.names import is_of_lcm
 from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
 
@@ -20,12 +23,24 @@ class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
     """No known type has the fingerprint of a payload."""
 
 
+def possible_types(number: int, channel: str = "", announced: Sequence[str] = ()) -> list[str]:
+    """Return the types that messages with a fingerprint may have, the likeliest first.
+
+    Types with the same fields have the same fingerprint. There is only one if nodes have
+    ``announced`` it, or if a channel's name ends in it ("/odom#nav_msgs.Odometry").
+    """
+    names = candidates(number, channel)
+    said = (*announced, full_name(channel.rpartition("#")[2]))
+    found = next(([name] for name in said if name in names), names)
+    return [versioned(name, number) for name in found]
+
+
 class Decoder:
     """Turns packets into messages.
 
-    Two types with the same fields have the same fingerprint. The type that the user ``named`` takes
-    precedence, then the one that nodes announce for the channel (``BusMonitor.types_of``), then the
-    likeliest. ``keep_stray`` is passed to ``codec.decode``.
+    The type that the user ``named`` takes precedence, with all of its versions unless ``exact``;
+    then the one that nodes announce for the channel (``BusMonitor.types_of``), then the likeliest.
+    ``keep_stray`` is passed to ``codec.decode``.
     """
 
     def __init__(
@@ -33,9 +48,11 @@ class Decoder:
         announced: Callable[[str], Sequence[str]],
         named: type[Message] | None = None,
         *,
+        exact: bool = False,
         keep_stray: bool = False,
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
+        self._exact = exact
         self._classes: dict[tuple[str, bytes], type[Message]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
@@ -59,17 +76,31 @@ class Decoder:
         """Return the message in a packet; raises errors as ``message_class`` does."""
         return decode(self.message_class(packet), packet.payload, keep_stray=self._keep_stray)
 
+    def types(self, packet: Packet) -> list[str]:
+        """Return the types that a packet's message may have, the likeliest first."""
+        number = packet.fingerprint
+        return [] if number is None else self._possible(packet.channel, number)
+
+    def _possible(self, channel: str, number: int) -> list[str]:
+        return possible_types(number, channel, self._announced(channel))
+
     def _settle(self, channel: str, number: int) -> type[Message]:
-        names = candidates(number)
+        if is_of_lcm(channel):
+            raise DecodeError("LCM's own message, which has no type")
         if self._named is not None:
+            name = type_name(self._named)
             if fingerprint(self._named) == number:
                 return self._named
-            seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
-            raise DecodeError(f"the type is not {type_name(self._named)} but {seen}")
+            if name in candidates(number) and not self._exact:
+                return message_class(name, number)
+            seen = next(
+                iter(self._possible(channel, number)), f"unknown, fingerprint {number:#018x}"
+            )
+            raise DecodeError(f"the type is not {name} but {seen}")
+        names = self._possible(channel, number)
         if not names:
             raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
-        meant = next((name for name in self._announced(channel) if name in names), names[0])
-        return message_class(meant, number)
+        return message_class(names[0], number)
 
 
 def remedy_of_unknown() -> str:

@@ -3,6 +3,7 @@
 import socket
 import time
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
@@ -14,12 +15,14 @@ from lcmtools.observe.measuring.counters import average_rate, callback_record, c
 from lcmtools.observe.node_requests import program_place
 from lcmtools.observe.reading.senders import Program, is_here, user_name
 from lcmtools.observe.reports.describe import (
-    UNKNOWN,
+    Kinds,
     callback_errors,
     candidates_text,
     host_text,
+    kinds_text,
     node_record,
-    seen_types,
+    seen_kinds,
+    types_record,
 )
 
 _TITLES = {
@@ -45,7 +48,7 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
     rows = ["-" * 80, f"Node [{node.name}]"]
     for role, title in _TITLES.items():
         shown = [
-            f" * {e.topic} [{' or '.join(e.types) or UNKNOWN}]{_dropped(e)}"
+            f" * {e.topic} [{' or '.join(e.types) or kinds_text(_observed(e), e.topic)}]{_dropped(e)}"
             for e in node.having(role)
             if show_hidden or not is_hidden(e.topic)
         ]
@@ -175,7 +178,7 @@ def _percent(spent: float, seconds: float) -> str:
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
     return {
         "topic": endpoint.topic,
-        "types": list(endpoint.types),
+        "types": list(endpoint.types or chain(*_observed(endpoint))),
         "depth": endpoint.depth,
         "messages": endpoint.messages,
         "bytes": endpoint.bytes,
@@ -197,7 +200,10 @@ def listed_program(program: Program) -> list[str]:
 def program_rows(program: Program, now: int, *, quiet: bool) -> list[str]:
     """Return a program as ``node info`` shows it."""
     rows = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
-    types = {seen.channel: _types_text(seen.fingerprints) for seen in program.traffic}
+    types = {
+        s.channel: kinds_text(seen_kinds(s.fingerprints, s.channel), s.channel)
+        for s in program.traffic
+    }
     rows.append("Publications: " if types else "Publications: none seen")
     rows += [f" * {channel} [{text}]" for channel, text in types.items()]
     listens = {True: "on unknown channels", False: "None", None: "not known"}
@@ -231,7 +237,7 @@ def program_record(program: Program) -> dict[str, object]:
         "publications": [
             {
                 "topic": seen.channel,
-                "type": _types_text(seen.fingerprints),
+                **types_record(seen_kinds(seen.fingerprints, seen.channel), seen.channel),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
@@ -252,8 +258,9 @@ def command_text(program: Program) -> str:
     return f"a program{candidates_text(program.candidates)}"
 
 
-def _types_text(fingerprints: tuple[int, ...]) -> str:
-    return ", ".join(seen_types(fingerprints)) or UNKNOWN
+def _observed(end: Endpoint) -> Kinds:
+    """Return the types of a node's messages that are only observed, as of a plain program."""
+    return seen_kinds(end.fingerprints, end.topic)
 
 
 def _kilobytes(size: int | None) -> str:
