@@ -5,6 +5,7 @@ Must not know how it is shown. Of events not in the index, only the head is read
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
 from lcmtools.observe.reading.log_file import LogFile

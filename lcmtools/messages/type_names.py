@@ -28,7 +28,7 @@ _NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
 
 
 def find(name: str, known: Collection[str], kind: str) -> str | None:
-    """Return the known name that ``name`` refers to; None if there is none.
+    """Return the known name that ``name`` refers to; None if it is unknown.
 
     A known name in full means that type, even if others end in it.
     """

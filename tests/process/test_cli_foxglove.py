@@ -15,6 +15,7 @@ from lcmtools import Node
 from lcmtools.foxglove.schemas import Schemas
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
+from tests.fixtures.says import assert_line
 
 Start = Callable[..., Any]
 
@@ -194,5 +195,5 @@ def test_a_missing_extra_is_named(
     monkeypatch.setitem(sys.modules, missing, None)
     result = cli("foxglove", env={"LCM_DEFAULT_URL": bus_url})
     assert (result.code, result.err.count("\n")) == (3, 1)
-    assert result.err.startswith("lcmtools foxglove: foxglove needs the extra 'foxglove' (")
-    assert result.err.endswith("type: pip install 'lcmtools-robotics[foxglove]'\n")
+    install = "pip install 'lcmtools-robotics[foxglove]'\n"
+    assert_line(result.err, "lcmtools foxglove: ", "extra 'foxglove' (", install)

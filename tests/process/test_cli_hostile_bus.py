@@ -23,6 +23,7 @@ from lcmtools.types import lcmtools_msgs
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.std_msgs import String
+from tests.fixtures.says import assert_says
 
 Run = Callable[..., Result]
 
@@ -188,9 +189,7 @@ def test_wrong_types_and_truncated_payloads_are_warnings_of_the_node(
     attack([short(b"/chatter", payload) for payload in payloads()])
     attack([short(b"/chatter", encode(good))])
     listener.wait_for("I heard: [still here]")
-    assert re.search(
-        r"\[WARN\] .*: /chatter: message ignored: expected std_msgs/String, got", listener.output
-    )
+    assert re.search(r"\[WARN\] .*: /chatter: .*expected std_msgs/String, got", listener.output)
 
 
 _SENDER = """
@@ -220,7 +219,7 @@ def test_wtf_names_the_sender_of_malformed_datagrams(
     assert item.startswith(f"0.0.0.0:{port}, ")
     assert Path(sys.executable).name in item
     assert f"(pid {sender.pid})" in item
-    assert item.endswith(": short message: channel name not ended within 63 bytes")
+    assert_says(item, ": short message", "channel name", "63 bytes")
 
 
 @pytest.mark.parametrize(

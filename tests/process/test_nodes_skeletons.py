@@ -10,6 +10,7 @@ import pytest
 from fixtures.command import Result
 
 from lcmtools.labs.skeletons import NAMES
+from tests.fixtures.says import assert_line
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 
@@ -41,6 +42,6 @@ def test_skeleton_is_overwritten_only_by_force(cli: Run, tmp_path: Path) -> None
     words = ("lab", "skeleton", "moving_robot", str(tmp_path))
     refused = cli(*words)
     assert (refused.code, mine.read_text()) == (2, "mine")
-    assert refused.err == (f"lcmtools lab skeleton: {mine} already exists; --force overwrites it\n")
+    assert_line(refused.err, f"lcmtools lab skeleton: {mine}", "exists; --force")
     assert cli(*words, "--force").code == 0
     assert mine.read_text().startswith('"""Drive the Dolly in a circle (skeleton).')

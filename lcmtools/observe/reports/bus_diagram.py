@@ -132,8 +132,9 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
         kinds = topic_kinds(topic)
         shown, known = tuple(map(one_of, kinds)), tuple(dict.fromkeys(chain(*kinds)))
         messages = max(sent[name], sum(one.messages for one in topic.traffic))
-        counts = {"messages": messages, "rate": rates.get(name)}
-        found.append(Channel(f"t{number}", name, known, shown=shown, **counts))
+        rate = rates.get(name)
+        channel = Channel(f"t{number}", name, known, messages=messages, rate=rate, shown=shown)
+        found.append(channel)
     types: dict[str, dict[str, None]] = defaultdict(dict)  # types by service; an ordered set each
     for role in (Role.SERVICE, Role.CLIENT):
         for end in (end for node in graph.nodes for end in node.having(role) if end.type):

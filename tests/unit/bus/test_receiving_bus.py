@@ -13,6 +13,7 @@ from lcmtools.bus.receiving_bus import ReceivingBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
+from tests.fixtures.says import raises_saying
 
 _LONG = 20.0  # [s]
 
@@ -147,5 +148,5 @@ def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never: WakeupEv
 def test_a_bus_of_a_parent_refuses_requests() -> None:
     bus = PipeBus()
     bus.leave_to_parent()
-    with pytest.raises(BusError, match="the bus belongs to the parent process"):
+    with raises_saying(BusError, "bus", "parent process"):
         bus.on_receiver(lambda: None)

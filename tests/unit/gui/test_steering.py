@@ -10,6 +10,7 @@ from lcmtools.gui.steering import Steering
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
+from tests.fixtures.says import assert_says
 
 _TWIST = "geometry_msgs/Twist"
 _LONG = 20.0  # [s] for what comes
@@ -46,9 +47,9 @@ def _request(op: str, **values: float | str) -> PageRequest:
 
 def test_commands_are_published_until_the_page_lets_go_then_a_stop_and_silence() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("drive", forward=0.5, turn=-0.25)) == ""
+    assert steering.execute(1, _request("drive", forward=0.5, turn=-0.25)) == ""
     assert publishers.next() == ("/v", 0.5, -0.25)
-    assert steering.take(1, _request("release")) == ""
+    assert steering.execute(1, _request("release")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
     assert publishers.sent.empty()
@@ -82,7 +83,7 @@ def test_a_page_that_is_gone_is_stopped() -> None:
 
 def test_a_stop_is_published_though_nobody_drives() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("stop")) == ""
+    assert steering.execute(1, _request("stop")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
 
@@ -90,8 +91,8 @@ def test_a_stop_is_published_though_nobody_drives() -> None:
 def test_commands_that_cannot_be_published_are_refused_with_the_reason() -> None:
     steering, publishers = _steering()
     refusal = steering.drive(1, "/v", "sensor_msgs/JointState", (0.5, 0.0))
-    assert refusal == "JointState commands no velocity"
-    assert "unknown type 'no_msgs/Such'" in steering.drive(1, "/v", "no_msgs/Such", (0.5, 0.0))
+    assert_says(refusal, "JointState", "no velocity")
+    assert_says(steering.drive(1, "/v", "no_msgs/Such", (0.5, 0.0)), "type", "'no_msgs/Such'")
     publishers.is_broken = True
     assert steering.drive(1, "/v", _TWIST, (0.5, 0.0)) == "the network is away"
     steering.close()

@@ -12,6 +12,7 @@ from lcmtools.messages.fill import fill
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import Cell, Plain, cells, to_json, to_plain
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
+from tests.fixtures.says import assert_says
 
 
 def test_a_message_becomes_dicts_lists_and_numbers() -> None:
@@ -84,7 +85,7 @@ def test_half_characters_are_no_text() -> None:
     for message in (std_msgs.String(), sensor_msgs.CompressedImage()):
         with pytest.raises(ValueMismatch) as caught:
             fill(message, {"data": "\ud800"})
-        assert str(caught.value) == "data: expected text, got half a character in '\\ud800'"
+        assert_says(str(caught.value), "data: expected text", "'\\ud800'")
 
 
 def test_bytes_that_are_not_utf_8_are_text_as_json_and_yaml_have_them() -> None:

@@ -14,6 +14,7 @@ from lcmtools.messages.codec import decode
 from lcmtools.node.context import Context
 from lcmtools.node.logger import Logger
 from lcmtools.types.rosgraph_msgs import Log
+from tests.fixtures.says import assert_says
 
 Begin = Callable[..., Context]
 
@@ -148,4 +149,4 @@ def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(
     lcmtools.spin(node)
     log = capsys.readouterr().err
     assert log.count("\n") == 1
-    assert "there is no parameter 'gian'; did you mean gain?" in log
+    assert_says(log, "no parameter 'gian'", "did you mean gain?")

@@ -17,6 +17,7 @@ from lcmtools.node.context import Context
 from lcmtools.node.publisher import PayloadPublisher, publish_together
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import Int32, String
+from tests.fixtures.says import raises_saying
 
 Begin = Callable[..., Context]
 
@@ -63,7 +64,7 @@ def test_messages_are_counted_whether_the_bus_sends_them_together_or_not() -> No
 def test_a_message_of_another_type_is_refused(begin: Begin, message: object, name: str) -> None:
     begin()
     publisher = Node("a").create_publisher(String, "chatter")
-    with pytest.raises(ValueMismatch, match=f"/chatter: expected std_msgs/String, got {name}"):
+    with raises_saying(ValueMismatch, "/chatter: expected std_msgs/String", name):
         publisher.publish(message)
     assert publisher.endpoint().messages == 0
 
@@ -71,7 +72,7 @@ def test_a_message_of_another_type_is_refused(begin: Begin, message: object, nam
 def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin: Begin) -> None:
     begin()
     publisher = Node("a").create_publisher(Point, "p")
-    with pytest.raises(ValueMismatch, match="Point, got geometry_msgs/Vector3"):
+    with raises_saying(ValueMismatch, "geometry_msgs/Point", "geometry_msgs/Vector3"):
         publisher.publish(Vector3())
 
 

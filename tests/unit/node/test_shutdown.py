@@ -15,6 +15,7 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
 )
 from lcmtools.node.context import Context
+from tests.fixtures.says import assert_says
 
 Begin = Callable[..., Context]
 
@@ -39,7 +40,7 @@ def test_it_answers_logs_who_asks_and_ends(
     assert _answers(bus) == ["/driver"]
     assert not context.ok()
     lcmtools.spin(node)
-    assert "[/driver]: shutdown requested by a test\n" in capsys.readouterr().err
+    assert_says(capsys.readouterr().err, "[/driver]: ", "shutdown", "by a test\n")
 
 
 def test_asked_again_it_answers_again_and_logs_once(

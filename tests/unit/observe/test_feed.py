@@ -12,6 +12,7 @@ from lcmtools.observe.channels.rows import ChannelRow, ChannelSelection
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
+from tests.fixtures.says import assert_says
 
 MEMORY = BusUrl("memq", "")
 Behaviour = Callable[[], list[Packet]]
@@ -118,7 +119,7 @@ def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot])
         return packets()
 
     found = snapshot_of(behaviour, lambda snapshot: snapshot.is_over)
-    assert found.trouble == "a fault of lcmtools (ZeroDivisionError: by zero)"
+    assert_says(found.trouble, "lcmtools", "ZeroDivisionError: by zero")
 
 
 def test_who_listens_is_looked_up_again_where_there_are_other_sockets(

@@ -7,6 +7,7 @@ from lcmtools.graph.model import Graph, Traffic
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.names import Resolver
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
+from tests.fixtures.says import raises_saying
 
 
 def bus(*channels: str) -> Graph:
@@ -88,7 +89,7 @@ def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
 
 
 def test_an_empty_name_is_refused() -> None:
-    with pytest.raises(UsageError, match="the topic's name is empty"):
+    with raises_saying(UsageError, "topic", "empty"):
         select_topics("")
 
 
