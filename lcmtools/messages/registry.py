@@ -168,7 +168,10 @@ class Registry:
         name, _, version = name.partition("@")
         if version:
             number = self._version_number(name, version)
-        problem = other = None
+        exact, problem, other = full_name(name), None, None
+        for one in (one for some in self._tiers() if number is not None for one in some):
+            if one.fingerprints.get(exact) == number:
+                return one, exact
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
@@ -357,6 +360,11 @@ def type_names() -> list[str]:
 def service_names() -> list[str]:
     """Return the names of all service pairs, sorted."""
     return default_registry().service_names()
+
+
+def is_own(name: str) -> bool:
+    """Return whether a type, by its full name, is the user's own, not one that lcmtools ships."""
+    return bool(default_registry().file(name.partition("@")[0]))
 
 
 def packages() -> list[str]:

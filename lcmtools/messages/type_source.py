@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
 
+SHIPPED = "lcmtools.types"
+"""The package of the classes of lcmtools' own types."""
+
 
 class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""

@@ -16,12 +16,10 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lcmtools.messages.type_source import Problem
+from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.wire.datagram import MESSAGE_MAX
-
-_SHIPPED = "lcmtools.types"
 
 _INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
@@ -54,7 +52,7 @@ class _Build:
     prefix: str
     folder: Path
     shipped: Collection[str]
-    home: str = _SHIPPED  # the module that has the shipped types
+    home: str = SHIPPED  # the module that has the shipped types
     types: dict[str, Generated] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
@@ -203,7 +201,7 @@ def build(
     prefix: str,
     folder: Path,
     shipped: Mapping[str, int],
-    home: str = _SHIPPED,
+    home: str = SHIPPED,
 ) -> dict[str, object]:
     """Fill an empty folder with the types of some files; return their table, for JSON.
 

@@ -17,13 +17,15 @@ from threading import Lock
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.folders import cache_folder
-from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.messages.type_source import SHIPPED, Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
 _INDEX = "index.json"  # the table of the types in a folder
 _FORM = "4"  # version of the index; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
+VERSION_PREFIX = f"{_PREFIX}v_"
+"""The beginning of a package with other versions of types."""
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
 
@@ -32,7 +34,7 @@ def cached_types(
     files: Sequence[LcmFile],
     environment: Mapping[str, str],
     shipped: Mapping[str, int],
-    home: str = "lcmtools.types",
+    home: str = SHIPPED,
 ) -> TypeSource:
     """Return the types of some files, ready to import; compile them if necessary.
 
@@ -44,7 +46,7 @@ def cached_types(
         MissingExtra: There is no lcm-gen.
         LcmtoolsError: The result cannot be written.
     """
-    prefix = _PREFIX + digest(files, home)
+    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + digest(files, home)
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
         if _read_index(prefix, root / prefix) is None:
