@@ -168,10 +168,18 @@ class Registry:
         name, _, version = name.partition("@")
         if version:
             number = self._version_number(name, version)
-        exact, problem, other = full_name(name), None, None
-        for one in (one for some in self._tiers() if number is not None for one in some):
-            if one.fingerprints.get(exact) == number:
-                return one, exact
+        if number is not None and (exact := self._exact(full_name(name), number)):
+            return exact
+        return self._named(name, number)
+
+    def _exact(self, name: str, number: int) -> tuple[TypeSource, str] | None:
+        """Return the source that has this very type; a broken file of another does not matter."""
+        every = (one for sources in self._tiers() for one in sources)
+        return next(((one, name) for one in every if one.fingerprints.get(name) == number), None)
+
+    def _named(self, name: str, number: int | None) -> tuple[TypeSource, str]:
+        """Return the source of the type that a name means, best with this fingerprint."""
+        problem = other = None
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)

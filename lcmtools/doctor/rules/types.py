@@ -305,7 +305,7 @@ def _possible(fingerprint: int, topic: Topic) -> list[str]:
 
 
 def _expected(topic: Topic) -> Iterator[str]:
-    """Yield the types of a topic: announced, possibly sent, and the user's own that are named so."""
+    """Yield the types of a topic: announced, possibly sent, and the user's own named so."""
     yield from (name for name in topic.types if name in type_names())
     for number in topic.fingerprints:
         yield from _possible(number, topic)
