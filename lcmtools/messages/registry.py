@@ -82,10 +82,12 @@ class Registry:
         """Return the names of all service pairs, sorted."""
         return sorted({name for source in self._all() for name in source.services})
 
-    def message_class(self, name: str, number: int | None = None) -> type[Message]:
+    def message_class(
+        self, name: str, number: int | None = None, *, any_version: bool = False
+    ) -> type[Message]:
         """Import and return the class of a type; see ``lcmtools.message_class``."""
         source, found = self._type(name, number)
-        if number is None and "@" not in name:
+        if not any_version and number is None and "@" not in name:
             self._warn_once(source, found)
         return cast("type[Message]", _load(source.prefix, found))
 
@@ -131,8 +133,11 @@ class Registry:
                 (n, one) for one in having for n, f in one.fingerprints.items() if f == fingerprint
             ]
             if found:
+                names = {name for name, _ in found}
+                stored = self._supply.recorded_names(fingerprint) if self._supply else ()
                 own = {name for name, one in found if one not in self._fixed}
-                return sorted({name for name, _ in found}, key=order)
+                own |= set(stored) - names
+                return sorted(names | own, key=order)
         return []
 
     def versioned(self, name: str, fingerprint: int) -> str:
@@ -330,9 +335,11 @@ def _log(text: str) -> None:
     logging.getLogger("lcmtools").warning("%s", text)
 
 
-def message_class(name: str, number: int | None = None) -> type[Message]:
+def message_class(
+    name: str, number: int | None = None, *, any_version: bool = False
+) -> type[Message]:
     """Return the class of a type; see ``Registry.message_class``."""
-    return default_registry().message_class(name, number)
+    return default_registry().message_class(name, number, any_version=any_version)
 
 
 def service_class(name: str) -> type[ServiceType]:

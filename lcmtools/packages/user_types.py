@@ -6,6 +6,7 @@ and only for types that are otherwise unknown, because finding them takes a mome
 """
 
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -76,6 +77,7 @@ class UserTypes:
         self._near = _Found()
         self._far = _Found()
         self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
+        self._recorded_names: defaultdict[int, dict[str, None]] = defaultdict(dict)
 
     def near(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of the workspace; None if there are none."""
@@ -98,7 +100,14 @@ class UserTypes:
 
     def add_recorded(self, types: "Iterable[RecordedType]") -> None:
         """Add the types stored with a log."""
+        types = list(types)
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
+        for one in types:
+            self._recorded_names[one.fingerprint][one.name] = None
+
+    def recorded_names(self, fingerprint: int) -> list[str]:
+        """Return the names under which logs have stored types with this fingerprint."""
+        return list(self._recorded_names.get(fingerprint, ()))
 
     def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
         """Compile types from their text."""

@@ -29,7 +29,9 @@ from lcmtools.messages.text import Writer
 from lcmtools.observe.formatter import DisplayOptions, Form, MessageFormatter
 from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken_together
 from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.selection import select_topics
+from lcmtools.packages import provide_recorded_types
 
 _FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
 _SHORT = 200  # elements of an array on a terminal
@@ -144,6 +146,9 @@ def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple
         raise UsageError("--all shows all topics", "leave out --all, or the topic")
     if not (words or all_topics):
         raise click.MissingParameter(param_hint="'TOPIC'", param_type="argument")
+    if len(words) > 1 and (log := chosen_log()) is not None:
+        with LogFile(log) as file:  # it may have stored the type
+            provide_recorded_types(file.index.types.values())
     if len(words) > 1 and means_type(words[-1]):
         return words[:-1], words[-1]
     return words or (_ALL_TOPICS,), ""
@@ -183,7 +188,7 @@ def display(
         view=view,
         writer=Writer(width),
         is_relative=offset,
-        message_class=message_class(type_) if type_ else None,
+        message_class=message_class(type_, any_version=True) if type_ else None,
     )
 
 

@@ -78,7 +78,7 @@ def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> No
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
     """
-    name = type_name(message_class(type_))
+    name = type_name(message_class(type_, any_version=True))
     graph, url = look("find", foreign=True)
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]

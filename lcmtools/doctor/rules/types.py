@@ -119,7 +119,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
 @rule(
     "unknown-type",
     remedy="generate the sender's types again from the same .lcm files",
-    severity=Severity.NOTE,
+    severity=Severity.WARNING,
     title={
         "no-lcm-messages": "The following are not LCM messages:",
         "types-without-file": "The types of the following are not known here:",

@@ -96,7 +96,8 @@ class Decoder:
             seen = next(
                 iter(self._possible(channel, number)), f"unknown, fingerprint {number:#018x}"
             )
-            raise DecodeError(f"the type is not {name} but {seen}")
+            meant = versioned(name, fingerprint(self._named))
+            raise DecodeError(f"the type is not {meant} but {seen}")
         names = self._possible(channel, number)
         if not names:
             raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
