@@ -8,7 +8,6 @@ consists of names that refer to ``lcmtools.types``.
 """
 
 import importlib
-import os
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from tempfile import TemporaryDirectory
 from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.versions import version_place
 from lcmtools.wire.datagram import MESSAGE_MAX
 
 _INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
@@ -227,17 +227,6 @@ def build(
         "notes": making.notes,
         "places": making.places,
     }
-
-
-def version_place(file: Path, first: Path) -> Path:
-    """Return the folder of another version of a type, beside or below that of the first.
-
-    It is the outermost one without the first; the file itself if both are in one folder.
-    """
-    common = Path(os.path.commonpath([file.parent, first.parent]))
-    if file.parent != common:
-        return common / file.relative_to(common).parts[0]
-    return file if first.parent == common else common
 
 
 def _package(name: str) -> str:

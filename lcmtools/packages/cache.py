@@ -20,6 +20,7 @@ from lcmtools.folders import cache_folder
 from lcmtools.messages.type_source import SHIPPED, Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.versions import with_versions
 
 _INDEX = "index.json"  # the table of the types in a folder
 _FORM = "4"  # version of the index; a change invalidates the cache
@@ -39,8 +40,7 @@ def cached_types(
     """Return the types of some files, ready to import; compile them if necessary.
 
     The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
-    A folder whose files define some types differently is compiled once more: there, its files take
-    precedence, so that these versions of the types, and of those made of them, are known too.
+    ``home`` is the package that has them.
 
     Raises:
         MissingExtra: There is no lcm-gen.
@@ -52,29 +52,11 @@ def cached_types(
         if _read_index(prefix, root / prefix) is None:
             _make(files, prefix, root, shipped, home)
         source = _importable(prefix, root / prefix)
-    return _with_versions(source, files, environment, shipped)
 
+    def compiled(inside: Sequence[LcmFile], known: Mapping[str, int], home: str) -> TypeSource:
+        return cached_types(inside, environment, known, home)
 
-def _with_versions(
-    source: TypeSource,
-    files: Sequence[LcmFile],
-    environment: Mapping[str, str],
-    shipped: Mapping[str, int],
-) -> TypeSource:
-    """Add the other versions of types; those that are made of types of their own folder replace."""
-    known = {**shipped, **source.fingerprints}
-    versions: list[TypeSource] = []
-    mixed: dict[str, int] = {}  # types with fields of another folder's version
-    for place in source.places:
-        inside = [one for one in files if Path(place) in (one.path, *one.path.parents)]
-        inside.sort(key=lambda one: len(one.path.parts))
-        for one in cached_types(inside, environment, known, source.prefix).with_versions():
-            new = {n: f for n, f in one.fingerprints.items() if known.get(n) != f}
-            versions += [TypeSource(one.prefix, new, files=one.files)] if new else []
-            mixed |= {n: known[n] for n in new if one.files[n] == source.files.get(n)}
-    versions += [TypeSource(source.prefix, mixed, files=source.files)] if mixed else []
-    own = {n: f for n, f in source.fingerprints.items() if n not in mixed}
-    return source._replace(fingerprints=own, versions=versions)
+    return with_versions(source, files, shipped, compiled)
 
 
 def digest(files: Sequence[LcmFile], home: str) -> str:
