@@ -246,7 +246,7 @@ def _versions(topic: Topic, users: Sequence[_User]) -> Iterator[Statement]:
             yield state("appended" if is_end else "has-more", **parts, fields=added)
             senders = [user.subject for user in users if other in user.fingerprints]
             yield state("older-type", senders=senders)
-        elif is_one and added and missing and one == min(one, other):
+        elif is_one and added and missing and names[one] < names[other]:
             yield state("differ-in", **parts, fields=list(dict.fromkeys([*added, *missing])))
 
 
