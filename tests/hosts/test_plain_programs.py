@@ -5,8 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 _NODE = """
 import sys, time, lcmtools

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 _HERE, _NETWORK = "zenoh://", "zenoh://?interface=eth0"
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
 Check = Callable[..., list[dict[str, Any]]]

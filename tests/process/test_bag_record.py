@@ -12,6 +12,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says
 from fixtures.typist import Typist
 
 from lcmtools import Node
@@ -29,7 +30,6 @@ from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.packages.user_types import source_text
 from lcmtools.types.geometry_msgs import PointStamped
 from lcmtools.types.std_msgs import Bool, String
-from tests.fixtures.says import assert_says
 
 WaitUntil = Callable[..., None]
 

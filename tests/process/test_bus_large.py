@@ -12,6 +12,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.lcm_bus import LcmBus
@@ -23,7 +24,6 @@ from lcmtools.errors import BusError
 from lcmtools.wire.datagram import FRAGMENT_MAX, MESSAGE_MAX, ShortMessage, fragments, parse
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.reader import Reader
-from tests.fixtures.says import raises_saying
 
 _SO_RCVBUFFORCE = 33  # Linux's number; the socket module has no name for it
 WaitUntil = Callable[..., None]

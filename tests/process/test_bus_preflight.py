@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.kernel import receive_buffer_bytes
 from lcmtools.bus.lcm_bus import LcmBus
@@ -19,7 +20,6 @@ from lcmtools.bus.multicast import (
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.errors import BusError
-from tests.fixtures.says import assert_says
 
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bus import preflight
 from lcmtools.bus.lcm_bus import LcmBus
@@ -22,7 +23,6 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.sources import open_observer
-from tests.fixtures.says import assert_says, raises_saying
 
 WaitUntil = Callable[..., None]
 

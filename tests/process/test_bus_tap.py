@@ -10,6 +10,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.processes import (
@@ -24,7 +25,6 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 from lcmtools.wire.datagram import fragments, short_message
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import raises_saying
 
 WaitUntil = Callable[..., None]
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")

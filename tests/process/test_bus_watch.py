@@ -11,6 +11,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
@@ -23,7 +24,6 @@ from lcmtools.node.context import Context
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says
 
 WaitUntil = Callable[..., None]
 

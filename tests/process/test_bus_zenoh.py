@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh.bus import ZenohBus
@@ -21,7 +22,6 @@ from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
-from tests.fixtures.says import assert_line, assert_says
 
 WaitUntil = Callable[..., None]
 

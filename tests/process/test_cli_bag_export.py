@@ -8,11 +8,11 @@ import lcm
 import numpy as np
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_says
 
 Run = Callable[..., Result]
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says
 from fixtures.typist import Typist
 from fixtures.wire import encode_event
 
@@ -19,7 +20,6 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.wire.log_events import packets
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says
 
 S = 1_000_000_000
 START = 1_795_000_000 * S

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 from lcmtools.bus import quick_probe
 from lcmtools.bus.multicast import sending_socket
@@ -19,7 +20,6 @@ from lcmtools.cli.completion.answer import answer
 from lcmtools.messages.supply import set_supply
 from lcmtools.publish import quick_parameters
 from lcmtools.wire.datagram import fragments, short_message
-from tests.fixtures.says import assert_says
 
 BREAKS = " \t\n\"'><=;|&(:"
 Ask = Callable[..., list[str]]

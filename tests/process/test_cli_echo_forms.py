@@ -14,11 +14,11 @@ import lcm
 import pytest
 import yaml
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Int32, String
-from tests.fixtures.says import assert_says
 
 Run = Callable[..., Result]
 

@@ -13,8 +13,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]

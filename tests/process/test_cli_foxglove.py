@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 from fixtures.programs import Program
+from fixtures.says import assert_line
 from websockets.sync.client import ClientConnection, connect
 
 from lcmtools import Node
 from lcmtools.foxglove.schemas import Schemas
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_line
 
 Start = Callable[..., Any]
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.wire.datagram import short_message
-from tests.fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 

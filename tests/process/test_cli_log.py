@@ -6,12 +6,12 @@ from pathlib import Path
 import lcm
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 

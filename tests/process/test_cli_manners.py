@@ -21,8 +21,7 @@ from typing import IO, Any
 
 import pytest
 from fixtures.commands import COMMANDS, command_of, has_json
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 _ROBOT = """
 import lcmtools

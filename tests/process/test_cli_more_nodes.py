@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_line
+from fixtures.says import assert_line
 
 Run = Callable[..., Any]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_line, assert_says
+from fixtures.says import assert_line, assert_says
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 

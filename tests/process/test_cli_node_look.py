@@ -10,8 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 Run = Callable[..., Any]
 HOST = socket.gethostname()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 import lcmtools
 from lcmtools import Node, SetParametersResult
@@ -15,7 +16,6 @@ from lcmtools.labs.nodes.simple_controller import SimpleController
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
-from tests.fixtures.says import assert_line, assert_says
 
 Cli = Callable[..., Any]
 Start = Callable[..., Any]

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_line, assert_says
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Any]
 

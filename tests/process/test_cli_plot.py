@@ -6,10 +6,10 @@ from pathlib import Path
 import lcm
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
-from tests.fixtures.says import assert_line
 
 Run = Callable[..., Result]
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_line
+from fixtures.says import assert_line
 
 Cli = Callable[..., Any]
 

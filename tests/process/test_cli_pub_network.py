@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 Cli = Callable[..., Any]
 ROUTE = ("224.0.0.0/4", "dev", "lo")

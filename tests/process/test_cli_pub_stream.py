@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.messages.text import format_message
 from lcmtools.publish import incoming
 from lcmtools.types.std_msgs import Empty
-from tests.fixtures.says import assert_line, assert_says
 
 Cli = Callable[..., Any]
 STRING = "std_msgs/String"

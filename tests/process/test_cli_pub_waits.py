@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools import Node
 from lcmtools.bus.records import NodeRecords
@@ -17,7 +18,6 @@ from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Node as Model
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.rosgraph_msgs import Clock
-from tests.fixtures.says import assert_line, assert_says
 
 Cli = Callable[..., Any]
 STRING = "std_msgs/String"

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools import Node
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.std_srvs import Empty, SetBool, Trigger
-from tests.fixtures.says import assert_says
 
 Cli = Callable[..., Any]
 Start = Callable[..., Any]

@@ -12,9 +12,9 @@ from typing import Any
 import lcm
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_says
 
 Run = Callable[..., Result]
 

@@ -16,10 +16,10 @@ from typing import Any
 import lcm
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line
 
 from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.sensor_msgs import Image
-from tests.fixtures.says import assert_line
 
 LEFT = b"\x1b[?1049l"
 """The sequences that give the terminal back as it was."""

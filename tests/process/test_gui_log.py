@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 from fixtures.window import LivePage, LiveWindow
 from fixtures.wire import encode_event
 
@@ -18,7 +19,6 @@ from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_line, assert_says
 
 S = 1_000_000_000
 START = 1_795_000_000 * S

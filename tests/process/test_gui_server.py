@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from fixtures.command import Result
 from fixtures.programs import Program
+from fixtures.says import assert_line, assert_says
 from fixtures.window import LivePage, LiveWindow
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -33,7 +34,6 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sensor_msgs import CompressedImage
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_line, assert_says
 
 Open = Callable[..., LiveWindow]
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import decode, encode
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import assert_says
 
 WaitUntil = Callable[..., None]
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from tests.fixtures.says import assert_says
 
 Start = Callable[..., Any]
 SCRIPT = """

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line
 
 from lcmtools.labs.skeletons import NAMES
-from tests.fixtures.says import assert_line
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 

@@ -19,11 +19,11 @@ from typing import Any
 import lcm
 import PIL.Image
 import pytest
+from fixtures.says import assert_line
 from fixtures.typist import Typist
 from fixtures.window import LivePage
 
 from lcmtools.types.sensor_msgs import CompressedImage, Image
-from tests.fixtures.says import assert_line
 
 TOPIC = "/camera/depth/image_raw"
 

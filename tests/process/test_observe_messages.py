@@ -11,13 +11,13 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UsageError
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Int32, String
-from tests.fixtures.says import raises_saying
 
 MESSAGES = 30
 START_US = 1_700_000_000_000_000

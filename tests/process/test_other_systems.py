@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures import macos
-
-from tests.fixtures.says import assert_says
+from fixtures.says import assert_says
 
 MACOS = {"PYTHONPATH": str(Path(macos.__path__[0]))}
 LAUNCH = """

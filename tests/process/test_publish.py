@@ -5,13 +5,13 @@ from itertools import count
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.errors import NothingReceived, UnknownType, ValueMismatch
 from lcmtools.publish import publish
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import Int32
-from tests.fixtures.says import assert_says
 
 STRING = "std_msgs/String"
 _topics = count()

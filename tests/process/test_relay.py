@@ -11,6 +11,7 @@ from contextlib import ExitStack, closing
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.typist import Typist
 
 from lcmtools.bus.lcm_bus import LcmBus
@@ -20,7 +21,6 @@ from lcmtools.graph.relay_report import Link, State
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
-from tests.fixtures.says import assert_says
 
 WaitUntil = Callable[..., None]
 Start = Callable[..., Any]

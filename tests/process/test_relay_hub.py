@@ -10,6 +10,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says, raises_saying
 from fixtures.wire import subscribe_frame
 
 from lcmtools.bus.url import parse_url
@@ -17,7 +18,6 @@ from lcmtools.errors import BusError
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.hub import Hub, serve
 from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING, publish_frame
-from tests.fixtures.says import assert_says, raises_saying
 
 WaitUntil = Callable[..., None]
 

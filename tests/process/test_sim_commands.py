@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
-
-from tests.fixtures.says import assert_line, assert_says
+from fixtures.says import assert_line, assert_says
 
 pytest.importorskip("pybullet")
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from tests.fixtures.says import assert_line
+from fixtures.says import assert_line
 
 Run = Callable[..., Any]
 

@@ -1,11 +1,11 @@
 """The topics that are recorded."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import Resolver
-from tests.fixtures.says import assert_says
 
 _NAMES = Resolver("/husky0")
 _CHANNELS = ["/husky0/odometry", "/husky0/image", "/other", "EXAMPLE", "/husky0/_hidden"]

@@ -5,6 +5,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bag.columns import Table, table
 from lcmtools.errors import DecodeError
@@ -16,7 +17,6 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
 from lcmtools.types.std_msgs import Bool, Empty, String
 from lcmtools.types.tf2_msgs import TFMessage
-from tests.fixtures.says import raises_saying
 
 
 def _scan(number: int, beams: int = 4, frame: str = "laser") -> LaserScan:

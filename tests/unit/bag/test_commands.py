@@ -1,6 +1,7 @@
 """Commands among the topics that are played: who would obey, and what stands at the end."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bag.commands import LastCommands, conflicts, is_command
 from lcmtools.bag.playlist import Track
@@ -10,7 +11,6 @@ from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.types.geometry_msgs import Pose, Twist, TwistStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Sender
-from tests.fixtures.says import assert_says
 
 HOST = Node("/robot", "1", "elsewhere", 12)
 SENDER = Sender("10.0.0.9", 4000)

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
@@ -16,7 +17,6 @@ from lcmtools.observe.reading.losses import Loss
 from lcmtools.types.std_msgs import Float64, String
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import assert_says
 
 _SECOND = 1_000_000_000
 _START = 1_795_384_180 * _SECOND

@@ -8,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bag.export import FORMATS, Exported, export, format_of
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -19,7 +20,6 @@ from lcmtools.types.sensor_msgs import JointState, LaserScan
 from lcmtools.types.std_msgs import String
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import assert_says, raises_saying
 
 _SECOND = 10**9
 _SENDER = Sender("127.0.0.1", 4001, "/driver")

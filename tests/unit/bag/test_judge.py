@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
@@ -11,7 +12,6 @@ from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import assert_says
 
 _SECOND = 1_000_000_000
 Captured = pytest.CaptureFixture[str]

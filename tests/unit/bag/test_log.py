@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 import lcmtools.bag
 from lcmtools.bag.writer import LogWriter
@@ -10,7 +11,6 @@ from lcmtools.errors import BusError, DecodeError, LcmtoolsError, UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import raises_saying
 
 _SECOND = 1_000_000_000
 _START = 1_795_384_180 * _SECOND

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
@@ -17,7 +18,6 @@ from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.log_index import LostMessages, RecordedNode
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import assert_says
 
 _SECOND = 1_000_000_000
 _START = 1_795_384_180 * _SECOND

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from fixtures.wire import encode_event
 
 from lcmtools.arguments import split_arguments
@@ -17,7 +18,6 @@ from lcmtools.messages.registry import fingerprint
 from lcmtools.types.geometry_msgs import Point, Twist
 from lcmtools.wire.log_events import SYNC
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says, raises_saying
 
 S = 1_000_000_000
 START = 1_795_000_000 * S

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bag.ros_bags import McapFile, RosBag
 from lcmtools.bag.ros_import import Imported, RosImport
@@ -19,7 +20,6 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says, raises_saying
 
 _TIME = 1_700_000_000_123_456_789
 

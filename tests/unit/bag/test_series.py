@@ -4,12 +4,13 @@ import os
 from datetime import datetime
 from pathlib import Path
 
+from fixtures.says import assert_says, raises_saying
+
 from lcmtools.bag.recorder import Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bag.recording import summary
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import index_path
-from tests.fixtures.says import assert_says, raises_saying
 
 
 def _names(folder: Path) -> list[str]:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.playlist import Choice, Playlist
@@ -19,7 +20,6 @@ from lcmtools.packages.user_types import source_text
 from lcmtools.types.std_msgs import Header, String
 from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import assert_says
 
 _SECOND = 1_000_000_000
 _START = 1_795_384_180 * _SECOND

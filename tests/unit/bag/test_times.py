@@ -4,10 +4,10 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bag.times import parse_time, time_window
 from lcmtools.errors import UsageError
-from tests.fixtures.says import raises_saying
 
 _SECOND = 1_000_000_000
 _START = 1_795_350_600 * _SECOND  # 2026-11-22 12:30:00 UTC

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import lcm
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
@@ -12,7 +13,6 @@ from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire.log_compression import Compression
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
-from tests.fixtures.says import raises_saying
 
 _ONE, _OTHER = Sender("127.0.0.1", 4001), Sender("127.0.0.1", 4002)
 _MINUTE = 60_000_000_000

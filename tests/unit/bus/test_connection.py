@@ -1,13 +1,13 @@
 """The times at which a lost connection is tried again."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus import liblcm
 from lcmtools.bus.channel_filter import ChannelFilter
 from lcmtools.bus.liblcm import Connection
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
-from tests.fixtures.says import assert_says
 
 
 class _Server:

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bus import receive_right
 from lcmtools.bus.receiving_bus import ReceivingBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
-from tests.fixtures.says import raises_saying
 
 _LONG = 20.0  # [s]
 

@@ -1,12 +1,12 @@
 """URLs of Zenoh, and the settings that they make."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.url import misread_options, parse_url
 from lcmtools.bus.zenoh.config import settings_of
 from lcmtools.bus.zenoh.url import Address
 from lcmtools.errors import InvalidUrl
-from tests.fixtures.says import assert_says
 
 
 def _settings(url: str) -> dict[str, object]:

@@ -3,9 +3,9 @@
 import re
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.gui.access import HEADERS, Access, Refused, access_for
-from tests.fixtures.says import assert_says
 
 HERE = "127.0.0.1:7680"
 OWN = access_for(None)

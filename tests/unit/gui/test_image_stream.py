@@ -5,13 +5,13 @@ import time
 import zlib
 
 import pytest
+from fixtures.gui import FakeSource
+from fixtures.says import assert_says
 
 from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.streams.image import NewestImage
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
-from tests.fixtures.gui import FakeSource
-from tests.fixtures.says import assert_says
 
 
 def _open(source: FakeSource, **parameters: float) -> NewestImage:

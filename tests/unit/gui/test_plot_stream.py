@@ -4,6 +4,8 @@ import math
 from array import array
 
 import pytest
+from fixtures.gui import FakeSource
+from fixtures.says import assert_says
 
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import plot
@@ -12,8 +14,6 @@ from lcmtools.gui.streams.plot import Plot
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Float64, String
-from tests.fixtures.gui import FakeSource
-from tests.fixtures.says import assert_says
 
 
 def _open(source: FakeSource, *fields: str) -> Plot:

@@ -3,6 +3,8 @@
 import queue
 from typing import cast
 
+from fixtures.says import assert_says
+
 from lcmtools.errors import BusError
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
@@ -10,7 +12,6 @@ from lcmtools.gui.steering import Steering
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
-from tests.fixtures.says import assert_says
 
 _TWIST = "geometry_msgs/Twist"
 _LONG = 20.0  # [s] for what comes

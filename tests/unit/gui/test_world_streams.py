@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 
 import pytest
 from fixtures.gui import FakeSource
+from fixtures.says import assert_says
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.gui import drawings
@@ -24,7 +25,6 @@ from lcmtools.types.sensor_msgs import Image, LaserScan, PointCloud2, PointField
 from lcmtools.types.std_msgs import String
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
-from tests.fixtures.says import assert_says
 
 
 def on(topic: str) -> Parameters:

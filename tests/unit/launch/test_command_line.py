@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
-from tests.fixtures.says import raises_saying
 
 
 def test_words_are_places_arguments_and_the_namespace_in_any_order() -> None:

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.executables import Executable, find_executable, find_typed, startable
 from lcmtools.launch.packages import LABS, find_files, package_folder
-from tests.fixtures.says import raises_saying
 
 Make = Callable[..., Path]
 

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.plan import Output, Plan
-from tests.fixtures.says import assert_says, raises_saying
 
 Make = Callable[..., Plan]
 TALKER = '<node pkg="lcmtools" type="talker" name="t"/>'

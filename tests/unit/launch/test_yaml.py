@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidFile
 from lcmtools.launch.plan import Output, Plan
-from tests.fixtures.says import raises_saying
 
 Make = Callable[..., Plan]
 

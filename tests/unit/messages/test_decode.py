@@ -5,12 +5,12 @@ from collections.abc import Callable
 from types import ModuleType
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode, encode
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, std_srvs
 from lcmtools.types.tf2_msgs import TFMessage
-from tests.fixtures.says import raises_saying
 
 
 def joint_state() -> sensor_msgs.JointState:

@@ -4,11 +4,11 @@ import json
 import time
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages import documents as module
 from lcmtools.messages.documents import Document, Documents
-from tests.fixtures.says import raises_saying
 
 
 def steps(*lines: str) -> list[list[object]]:

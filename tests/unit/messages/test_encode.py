@@ -6,13 +6,13 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, trajectory_msgs
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
-from tests.fixtures.says import assert_says, raises_saying
 
 
 def joint_state() -> sensor_msgs.JointState:

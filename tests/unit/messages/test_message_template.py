@@ -1,13 +1,13 @@
 """Messages in which a time is the moment of sending."""
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import decode
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
-from tests.fixtures.says import raises_saying
 
 NOW = 1_795_244_479_000_000_005
 

@@ -3,6 +3,7 @@
 from contextlib import suppress
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,7 +19,6 @@ from lcmtools.types.geometry_msgs import Pose, TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.tf2_msgs import TFMessage
-from tests.fixtures.says import assert_says, raises_saying
 
 EXAMPLES = "; write [0], [-1], [0:5] or [::2]"
 

@@ -3,6 +3,7 @@
 import struct
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import decode, encode
@@ -12,7 +13,6 @@ from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
 from lcmtools.types.tf2_msgs import TFMessage
-from tests.fixtures.says import raises_saying
 
 
 def odometry() -> Odometry:

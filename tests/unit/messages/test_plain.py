@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
@@ -12,7 +13,6 @@ from lcmtools.messages.fill import fill
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import Cell, Plain, cells, to_json, to_plain
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
-from tests.fixtures.says import assert_says
 
 
 def test_a_message_becomes_dicts_lists_and_numbers() -> None:

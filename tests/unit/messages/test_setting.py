@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.setting import (
@@ -13,7 +14,6 @@ from lcmtools.messages.setting import (
     text_of,
     write_setting,
 )
-from tests.fixtures.says import raises_saying
 
 TEXTS = [
     "",

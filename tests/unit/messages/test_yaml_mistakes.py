@@ -3,6 +3,7 @@
 import contextlib
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,7 +13,6 @@ from lcmtools.messages.documents import parse_values
 from lcmtools.messages.message_template import draft_from_values, drafts_from_lines
 from lcmtools.messages.registry import message_class
 from lcmtools.types import std_msgs
-from tests.fixtures.says import assert_says, raises_saying
 
 
 def quote(start: str) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node, Parameter
@@ -20,7 +21,6 @@ from lcmtools.node.context import Context
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
-from tests.fixtures.says import assert_says
 
 Begin = Callable[..., Context]
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -18,7 +19,6 @@ from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
-from tests.fixtures.says import raises_saying
 
 Begin = Callable[..., Context]
 

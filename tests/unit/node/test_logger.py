@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node
@@ -14,7 +15,6 @@ from lcmtools.messages.codec import decode
 from lcmtools.node.context import Context
 from lcmtools.node.logger import Logger
 from lcmtools.types.rosgraph_msgs import Log
-from tests.fixtures.says import assert_says
 
 Begin = Callable[..., Context]
 

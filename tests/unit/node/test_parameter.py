@@ -3,12 +3,12 @@
 from collections.abc import Callable
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools import Node
 from lcmtools.errors import UsageError
 from lcmtools.node.context import Context
 from lcmtools.node.parameters import ParameterValue, Parametric
-from tests.fixtures.says import raises_saying
 
 Begin = Callable[..., Context]
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
@@ -15,7 +16,6 @@ from lcmtools.publish.remote_parameters import (
     request_parameters,
     value_of,
 )
-from tests.fixtures.says import assert_says, raises_saying
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]

@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -17,7 +18,6 @@ from lcmtools.node.context import Context
 from lcmtools.node.publisher import PayloadPublisher, publish_together
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import Int32, String
-from tests.fixtures.says import raises_saying
 
 Begin = Callable[..., Context]
 

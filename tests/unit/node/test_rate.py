@@ -6,13 +6,13 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 import lcmtools
 import lcmtools.types.std_msgs
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.context import Context
-from tests.fixtures.says import assert_says, raises_saying
 
 Begin = Callable[..., Context]
 Call = Callable[[Any], object]  # any: these are the calls that a type checker refuses

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -15,7 +16,6 @@ from lcmtools.node.service import reply_channel, request_channel
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.std_msgs import Int32
 from lcmtools.types.std_srvs import SetBool, Trigger
-from tests.fixtures.says import raises_saying
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node
@@ -15,7 +16,6 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
 )
 from lcmtools.node.context import Context
-from tests.fixtures.says import assert_says
 
 Begin = Callable[..., Context]
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says, raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -14,7 +15,6 @@ from lcmtools.node.context import Context
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 from lcmtools.types.std_msgs import Int32, String
-from tests.fixtures.says import assert_says, raises_saying
 
 Begin = Callable[..., Context]
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -10,7 +11,6 @@ from lcmtools.errors import UsageError
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.timer import Timer
-from tests.fixtures.says import assert_says, raises_saying
 
 Begin = Callable[..., Context]
 _S = 1_000_000_000

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from fixtures.driver import Begin, Call, Driver
+from fixtures.says import assert_says
 
 import lcmtools
 import lcmtools.types.std_msgs
@@ -14,7 +15,6 @@ from lcmtools.types.geometry_msgs import PoseWithCovariance, Twist
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Int32, String, UInt8
 from lcmtools.types.std_srvs import SetBool, Trigger
-from tests.fixtures.says import assert_says
 
 
 class RosString:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.driver import Begin, Call, Driver
+from fixtures.says import assert_says, raises_saying
 
 import lcmtools
 import lcmtools.types.std_msgs
@@ -12,7 +13,6 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
-from tests.fixtures.says import assert_says, raises_saying
 
 
 class Forgetful(Node):

@@ -1,10 +1,10 @@
 """The rows of ``echo --csv``: columns that stay where they are."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.messages.plain import Plain, cells
 from lcmtools.observe.formatter import CsvTable
-from tests.fixtures.says import assert_says
 
 
 def row(table: CsvTable, time: int, plain: Plain, kind: str = "a/B") -> str | None:

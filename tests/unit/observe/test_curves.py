@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from PIL import Image as Picture
 
 from lcmtools.bus.url import parse_url
@@ -20,7 +21,6 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Bool, Empty, String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says, raises_saying
 
 _SECOND = 10**9
 

@@ -1,6 +1,7 @@
 """The type that a channel's messages are taken for, and what cannot be decoded."""
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import encode
@@ -9,7 +10,6 @@ from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import raises_saying
 
 VECTOR = Packet("/a", encode(Vector3()), 7)
 

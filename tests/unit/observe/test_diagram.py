@@ -2,6 +2,8 @@
 
 import socket
 
+from fixtures.says import assert_says
+
 from lcmtools.bus.processes import Process
 from lcmtools.graph.drawing.diagram import Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import notes
@@ -12,7 +14,6 @@ from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.bus_diagram import diagram_of
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Sender
-from tests.fixtures.says import assert_says
 
 HOST = socket.gethostname()
 _SECOND = 1_000_000_000

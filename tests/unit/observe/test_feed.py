@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.observe.channels.feed import Feed, Snapshot
@@ -12,7 +13,6 @@ from lcmtools.observe.channels.rows import ChannelRow, ChannelSelection
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
-from tests.fixtures.says import assert_says
 
 MEMORY = BusUrl("memq", "")
 Behaviour = Callable[[], list[Packet]]

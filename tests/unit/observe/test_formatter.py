@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.codec import encode
@@ -16,7 +17,6 @@ from lcmtools.types.geometry_msgs import Point, PointStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says
 
 
 def _say(text: str) -> None:

@@ -1,13 +1,13 @@
 """The meaning of echo's arguments: topics, patterns, and the field paths behind them."""
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.names import Resolver
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
-from tests.fixtures.says import raises_saying
 
 
 def bus(*channels: str) -> Graph:

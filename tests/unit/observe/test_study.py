@@ -2,6 +2,8 @@
 
 import math
 
+from fixtures.says import assert_says
+
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.observe.channels.field_lines import MOST_ELEMENTS, MOST_LINES, field_lines
@@ -11,7 +13,6 @@ from lcmtools.types.nav_msgs import Path
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
 from lcmtools.types.std_msgs import Bool, Header
 from lcmtools.wire.packet import Packet
-from tests.fixtures.says import assert_says
 
 S = 1_000_000_000
 START = 1_795_000_000 * S

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidName, LcmtoolsError, UsageError
 from lcmtools.packages.add_node import add_node
 from lcmtools.packages.create import NewPackage, create
 from lcmtools.packages.runnable_nodes import runnables
 from lcmtools.packages.workspace import Package, workspace
-from tests.fixtures.says import raises_saying
 
 Write = Callable[..., Path]
 

@@ -4,10 +4,10 @@ import compileall
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.packages.create import NewPackage, create
-from tests.fixtures.says import raises_saying
 
 
 def files(folder: Path) -> set[str]:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,7 +19,6 @@ from lcmtools.packages.runnable_nodes import Runnable
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.packages.workspace import Workspace, workspace
 from lcmtools.types.fingerprints import FINGERPRINTS
-from tests.fixtures.says import assert_says, raises_saying
 
 Types = Callable[..., UserTypes]
 Write = Callable[..., Path]

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
@@ -15,7 +16,6 @@ from lcmtools.packages import cache, provide_user_types
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.types.geometry_msgs import Twist
-from tests.fixtures.says import assert_says
 
 Types = Callable[..., UserTypes]
 Write = Callable[..., Path]

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.finding import find_node
 from lcmtools.packages.runnable_nodes import Runnable, runnables
 from lcmtools.packages.workspace import workspace
-from tests.fixtures.says import assert_says, raises_saying
 
 Write = Callable[..., Path]
 

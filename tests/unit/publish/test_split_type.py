@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.registry import service_class
 from lcmtools.observe.reading.find import OfferedService
 from lcmtools.publish.calls import split_type
-from tests.fixtures.says import raises_saying
 
 
 def _offered(kind: str) -> OfferedService:
