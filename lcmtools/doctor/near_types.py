@@ -18,9 +18,13 @@ from functools import cache
 from itertools import chain, pairwise, permutations
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.codec import NOT_PLAIN
+from lcmtools.messages.coder import coder
 from lcmtools.messages.fields import PRIMITIVES, Field, fields
+from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import (
     Message,
+    default_registry,
     fingerprint,
     is_own,
     message_class,
@@ -35,6 +39,10 @@ _LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
 _FEW = 5  # fields at most, of which all orders are tried
 _USUAL = {"seq": "int32", "id": "int32", "utime": "int64", "timestamp": "int64", "name": "string"}
 """Common fields, which are often added."""
+
+_ALIKE = 0.5  # share of the words in the names of a type and a channel
+_LEAST, _MOST = 1e-12, 1e18  # sizes of numbers that are not 0
+_FINGERPRINT_BYTES = 8
 
 Edit = tuple[int, str]  # the fingerprint of an edited type, and the difference
 
@@ -58,13 +66,43 @@ def nearest_type(number: int, expected: Iterable[str] = (), channel: str = "") -
             cls = message_class(name)
             for found, difference in chain(_edits(cls), _wider_edits(cls), _appended(cls)):
                 if found == number:
-                    return _near(cls, difference)
+                    return NearType(_name(cls), difference)
 
     def order(one: NearType) -> tuple[object, ...]:
         short, whole = resemblance(one.name, channel)
         return -short, -whole, not is_own(one.name), *preference(one.name)
 
     return min(_table().get(number, ()), key=order, default=None)
+
+
+def own_types_like(channel: str) -> list[str]:
+    """Return the user's own types whose names resemble a channel's, the most similar first."""
+    shares = {name: resemblance(name, channel)[0] for name in default_registry().files()}
+    found = [name for name, share in shares.items() if share >= _ALIKE]
+    return sorted(found, key=lambda name: (-shares[name], name))
+
+
+def grown_type(payload: bytes, expected: Iterable[str]) -> str:
+    """Return the type whose fields a payload has before other bytes; "" for none of the expected.
+
+    So a type is recognized to which fields of unknown names were appended.
+    """
+    for name in dict.fromkeys(expected):
+        with suppress(LcmtoolsError, *NOT_PLAIN):
+            cls = message_class(name)
+            message, end = coder(cls).scan(payload, _FINGERPRINT_BYTES)
+            if cls.__slots__ and end < len(payload) and _is_plausible(to_plain(message)):
+                return name
+    return ""
+
+
+def _is_plausible(value: object) -> bool:
+    """Return whether values are such as programs send, not other bytes taken for them."""
+    if isinstance(value, (dict, list)):
+        return all(map(_is_plausible, value.values() if isinstance(value, dict) else value))
+    if isinstance(value, float):
+        return value == 0 or _LEAST < abs(value) < _MOST
+    return value.isprintable() if isinstance(value, str) else True
 
 
 def added_and_missing(one: type[Message], other: type[Message]) -> tuple[list[str], list[str]]:
@@ -81,9 +119,8 @@ def _identity(part: Field) -> tuple[object, ...]:
     return _hashed_bytes(part), part.message_class and fingerprint(part.message_class)
 
 
-def _near(cls: type[Message], difference: str) -> NearType:
-    name = versioned(type_name(cls), fingerprint(cls))
-    return NearType(name, difference)
+def _name(cls: type[Message]) -> str:
+    return versioned(type_name(cls), fingerprint(cls))
 
 
 @cache
@@ -91,8 +128,9 @@ def _table() -> Mapping[int, Sequence[NearType]]:
     """Return every known type with one edit, by fingerprint; takes half a second."""
     found = defaultdict(list)
     for cls in message_classes():
+        name = _name(cls)
         for number, difference in _edits(cls):
-            found[number].append(_near(cls, difference))
+            found[number].append(NearType(name, difference))
     return found
 
 

@@ -17,11 +17,10 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.near_types import added_and_missing, nearest_type
+from lcmtools.doctor.near_types import NearType, added_and_missing, nearest_type, own_types_like
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import (
     candidates,
-    default_registry,
     is_own,
     message_class,
     problems,
@@ -29,7 +28,6 @@ from lcmtools.messages.registry import (
     type_names,
     versioned,
 )
-from lcmtools.messages.type_names import resemblance
 from lcmtools.names import is_hidden, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import UNKNOWN
@@ -42,7 +40,6 @@ _NO_TYPE = -1  # instead of a fingerprint, if there is none or it changes with e
 _SAME_LCM_FILES = {
     "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
 }
-_ALIKE = 0.5  # share of the words in the names of a type and a channel
 _OLDER, _NEWER = "without the field", "with "  # beginnings of a difference from the known version
 
 
@@ -150,15 +147,16 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     for topic in evidence.graph.topics():
         if is_hidden(topic.name) or disagree(topic):
             continue
-        unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
+        unknown_ones: dict[tuple[int, str, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
             is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
                 sender = _sender(seen, sender_names(evidence))
-                unknown_ones[_sent_by(seen)[0], likely].append(sender)
-        for (number, likely), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, topic)
+                grown = _grown(evidence, topic, seen)
+                unknown_ones[_sent_by(seen)[0], likely, grown].append(sender)
+        for (number, likely, grown), senders in unknown_ones.items():
+            parts = {"format": likely} if likely else _type(number, topic, grown=grown)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -195,7 +193,8 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     for seen in topic.foreign:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
-            yield _User("sends", sender, frozenset({number}), _type(number, topic))
+            grown = _grown(evidence, topic, seen)
+            yield _User("sends", sender, frozenset({number}), _type(number, topic, grown=grown))
 
 
 def _weight(node: Node) -> float:
@@ -309,8 +308,7 @@ def _expected(topic: Topic) -> Iterator[str]:
     yield from (name for name in topic.types if name in type_names())
     for number in topic.fingerprints:
         yield from _possible(number, topic)
-    near = ((resemblance(name, topic.name)[0], name) for name in default_registry().files())
-    yield from (name for share, name in sorted(near, reverse=True) if share >= _ALIKE)
+    yield from own_types_like(topic.name)
 
 
 def _may_be_fingerprint(number: int) -> bool:
@@ -318,7 +316,15 @@ def _may_be_fingerprint(number: int) -> bool:
     return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
-def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
+def _grown(evidence: Evidence, topic: Topic, seen: Traffic) -> str:
+    """Return the type that a sender's messages have with more bytes at the end; "" for none."""
+    streams = (s for s in evidence.streams if (s.channel, s.sender) == (topic.name, seen.sender))
+    return next((one.grown for one in streams), "")
+
+
+def _type(
+    fingerprint: int, topic: Topic, expected: Sequence[str] = (), grown: str = ""
+) -> dict[str, Part]:
     """Return the parts of a statement that describe the type of messages on a topic."""
     if fingerprint == _NO_TYPE:
         return {}
@@ -327,5 +333,7 @@ def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[
     if not _may_be_fingerprint(fingerprint):
         return {}
     near = nearest_type(fingerprint, [*expected, *_expected(topic)], topic.name)
+    if grown and near is None:
+        near = NearType(grown, "with more bytes at the end, as if fields were added there")
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

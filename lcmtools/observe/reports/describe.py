@@ -2,11 +2,12 @@
 
 import socket
 from collections.abc import Iterable, Sequence
+from itertools import chain
 
 from lcmtools.bus.processes import Process, is_local
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
+from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
 from lcmtools.names import did_you_mean, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import SocketTable
@@ -73,6 +74,11 @@ def seen_kinds(fingerprints: Iterable[int], channel: str) -> Kinds:
     """Return the types that messages with fingerprints may have, without unknown ones."""
     found = (tuple(possible_types(value, channel)) for value in fingerprints)
     return tuple(dict.fromkeys(filter(None, found)))
+
+
+def endpoint_types(end: Endpoint) -> list[str]:
+    """Return an endpoint's types: announced, else those of its messages, as of a program."""
+    return list(end.types or chain(*seen_kinds(end.fingerprints, end.topic)))
 
 
 def fingerprint_rows(topic: Topic) -> list[str]:

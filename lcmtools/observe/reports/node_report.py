@@ -1,7 +1,6 @@
 """A node as lines of text and as values for JSON."""
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
 
 from lcmtools.bus.processes import usage_of
 from lcmtools.graph.drawing.labels import printable
@@ -11,8 +10,8 @@ from lcmtools.observe.measuring.counters import average_rate, callback_record, c
 from lcmtools.observe.reading.senders import is_here, user_name
 from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import (
-    Kinds,
     callback_errors,
+    endpoint_types,
     host_text,
     kinds_text,
     seen_kinds,
@@ -167,7 +166,7 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
     return {
         "topic": endpoint.topic,
-        "types": list(endpoint.types or chain(*_observed(endpoint))),
+        "types": endpoint_types(endpoint),
         "depth": endpoint.depth,
         "messages": endpoint.messages,
         "bytes": endpoint.bytes,
@@ -177,9 +176,5 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
 
 
 def _types_text(end: Endpoint) -> str:
-    return " or ".join(end.types) or kinds_text(_observed(end), end.topic)
-
-
-def _observed(end: Endpoint) -> Kinds:
-    """Return the types of a node's messages that are only observed, as of a plain program."""
-    return seen_kinds(end.fingerprints, end.topic)
+    seen = seen_kinds(end.fingerprints, end.topic)  # of a node whose announcement is not readable
+    return " or ".join(end.types) or kinds_text(seen, end.topic)
