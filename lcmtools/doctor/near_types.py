@@ -14,7 +14,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import chain, pairwise, permutations
 
 from lcmtools.errors import LcmtoolsError
@@ -24,6 +24,7 @@ from lcmtools.messages.fields import PRIMITIVES, Field, fields
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import (
     Message,
+    Registry,
     default_registry,
     fingerprint,
     is_own,
@@ -72,7 +73,7 @@ def nearest_type(number: int, expected: Iterable[str] = (), channel: str = "") -
         short, whole = resemblance(one.name, channel)
         return -short, -whole, not is_own(one.name), *preference(one.name)
 
-    return min(_table().get(number, ()), key=order, default=None)
+    return min(_table(default_registry()).get(number, ()), key=order, default=None)
 
 
 def own_types_like(channel: str) -> list[str]:
@@ -123,8 +124,8 @@ def _name(cls: type[Message]) -> str:
     return versioned(type_name(cls), fingerprint(cls))
 
 
-@cache
-def _table() -> Mapping[int, Sequence[NearType]]:
+@lru_cache(maxsize=1)
+def _table(_: Registry) -> Mapping[int, Sequence[NearType]]:
     """Return every known type with one edit, by fingerprint; takes half a second."""
     found = defaultdict(list)
     for cls in message_classes():
@@ -134,8 +135,8 @@ def _table() -> Mapping[int, Sequence[NearType]]:
     return found
 
 
-@cache
-def _usual_fields() -> frozenset[Field]:
+@lru_cache(maxsize=1)
+def _usual_fields(_: Registry) -> frozenset[Field]:
     """Return every field of a known type that is a number, a text or an array of fixed size."""
     every = (part for cls in message_classes() for part in fields(cls) if not part.is_length)
     return frozenset(
@@ -148,7 +149,7 @@ def _usual_fields() -> frozenset[Field]:
 def _appended(cls: type[Message]) -> Iterator[Edit]:
     """Yield a type with one more field at its end, as other types have them."""
     own = fields(cls)
-    for part in _usual_fields():
+    for part in _usual_fields(default_registry()):
         yield fingerprint_of((*own, part)), f"with {part.name} ({part.type}) at the end"
 
 

@@ -53,7 +53,7 @@ class Decoder:
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
         self._exact = exact
-        self._classes: dict[tuple[str, bytes], type[Message]] = {}
+        self._settled: dict[tuple[str, bytes], tuple[type[Message], Sequence[str]]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
         """Return the type of a packet's message.
@@ -63,45 +63,48 @@ class Decoder:
             DecodeError: It is too short for a message, or not of the type that the user named.
             LcmtoolsError: The type's .lcm file is wrong.
         """
-        key = packet.channel, packet.payload[:8]
-        known = self._classes.get(key)
-        if known is None:
-            number = packet.fingerprint
-            if number is None:
-                raise DecodeError("too short for an LCM message")
-            known = self._classes[key] = self._settle(packet.channel, number)
-        return known
+        return self._known(packet)[0]
+
+    def types(self, packet: Packet) -> Sequence[str]:
+        """Return the types that its message may have, likeliest first; see ``message_class``."""
+        return self._known(packet)[1]
 
     def decode(self, packet: Packet) -> Message:
         """Return the message in a packet; raises errors as ``message_class`` does."""
         return decode(self.message_class(packet), packet.payload, keep_stray=self._keep_stray)
 
-    def types(self, packet: Packet) -> list[str]:
-        """Return the types that a packet's message may have, the likeliest first."""
-        number = packet.fingerprint
-        return [] if number is None else self._possible(packet.channel, number)
+    def _known(self, packet: Packet) -> tuple[type[Message], Sequence[str]]:
+        key = packet.channel, packet.payload[:8]
+        known = self._settled.get(key)
+        if known is None:
+            number = packet.fingerprint
+            if number is None:
+                raise DecodeError("too short for an LCM message")
+            known = self._settled[key] = self._settle(packet.channel, number)
+        return known
 
-    def _possible(self, channel: str, number: int) -> list[str]:
-        return possible_types(number, channel, self._announced(channel))
-
-    def _settle(self, channel: str, number: int) -> type[Message]:
+    def _settle(self, channel: str, number: int) -> tuple[type[Message], Sequence[str]]:
         if is_of_lcm(channel):
             raise DecodeError("LCM's own message, which has no type")
         if self._named is not None:
-            name = type_name(self._named)
-            if fingerprint(self._named) == number:
-                return self._named
-            if name in candidates(number) and not self._exact:
-                return message_class(name, number)
-            seen = next(
-                iter(self._possible(channel, number)), f"unknown, fingerprint {number:#018x}"
-            )
-            meant = versioned(name, fingerprint(self._named))
-            raise DecodeError(f"the type is not {meant} but {seen}")
-        names = self._possible(channel, number)
+            return self._settle_named(channel, number, self._named)
+        names = possible_types(number, channel, self._announced(channel))
         if not names:
             raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
-        return message_class(names[0], number)
+        return message_class(names[0], number), names
+
+    def _settle_named(
+        self, channel: str, number: int, named: type[Message]
+    ) -> tuple[type[Message], Sequence[str]]:
+        name = type_name(named)
+        if fingerprint(named) == number:
+            return named, [versioned(name, number)]
+        if name in candidates(number) and not self._exact:
+            return message_class(name, number), [versioned(name, number)]
+        names = possible_types(number, channel, self._announced(channel))
+        seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
+        meant = versioned(name, fingerprint(named))
+        raise DecodeError(f"the type is not {meant} but {seen}")
 
 
 def remedy_of_unknown() -> str:
