@@ -67,7 +67,7 @@ def vertex_labels(diagram: Diagram) -> dict[str, list[str]]:
     known = names(diagram)
     lines = {m.id: [known[m.id], *_short_notes(m)] for m in diagram.members}
     for c in diagram.channels:
-        lines[c.id] = [c.name, *(c.types or ([] if c.is_service else [c.type_text]))]
+        lines[c.id] = [c.name, *(c.type_texts or ([] if c.is_service else [c.type_text]))]
     return {id_: [printable(line) for line in rows] for id_, rows in lines.items()}
 
 
