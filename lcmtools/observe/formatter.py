@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
@@ -226,11 +226,10 @@ class CsvTable:
     """Rows of comma-separated values under the columns of the first one.
 
     Rows of another type of message are left out. ``notify`` is called with the reason and a
-    sentence if something is left out; it ends with the ``remedy`` where values have no column.
+    sentence if something is left out.
     """
 
-    def __init__(self, notify: Callable[[str, str], None], remedy: str = _SLICE) -> None:
-        self._remedy = remedy
+    def __init__(self, notify: Callable[[str, str], None]) -> None:
         self._columns: list[str] = []
         self._kind = ""
         self._notify = notify
@@ -241,7 +240,7 @@ class CsvTable:
         A column without a value in the message is empty; values without a column are left out.
         ``kind`` has the name of the values' type, or the names of several.
         """
-        head = "" if self._columns else f"{_line(list(cells))}\n"
+        head = "" if self._columns else f"{csv_line(list(cells))}\n"
         if head:
             self._columns, self._kind = list(cells), kind
         elif kind != self._kind:
@@ -252,12 +251,13 @@ class CsvTable:
             self._notify(
                 "more",
                 f"no column for {more} more in an array that was shorter in the first message;"
-                f" {self._remedy}",
+                f" {_SLICE}",
             )
-        return head + _line([cells.get(column, "") for column in self._columns])
+        return head + csv_line([cells.get(column, "") for column in self._columns])
 
 
-def _line(cells: "list[str] | list[Cell]") -> str:
+def csv_line(cells: Sequence[Cell]) -> str:
+    """Return values as comma-separated ones, without the end of the line."""
     text = io.StringIO()
     csv.writer(text).writerow(cells)  # its own line end: else a line break is not quoted
     return text.getvalue().removesuffix("\r\n")
