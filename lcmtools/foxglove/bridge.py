@@ -20,9 +20,9 @@ from lcmtools.foxglove.client_publisher import Publishing
 from lcmtools.foxglove.schemas import Schemas
 from lcmtools.foxglove.websocket import FoxgloveServer
 from lcmtools.graph.model import Ends, Graph, Topic
-from lcmtools.messages.registry import Message, candidates, message_class, type_name
+from lcmtools.messages.registry import Message, message_class, type_name
 from lcmtools.node.node import Node
-from lcmtools.observe.reading.decoding import Decoder, remedy_of_unknown
+from lcmtools.observe.reading.decoding import Decoder, possible_types, remedy_of_unknown
 from lcmtools.observe.reading.following import Following
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
@@ -228,9 +228,8 @@ class Bridge(AbstractContextManager["Bridge"]):
         """Return a topic's observed type, else the announced one; None if not known yet."""
         try:
             for number in topic.fingerprints:
-                if names := candidates(number):
-                    said = next((one for one in topic.types if one in names), names[0])
-                    return message_class(said, number)
+                if names := possible_types(number, topic.name, topic.types):
+                    return message_class(names[0], number)
             if topic.types and not topic.fingerprints:
                 return message_class(topic.types[0])
         except LcmtoolsError as error:
