@@ -48,11 +48,11 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
     unmeasured = {
         field.name.removesuffix("_covariance")
         for field in visible_fields(cls)
-        if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
+        if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.attribute))
     }
     for field in visible_fields(cls):
         if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
-            yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
+            yield from _field(getattr(message, field.attribute), field, f"{path}{field.name}")
 
 
 def _field(value: object, field: Field, path: str) -> Iterator[Odd]:

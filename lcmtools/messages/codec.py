@@ -147,13 +147,13 @@ def _conformed(message: object, cls: type[Message]) -> Message:
         raise Misfit(f"expected {type_name(cls)}, got {got}")
     copy = cls()
     for field in visible_fields(cls):
-        setattr(copy, field.name, _conformed_field(message, field))
+        setattr(copy, field.attribute, _conformed_field(message, field))
     check_lengths(copy)
     return copy
 
 
 def _conformed_field(message: object, field: Field) -> object:
-    value = getattr(message, field.name, None)
+    value = getattr(message, field.attribute, None)
     element: Element = partial(from_python, type_name=field.type)
     if field.message_class:
         element = partial(_conformed, cls=field.message_class)

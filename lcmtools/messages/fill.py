@@ -127,13 +127,13 @@ def _fill_field(message: Message, field: Field, value: Value, times: list[Messag
     try:
         if field.dimensions:
             ready = _bytes_of_text(value, len(field.dimensions)) if field.is_bytes else value
-            setattr(message, field.name, shaped(ready, field, _element(field, times)))
+            setattr(message, field.attribute, shaped(ready, field, _element(field, times)))
         elif field.message_class:
-            _fill(getattr(message, field.name), value, times)
+            _fill(getattr(message, field.attribute), value, times)
         elif value == "now" and is_utime(field):
             times.append(message)
         else:
-            setattr(message, field.name, _scalar(value, field.type))
+            setattr(message, field.attribute, _scalar(value, field.type))
     except Misfit as misfit:
         misfit.inside(f".{field.name}")
         raise

@@ -13,7 +13,14 @@ from functools import cache
 from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.messages.fields import Field, MessageClass, field_name, fields_hint, visible_fields
+from lcmtools.messages.fields import (
+    Field,
+    MessageClass,
+    attribute,
+    field_name,
+    fields_hint,
+    visible_fields,
+)
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_sequence
@@ -162,7 +169,8 @@ def element_target(owner: Target, step: int | Slice, where: str) -> Target:
 def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:
     for done, step in enumerate(steps, 1):
         if isinstance(step, str):
-            value = getattr(value, field_name(type(cast("Message", value)), step))
+            cls = type(cast("Message", value))
+            value = getattr(value, attribute(cls, field_name(cls, step)))
         elif isinstance(step, int):
             value = _element(value, step, path)
         else:

@@ -85,7 +85,7 @@ def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
     """
     cls = type(message)
     plain = {
-        field.name: plain_value(getattr(message, field.name), field, view)
+        field.name: plain_value(getattr(message, field.attribute), field, view)
         for field in visible_fields(cls)
         if not view.omits(field)
     }

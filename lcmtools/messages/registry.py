@@ -13,6 +13,7 @@ from functools import cache
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
+from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
 from lcmtools.messages.type_source import Problem, TypeSource
@@ -199,8 +200,8 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
 
 def _load(prefix: str, name: str) -> object:
     package, _, short = name.rpartition("/")
-    module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
-    return cast("object", getattr(module, short))
+    module = importlib.import_module(f"{prefix}.{python_path(package)}" if package else prefix)
+    return cast("object", getattr(module, python_name(short)))
 
 
 _current: tuple[Supply | None, Registry] | None = None
@@ -284,6 +285,8 @@ def fingerprint(cls: type[Message]) -> int:
 @cache
 def _class_name(cls: type) -> str:
     """A generated class's name: lcm-gen puts each class into its own module."""
+    if name := getattr(cls, "__lcm_name__", ""):  # one that Python cannot spell
+        return str(name)
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]

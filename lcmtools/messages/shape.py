@@ -69,7 +69,7 @@ def check_lengths(message: Message) -> None:
     for field in visible_fields(cls):
         for depth, size in enumerate(field.dimensions):
             if isinstance(size, str):
-                for count in _counts(getattr(message, field.name), depth):
+                for count in _counts(getattr(message, field.attribute), depth):
                     first, owner = found.setdefault(size, (count, field.name))
                     if count != first:
                         raise _disagreement(field.name, count, owner, first)

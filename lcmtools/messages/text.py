@@ -166,7 +166,7 @@ def _add_fields(
 ) -> None:
     """Add the lines of a class's fields, and for each value its path and text function."""
     for field in visible_fields(cls):
-        head, where = f"{indent}{field.name}: ", f"{path}{field.name}"
+        head, where = f"{indent}{field.name}: ", f"{path}{field.attribute}"
         if field.message_class and not field.dimensions:
             lines.append(head)
             _add_fields(field.message_class, f"{indent}  ", f"{where}.", lines, leaves)
