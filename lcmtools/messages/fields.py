@@ -75,6 +75,19 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
 
 
 @cache
+def parts(cls: type[Message]) -> tuple[type[Message], ...]:
+    """Return a class and those of its fields, at any depth, each once."""
+    found = {cls: None}
+    waiting = [cls]
+    while waiting:
+        nested = (field.message_class for field in fields(waiting.pop()))
+        new = [one for one in nested if one and one not in found]
+        found.update(dict.fromkeys(new))
+        waiting += new
+    return tuple(found)
+
+
+@cache
 def holds_itself(cls: type[Message]) -> bool:
     """Return True for a type with an array of itself at some depth, or a field of such a type."""
     return _recurs(cls, ())

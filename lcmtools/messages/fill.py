@@ -23,7 +23,7 @@ from lcmtools.messages.fields import (
 )
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
-from lcmtools.messages.shape import Element, each, shaped
+from lcmtools.messages.shape import Element, check_given_length, each, shaped
 from lcmtools.names import closest
 
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
@@ -86,6 +86,9 @@ def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[Mes
             raise Misfit(f"'{field.name}' is given twice, once as '{key}'")
         seen.add(field)
         _fill_field(message, field, value, times)
+    for field in fields(cls):
+        if field.is_length and field in seen:
+            check_given_length(message, field)
 
 
 def _fill_in_order(message: Message, values: Sequence[Value], times: list[Message]) -> None:
@@ -172,10 +175,6 @@ def _field_named(cls: type[Message], key: str, value: Value) -> Field:
     key = field_name(cls, key)
     if key not in found:
         raise _unknown_field(cls, key, value)
-    if found[key].is_length:
-        arrays = [field.name for field in visible_fields(cls) if key in field.dimensions]
-        what = f"is always the length of {' and '.join(arrays)}"
-        raise Misfit(what, "leave it out").inside(f".{key}")
     return found[key]
 
 

@@ -73,11 +73,11 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
         return [], refused.problems
     copy = folder / "file.lcm"
     renamed = _renamed(text, *texts.values())
-    copy.write_text(_WORD.sub(lambda word: renamed.get(word[0], word[0]), text))
+    own = {spelled: word for word, spelled in renamed.items()}
+    copy.write_text(_with_words(text, renamed))
     problem = run_lcm_gen(copy, ["--python", "--ppath", str(folder), "--package-prefix", prefix])
     if problem:
-        return [], [problem._replace(file=str(file))]
-    own = {spelled: word for word, spelled in renamed.items()}
+        return [], [problem._replace(file=str(file), what=_with_words(problem.what, own))]
     found: list[Generated] = []
     problems: list[Problem] = []
     root = folder / prefix
@@ -162,6 +162,10 @@ def _renamed(text: str, *more: Iterable[str]) -> dict[str, str]:
     words = {*_WORD.findall(text), *chain.from_iterable(more)}
     spelled = {word: python_name(word, words) for word in words}
     return {word: name for word, name in spelled.items() if name != word}
+
+
+def _with_words(text: str, others: Mapping[str, str]) -> str:
+    return _WORD.sub(lambda word: others.get(word[0], word[0]), text)
 
 
 def _add_members(
