@@ -88,7 +88,7 @@ def check_given_length(message: Message, length: Field) -> None:
         for count in _counts(getattr(message, array.attribute), depth):
             if count != given_length:
                 of = "a row of " if depth else ""
-                what = f"is {given_length}, and {of}{array.name} has {count} element{'s' if count != 1 else ''}"
+                what = f"is {given_length}, and the length of {of}{array.name} is {count}"
                 raise Misfit(what, "leave it out").inside(f".{length.name}")
 
 

@@ -63,17 +63,17 @@ def test_lengths_that_fit_are_accepted(family: Family, text: str, lengths: dict[
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("{num_joints: 7}", "num_joints: is 7, and joint_position has 0 elements"),
+        ("{num_joints: 7}", "num_joints: is 7, and the length of joint_position is 0"),
         (
             "{num_joints: 3, joint_position: [1, 2, 3], joint_name: [a]}",
-            "num_joints: is 3, and joint_name has 1 element",
+            "num_joints: is 3, and the length of joint_name is 1",
         ),
-        ("{rows: 2, gain: [[1]]}", "rows: is 2, and gain has 1 element"),
-        ("{cols: 2, gain: [[1, 2, 3]]}", "cols: is 2, and a row of gain has 3 elements"),
+        ("{rows: 2, gain: [[1]]}", "rows: is 2, and the length of gain is 1"),
+        ("{cols: 2, gain: [[1, 2, 3]]}", "cols: is 2, and the length of a row of gain is 3"),
         ("{cols: -1}", "cols: is a length, which is never negative"),
         ("{num_joints: x}", "num_joints: expected an integer, got 'x'"),
-        ("{inner: {rows: 1}}", "inner.rows: is 1, and image has 0 elements"),
-        ("{inner: {depth: 1}}", "inner.depth: is 1, and a row of cells has 0 elements"),
+        ("{inner: {rows: 1}}", "inner.rows: is 1, and the length of image is 0"),
+        ("{inner: {depth: 1}}", "inner.depth: is 1, and the length of a row of cells is 0"),
     ],
 )
 def test_lengths_that_do_not_fit_are_refused_with_both_numbers(
@@ -111,7 +111,7 @@ def test_nothing_is_lost_through_text_and_json(
 def test_the_careful_encoder_keeps_it_too(family: Family) -> None:
     family("lengths")
     message = drafted("{cols: 4}")
-    message.ready = np.array(True)  # the fast encoder takes Python's booleans only
+    message.ready = np.array([True]).reshape(())  # the fast encoder takes Python's booleans only
     assert decode(type(message), encode(message)).cols == 4
 
 
