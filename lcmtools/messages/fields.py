@@ -105,6 +105,12 @@ def constants(cls: type[Message]) -> dict[str, int | float | str]:
     }
 
 
+def constant_types(cls: type[Message]) -> dict[str, str]:
+    """The types of a class's constants by name, as far as known: lcm-gen keeps only the values."""
+    known: dict[str, str] = getattr(cls, "__constant_types__", {})
+    return {name: PRIMITIVES.get(kind, kind) for name, kind in known.items()}
+
+
 def length_values(message: Message, field: Field) -> list[int]:
     """Return the array sizes of a field in a message, as its length fields say."""
     cls = type(message)

@@ -13,6 +13,7 @@ _MEMBERS = {
     *("encode", "decode", "get_hash", "_encode_one", "_decode_one", "_get_hash_recursive"),
     *("_get_packed_fingerprint", "_packed_fingerprint"),
     *("__slots__", "__typenames__", "__dimensions__", "__renamed__", "__lcm_name__"),
+    "__constant_types__",
     *dir(object),
 }
 """The members of lcm-gen's classes, and those that lcmtools adds."""

@@ -22,7 +22,7 @@ from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
 _INDEX = "index.json"  # the table of the types in a folder
-_FORM = "3"  # version of the index; a change invalidates the cache
+_FORM = "4"  # version of the index; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()

@@ -18,7 +18,7 @@ from lcmtools.messages.python_names import base_hash, python_name
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
-from lcmtools.packages.ros_files import SUFFIXES, to_lcm
+from lcmtools.packages.ros_files import SUFFIXES, LcmSource, to_lcm
 from lcmtools.packages.type_files import LcmFile
 
 Tables = tuple[list[str], list[str], list[list[int | str] | None]]
@@ -42,7 +42,11 @@ _LCM_NAMES = {
 _COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _HASH = re.compile(r"tmphash = \(0x[0-9a-f]+")
-_STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
+_PACKAGE = re.compile(r"\bpackage\s+([\w.]+)")
+_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{(.*?)\}", re.DOTALL)
+_CONSTANTS = re.compile(r"\bconst\s+(\w+)\s([^;]*)")
+_CONSTANT = re.compile(r"(\w+)\s*=")
+_STRANGE = re.compile(r"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +70,13 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     quotes in a comment could end one, so that the rest would be executed. A ROS file is translated
     first.
     """
-    file = source.path
-    try:
-        text, texts = _lcm_text(source)
-    except _Refused as refused:
-        return [], refused.problems
+    file, read = source.path, _as_lcm(source)
+    if read.problems:
+        return [], read.problems
     copy = folder / "file.lcm"
-    renamed = _renamed(text, *texts.values())
+    renamed = _renamed(read.text, *read.texts.values())
     own = {spelled: word for word, spelled in renamed.items()}
-    copy.write_text(_with_words(text, renamed))
+    copy.write_text(_with_words(read.text, renamed))
     problem = run_lcm_gen(copy, ["--python", "--ppath", str(folder), "--package-prefix", prefix])
     if problem:
         return [], [problem._replace(file=str(file), what=_with_words(problem.what, own))]
@@ -91,35 +93,43 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
             problems.append(one)
             continue
         found.append(one)
-        members = {renamed.get(n, n): text for n, text in texts.get(one.name, {}).items()}
+        texts = read.texts.get(one.name, {}).items()
+        members: dict[str, object] = {renamed.get(name, name): text for name, text in texts}
+        if kinds := read.kinds.get(one.name):
+            members["__constant_types__"] = kinds
         _add_members(one, short, members, own)
     return found, problems
 
 
-class _Refused(Exception):  # noqa: N818 - named for what happened, as in errors.py
-    """The problems of a file that lcm-gen must not read."""
-
-    def __init__(self, problems: list[Problem]) -> None:
-        super().__init__()
-        self.problems = problems
-
-
-def _lcm_text(source: LcmFile) -> tuple[str, Mapping[str, Mapping[str, str]]]:
-    """Return a file as lcm-gen reads it, and the string constants of its types."""
-    file, texts = source.path, {}
+def _as_lcm(source: LcmFile) -> LcmSource:
+    """Return a file as lcm-gen reads it."""
     if source.package:
-        translated = to_lcm(file, source.content, source.package)
-        if translated.problems:
-            raise _Refused(translated.problems)
-        text, texts = translated.text.encode(), translated.texts
+        read = to_lcm(source.path, source.content, source.package)
+        if read.problems:
+            return read
     else:
-        text = _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), source.content)
-    if strange := _STRANGE.search(text):
-        line = text[: strange.start()].count(b"\n") + 1
-        character = text[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
+        bare = _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), source.content)
+        text = bare.decode("utf-8", "replace")
+        read = LcmSource(text, [], {}, _constant_types(text))
+    if strange := _STRANGE.search(read.text):
+        line = read.text[: strange.start()].count("\n") + 1
         hint = "a .lcm file has words, numbers and ;{}[].=-"
-        raise _Refused([Problem(str(file), line, f"unexpected {character!r}", hint)])
-    return text.decode(), texts
+        read.problems.append(Problem(str(source.path), line, f"unexpected {strange[0]!r}", hint))
+    return read
+
+
+def _constant_types(text: str) -> dict[str, dict[str, str]]:
+    """Return the declared type of each constant, by type; lcm-gen does not keep it."""
+    package = _PACKAGE.search(text)
+    start = f"{package[1]}/" if package else ""
+    return {
+        f"{start}{struct[1]}": {
+            name: kind
+            for kind, rest in _CONSTANTS.findall(struct[2])
+            for name in _CONSTANT.findall(rest)
+        }
+        for struct in _STRUCT.finditer(text)
+    }
 
 
 def move(one: Generated, old_root: Path, new_root: Path) -> Generated:
@@ -169,10 +179,9 @@ def _with_words(text: str, others: Mapping[str, str]) -> str:
 
 
 def _add_members(
-    one: Generated, short: str, texts: Mapping[str, str], own: Mapping[str, str]
+    one: Generated, short: str, members: dict[str, object], own: Mapping[str, str]
 ) -> None:
-    """Add string constants to a class, and what is lost by other names than its ``own``."""
-    members: dict[str, object] = dict(texts)
+    """Add members to a class, and what is lost by other names than its ``own``."""
     if own and one.tables:
         hashed = f"tmphash = ({_base_hash(one.tables):#x}"
         code = one.module.read_text("utf-8")
