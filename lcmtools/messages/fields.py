@@ -158,17 +158,8 @@ def stamp(message: Message) -> int | None:
     return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
 
 
-def utime(message: Message) -> int | None:
-    """A message's ``utime``, which is in microseconds, as [ns since 1970]; None without one.
-
-    The field is LCM's convention, as in its event logs and examples.
-    """
-    value = getattr(message, "utime", None)
-    return value * 1000 if isinstance(value, int) else None
-
-
 def is_utime(field: Field) -> bool:
-    """Return True for a field ``utime`` of microseconds: see ``utime``."""
+    """Return True for a field ``utime`` of microseconds, LCM's convention."""
     return field.name == "utime" and field.type == "int64" and not field.dimensions
 
 

@@ -206,7 +206,8 @@ def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(cli: Run
     assert result.err == (
         "subscribed to [/chatter]\n"
         "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp, and no"
-        " utime; lcmtools msg find-field header lists the types that have one\n"
+        " utime, timestamp or the like;"
+        " lcmtools msg find-field header lists the types that have one\n"
     )
 
 
