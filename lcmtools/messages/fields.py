@@ -59,7 +59,7 @@ class Field(NamedTuple):
 
 @cache
 def fields(cls: type[Message]) -> tuple[Field, ...]:
-    """All fields of a class, in wire order."""
+    """Return all fields of a class, in wire order."""
     lengths = {size for sizes in cls.__dimensions__ for size in sizes or ()}
     table = zip(cls.__slots__, cls.__typenames__, cls.__dimensions__, strict=True)
     return tuple(
@@ -70,7 +70,7 @@ def fields(cls: type[Message]) -> tuple[Field, ...]:
 
 @cache
 def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
-    """The fields that users see and set: all but the length fields."""
+    """Return the fields that users see and set: all except length fields."""
     return tuple(field for field in fields(cls) if not field.is_length)
 
 
@@ -95,7 +95,7 @@ def holds_itself(cls: type[Message]) -> bool:
 
 @cache
 def constants(cls: type[Message]) -> dict[str, int | float | str]:
-    """The constants of a class by name; lcm-gen keeps the values, not the types."""
+    """Return the constants of a class by name; lcm-gen keeps their values, not their types."""
     own = _own_names(cls)
     members = ((own.get(name, name), name, value) for name, value in vars(cls).items())
     return {
@@ -150,7 +150,7 @@ def attribute(cls: type[Message], name: str) -> str:
 
 
 def stamp(message: Message) -> int | None:
-    """The stamp in a message's ``header`` [ns since 1970]; None if it has no std_msgs/Header."""
+    """Return the stamp in a message's ``header`` [ns since 1970]; None without std_msgs/Header."""
     header = getattr(message, "header", None)
     kind: type = type(header)
     if header is None or not _is_header(kind):

@@ -111,7 +111,7 @@ class _Build:
         return services
 
     def fingerprints(self) -> dict[str, int]:
-        """Import all types, and remove those of which Python cannot create a message."""
+        """Import all types, and remove types that Python cannot create messages of."""
         sys.path.insert(0, str(self.folder))
         try:
             importlib.invalidate_caches()

@@ -48,7 +48,7 @@ def cached_types(
 
 
 def digest(files: Sequence[LcmFile]) -> str:
-    """A digest of the files' content and of the versions of lcm-gen and lcmtools that read them."""
+    """Return a digest of the files' content and of the versions of lcm-gen and lcmtools."""
     program = Path(find_lcm_gen()).stat()
     known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns}"
     total = hashlib.sha256(known.encode())

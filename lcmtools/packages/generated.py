@@ -239,7 +239,7 @@ def _not_python(file: Path, name: str, error: Exception) -> Problem:
 
 
 def _line_of(file: Path, *words: str) -> int:
-    """Return the first line with one of the words; 0 for none."""
+    """Return the number of the first line with one of the words; 0 if there is none."""
     comment = "#" if file.suffix in SUFFIXES else "//"
     try:
         text = file.read_text("utf-8", "replace")
