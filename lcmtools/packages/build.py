@@ -15,6 +15,7 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
@@ -35,15 +36,15 @@ def __getattr__(name: str) -> object:
 '''
 _PAIR = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
-from {module}_Request import {name}_Request
-from {module}_Response import {name}_Response
+from {module}_Request import {short}_Request
+from {module}_Response import {short}_Response
 
 
 class {name}:
-    """The service {package}/{name}."""
+    """The service {service}."""
 
-    Request = {name}_Request
-    Response = {name}_Response
+    Request = {short}_Request
+    Response = {short}_Response
 '''
 
 
@@ -127,10 +128,9 @@ class _Build:
     def _fingerprint(self, one: Generated) -> int | None:
         if not one.tables:
             return None  # an enum is not a message
-        package, _, short = one.name.rpartition("/")
+        path = one.module.relative_to(self.folder).with_suffix("")
         try:
-            module = importlib.import_module(".".join(filter(None, (self.prefix, package, short))))
-            message = getattr(module, short)()
+            message = getattr(importlib.import_module(".".join(path.parts)), path.name)()
             return int(message.get_hash())
         except RecursionError:
             what = f"{one.name} contains itself"
@@ -179,21 +179,24 @@ class _Build:
         return packages
 
     def _write_init(self, package: str, names: Sequence[str]) -> None:
-        folder = self.root.joinpath(*filter(None, package.split(".")))
+        folder = self.root.joinpath(*filter(None, python_path(package).split(".")))
         folder.mkdir(parents=True, exist_ok=True)
         shipped = any(_package(name) == package for name in self.shipped)
         text = _INIT.format(
-            imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
+            imports="".join(
+                f"from .{name} import {name} as {name}\n" for name in map(python_name, names)
+            ),
             shipped=shipped,
             home=f"{self.home}.{package}".rstrip("."),
         )
         (folder / "__init__.py").write_text(text, "utf-8")
 
     def _write_pair(self, service: str) -> None:
-        package, _, name = service.rpartition("/")
-        module = ".".join(filter(None, (self.prefix, package, name)))
-        text = _PAIR.format(module=module, name=name, package=package)
-        (self.root / Path(*package.split("."), f"{name}.py")).write_text(text, "utf-8")
+        package, _, short = service.rpartition("/")
+        spelled = python_path(package)
+        module, name = ".".join(filter(None, (self.prefix, spelled, short))), python_name(short)
+        text = _PAIR.format(module=module, short=short, name=name, service=service)
+        (self.root / Path(*spelled.split("."), f"{name}.py")).write_text(text, "utf-8")
 
 
 def build(
