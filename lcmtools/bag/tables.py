@@ -16,7 +16,7 @@ from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Cell, Plain, cells, to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import as_utf_8
-from lcmtools.observe.formatter import csv_line
+from lcmtools.observe.formatter import csv_line, merged_columns
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
@@ -110,7 +110,7 @@ class _CsvFile(AbstractContextManager["_CsvFile"]):
         if kind != self._kind:
             raise DecodeError(f"of {kind}, and {self._kind} came before")
         if not row.keys() <= self._known:
-            self._columns = _merged(self._columns, list(row))
+            self._columns = merged_columns(self._columns, list(row))
             self._known = set(self._columns)
             self._columns_of[len(self._columns)] = self._columns
         self._rows.write(json.dumps([row.get(column, "") for column in self._columns]) + "\n")
@@ -125,20 +125,6 @@ class _CsvFile(AbstractContextManager["_CsvFile"]):
                     row = dict(zip(self._columns_of[len(values)], values, strict=True))
                     values = [row.get(column, "") for column in self._columns]
                 file.write(f"{csv_line(values)}\n")
-
-
-def _merged(columns: list[str], others: list[str]) -> list[str]:
-    """Return the columns of two rows, each array's together."""
-    places = {name: place for place, name in enumerate(columns)}
-    merged, end = list[str](), 0
-    for name in others:
-        place = places.get(name)
-        if place is None:
-            merged.append(name)
-        elif place >= end:
-            merged += columns[end : place + 1]
-            end = place + 1
-    return merged + columns[end:]
 
 
 class JsonLines(AbstractContextManager["JsonLines"]):

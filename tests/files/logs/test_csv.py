@@ -71,6 +71,18 @@ def test_columns_are_those_of_the_longest_arrays(
     assert [",".join(row.split(",")[1 : len(columns) + 1]) for row in found] == rows
 
 
+def test_echo_has_the_same_columns(cli: Cli, tmp_path: Path) -> None:
+    messages = [point([1], []), point([1, 2], [3]), point([], [4, 5])]
+    rows = exported(cli, tmp_path, messages)
+    path = str(tmp_path / "a.lcmlog")
+    assert cli("echo", "-b", path, "/a", "--csv").ok().splitlines() == rows
+    content = Path(path).read_bytes()
+    assert cli("echo", "-b", "-", "/a", "--csv", input=content).ok().splitlines() == rows
+    first = cli("echo", "-b", path, "/a", "--csv", "-n", "2").ok().splitlines()
+    assert first[0] == rows[0].replace(",field.effort1", "")
+    assert [row.split(",")[1] for row in first[1:]] == ["1.0", "1.0"]
+
+
 def test_text_survives(cli: Cli, tmp_path: Path) -> None:
     words = ['a, "b"', "line\r\nend", "é", ""]
     rows = exported(cli, tmp_path, [text(word) for word in words])
