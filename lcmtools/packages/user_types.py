@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, cast
 
 from lcmtools.errors import UnknownType, os_errors_as
 from lcmtools.messages.fields import fields
+from lcmtools.messages.python_names import python_name
 from lcmtools.messages.registry import (
     Message,
     ServiceType,
@@ -211,7 +212,9 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message | S
         if name.startswith("_"):
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         user_types().add_start(Path(file).resolve().parent)
-        named = f"{package}/{name}"
+        own = name.rstrip("_")  # of a type "pass", which is imported as "pass_"
+        is_spelled = python_name(own) == name and f"{package}/{name}" not in type_names()
+        named = f"{package}/{own if is_spelled else name}"
         try:
             return service_class(named) if named in service_names() else message_class(named)
         except UnknownType as error:
