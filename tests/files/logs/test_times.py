@@ -9,6 +9,7 @@ from fixtures.command import Result
 from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
+import lcmtools.bag
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.messages.codec import encode
@@ -38,6 +39,27 @@ def due(player: Player, playlist: Playlist) -> list[tuple[float, float]]:
         assert player.pop_due(now)
         found.append((round(now / S, 6), round(clock / S - T, 6)))
     return found
+
+
+@pytest.mark.parametrize("time", [0, -T, -T - 1000.25])  # now, 1970, and before
+def test_a_rate_needs_time(time: float, cli: Cli, tmp_path: Path) -> None:
+    path = log(tmp_path / "one", *[time] * 3)
+    for verb, noun in (("hz", "rate"), ("bw", "bandwidth")):
+        result = cli(verb, "-b", path, "/a")
+        assert_says(result.err, "all messages on /a have the same time", f"a {noun} has no meaning")
+        assert result.out == ""
+        assert cli(verb, "-b", path, "/a", "--json").out == ""
+
+
+def test_times_before_1970_are_right(cli: Cli, tmp_path: Path) -> None:
+    path = log(tmp_path / "old", *(-T - 1000.25 + number / 4 for number in range(5)))
+    assert "average rate: 4.000" in cli("hz", "-b", path, "/a").ok()
+    assert "average: 80.00B/s" in cli("bw", "-b", path, "/a").ok()
+    assert_says(cli("bag", "info", path).ok(), "19.750 (-1000.250)", "20.750 (-999.250)")
+    with lcmtools.bag.open(path) as opened:
+        assert opened.to_numpy("/a")["%time"].tolist() == [
+            -1_000_250_000_000 + number * S // 4 for number in range(5)
+        ]
 
 
 BACK = (3600, 3600.5, 3601, 0, 0.5, 1)
