@@ -4,6 +4,7 @@ Belongs here: which channels are played, and under which names. Must not know bu
 """
 
 import heapq
+import sys
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -36,6 +37,7 @@ from lcmtools.wire.log_events import Event
 from lcmtools.wire.log_index import Block, disorder
 
 _STEP = NANOSECONDS  # times that go back by more are a step, after which playing goes on at once
+_MOST_PARTS = 8  # between which the times of a log may change to and fro
 _SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
@@ -73,36 +75,45 @@ class _ContinuousLog(LogFile):
     """A log whose events after a step back in time have later times, as if no time had passed."""
 
     def __init__(self, path: str | Path) -> None:
-        self.steps: list[tuple[int, int, int]] = []  # offset, time of playing, and what is added
+        self._steps: list[tuple[int, int]] = []  # offset, and what is added from there on [ns]
+        self._parts = [(-sys.maxsize, 0)]  # first time of playing, and what is added [ns]
         super().__init__(path)
 
     def remove_steps(self) -> None:
         """Find the steps, and change the times of the events after them."""
-        latest, later = None, 0
+        later, latest = 0, None
         for event in super().events():
+            if latest is not None and abs(event.time + later - latest) > _STEP:
+                later = self._later_from(event.time, latest)
+                self._steps.append((event.start, later))
             time = event.time + later
-            if latest is not None and latest - time > _STEP:
-                later += latest - time
-                time = latest
-                self.steps.append((event.start, time, later))
             latest = time if latest is None else max(latest, time)
         self.index = replace(self.index, blocks=[])
 
     def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
         """Yield the places of the events, with the times at which they are to be played."""
         found = super().events(start, end)
-        if not self.steps:
+        if not self._steps:
             return found
         return (event._replace(time=event.time + self._later(event)) for event in found)
 
     def recorded_time(self, time: int) -> int:
         """Return the time of recording for a time of playing."""
-        place = bisect_right([when for _, when, _ in self.steps], time)
-        return time - self.steps[place - 1][2] if place else time
+        return time - self._parts[bisect_right(self._parts, time, key=itemgetter(0)) - 1][1]
+
+    def _later_from(self, time: int, latest: int) -> int:
+        """Return what to add to a time after a step: as in the part that it continues, if any."""
+        fits = [one for one in self._parts[-_MOST_PARTS:] if time + one[1] >= latest - _STEP]
+        if not fits:
+            self._parts.append((latest, latest - time))
+            return latest - time
+        part = min(fits, key=itemgetter(1))
+        del self._parts[self._parts.index(part) + 1 :]  # they were single messages
+        return part[1]
 
     def _later(self, event: Event) -> int:
-        place = bisect_right(self.steps, event.start, key=itemgetter(0))
-        return self.steps[place - 1][2] if place else 0
+        place = bisect_right(self._steps, event.start, key=itemgetter(0))
+        return self._steps[place - 1][1] if place else 0
 
 
 class Playlist(AbstractContextManager["Playlist"]):
