@@ -10,6 +10,8 @@ from fixtures.wire import encode_event
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import Announcement, decode_announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.names import Pattern, is_hidden, spellings
 from lcmtools.types.builtin_interfaces import Time
@@ -111,3 +113,11 @@ def test_a_summary_shows_the_spelling(names: tuple[bytes, str], log: str, cli: C
     (record,) = json.loads(cli("bag", "info", log, "--json").ok())
     assert shown in [one["topic"] for one in record["topics"]]
     assert len({row.index("builtin") for row in rows if "builtin" in row}) == 1
+
+
+def test_a_node_announces_the_name_as_it_is(names: tuple[bytes, str]) -> None:
+    end = Endpoint(text(names[0]), Role.PUBLISHER, ("std_msgs/String",))
+    announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
+    read = decode_announcement(announced)
+    assert read is not None
+    assert [one.topic for one in read.node.endpoints] == [text(names[0])]
