@@ -8,6 +8,7 @@ from functools import cache
 from typing import NamedTuple, TypeAlias
 
 from lcmtools.clock import join_stamp, split_stamp
+from lcmtools.messages.enums import EnumValue, enum_type
 from lcmtools.messages.registry import Message, type_name
 
 PRIMITIVES = {
@@ -151,4 +152,6 @@ def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: b
         return Field(name, PRIMITIVES[lcm_type], None, dimensions, is_length)
     module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is not in a package
     cls: type[Message] = getattr(importlib.import_module(module or short), short)
+    if issubclass(cls, EnumValue):
+        return Field(name, enum_type(cls), None, dimensions, is_length)
     return Field(name, type_name(cls), cls, dimensions, is_length)

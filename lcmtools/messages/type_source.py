@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
 
+_MOST_NAMED = 3  # types that an error names
+
 
 class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""
@@ -16,16 +18,26 @@ class Problem(NamedTuple):
     what: str
     hint: str = ""  # the remedy
     type: str = ""  # the type concerned; "" for the whole file
+    lost: Sequence[str] = ()  # the types that are unusable, this one's and those that contain it
 
     def error(self) -> InvalidFile:
-        """Return the problem as an error to raise."""
+        """Return the problem as an error to raise, with the types that it costs."""
         line = f":{self.line}" if self.line else ""
-        return InvalidFile(f"{shown(self.file)}{line}: {self.what}", self.hint)
+        others = [name for name in self.lost if name != self.type]
+        path = Path(self.file)
+        if path.suffix != ".lcm" or all(name.rpartition("/")[2] == path.stem for name in others):
+            others = []  # the file's name says it
+        more = f" and {len(others) - _MOST_NAMED} more" if len(others) > _MOST_NAMED else ""
+        lost = f" (unusable: {', '.join(others[:_MOST_NAMED])}{more})" if others else ""
+        return InvalidFile(f"{shown(self.file)}{line}: {self.what}{lost}", self.hint)
 
     def concerns(self, name: str) -> bool:
-        """Return True if this may be the reason why the type ``package/Name`` is missing."""
-        if self.type:
-            return name in (self.type, self.type.rpartition("/")[2])
+        """Return True if this is the reason why the type ``package/Name`` is missing.
+
+        Of a file that cannot be read, the path decides.
+        """
+        if self.lost:
+            return any(name in (one, one.rpartition("/")[2]) for one in self.lost)
         package, _, short = name.rpartition("/")
         path = Path(self.file)
         return path.stem in (short, f"{package}_{short}") and (

@@ -135,7 +135,14 @@ class UserTypes:
     def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
         from lcmtools.packages.cache import cached_types
 
-        return cached_types(files, self._environment, self._shipped)
+        return cached_types(files, self._environment, self._shipped, _say)
+
+
+def _say(text: str) -> None:
+    """Tell what takes long, as libraries do: by logging, which writes to standard error."""
+    import logging
+
+    logging.getLogger("lcmtools").warning(text)
 
 
 def _recorded_file(one: "RecordedType") -> LcmFile:
