@@ -17,7 +17,19 @@ class EnumValue(int):
 
     def __repr__(self) -> str:
         """Return its name, or its number if it has none."""
-        return str(name_of(int(self), self.__members__))
+        return str(enum_type(type(self)).plain(self))
+
+    def __eq__(self, other: object) -> bool:
+        """Return True for the same number, and for its name."""
+        if isinstance(other, str):
+            return self.__members__.get(other) == int(self)
+        return int(self) == other
+
+    def __ne__(self, other: object) -> bool:
+        """Return the opposite of ``==``."""
+        return not self == other
+
+    __hash__ = int.__hash__
 
     @classmethod
     def _get_hash_recursive(cls, parents: object) -> int:  # noqa: ARG003 - lcm-gen's interface
@@ -38,10 +50,18 @@ class EnumValue(int):
 class EnumType(str):
     """The type of a field that holds an enum: "int32", whose values have names."""
 
-    __slots__ = ("name", "values")
+    __slots__ = ("cls",)
 
-    name: str  # "mode_t"
-    values: Mapping[str, int]
+    cls: type[EnumValue]
+
+    def plain(self, value: int) -> str | int:
+        """Return the name of a value, or the value if it has none."""
+        names = (name for name, number in self.cls.__members__.items() if number == value)
+        return next(names, int(value))
+
+    def number(self, name: object) -> int | None:
+        """Return the value with a name; None if there is none."""
+        return self.cls.__members__.get(name) if isinstance(name, str) else None
 
 
 def enum_class(name: str, module: str, values: Mapping[str, int], number: int) -> type[EnumValue]:
@@ -56,10 +76,5 @@ def enum_class(name: str, module: str, values: Mapping[str, int], number: int) -
 def enum_type(cls: type[EnumValue]) -> EnumType:
     """Return the type of fields that hold an enum."""
     found = EnumType("int32")
-    found.name, found.values = cls.__name__, cls.__members__
+    found.cls = cls
     return found
-
-
-def name_of(value: int, values: Mapping[str, int]) -> str | int:
-    """Return the first name of a value, or the value if it has none."""
-    return next((name for name, number in values.items() if number == value), value)

@@ -270,7 +270,7 @@ def problems() -> Sequence[Problem]:
     return default_registry().problems()
 
 
-def type_name(message: Message | type[Message]) -> str:
+def type_name(message: Message | type) -> str:
     """The name of a message's type, or of a class: "geometry_msgs/Twist"."""
     return _class_name(message if isinstance(message, type) else type(message))
 
