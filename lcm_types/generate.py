@@ -1,11 +1,10 @@
-"""Write lcmtools/types from the .lcm files beside this script, with lcm-gen.
+"""Generate lcmtools/types from the .lcm files next to this script, with lcm-gen.
 
-    python lcm_types/generate.py            write what is missing or old, remove what is stray
-    python lcm_types/generate.py --check    write nothing, name what differs; exit code 1 if any
+    python lcm_types/generate.py            write missing and outdated files, remove all others
+    python lcm_types/generate.py --check    write nothing, list files that differ; then exit code 1
 
-Belongs here: running lcm-gen and keeping the committed output in step with it. What is added to
-lcm-gen's classes (stubs, fingerprints, service pairs) is written by companions.py. This script
-must not know what any type means.
+Belongs here: running lcm-gen and keeping the committed output up to date. companions.py writes the
+stubs, fingerprints and service pairs. Must not know the meaning of any type.
 """
 
 import argparse
@@ -27,7 +26,7 @@ Files = dict[Path, bytes]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Bring lcmtools/types up to date, or check that it is; return the exit code."""
+    """Update lcmtools/types, or check that it is up to date; return the exit code."""
     parser = argparse.ArgumentParser(description="Write lcmtools/types from the .lcm files.")
     parser.add_argument("--check", action="store_true", help="write nothing, name stale files")
     check: bool = parser.parse_args(arguments).check
@@ -47,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def generate() -> Files:
     """Generate everything into an empty folder and return it.
 
-    The folder is empty because lcm-gen appends to an ``__init__.py`` that it finds.
+    The folder must be empty because lcm-gen appends to an existing ``__init__.py``.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -57,8 +56,8 @@ def generate() -> Files:
 
 
 def run_lcm_gen(folder: Path) -> None:
-    """Let lcm-gen write its classes into ``folder``, or exit with its exit code."""
-    # Sorted: the order of the arguments is the order of the lines in each __init__.py.
+    """Let lcm-gen write its classes into ``folder``; exit with its exit code if it fails."""
+    # Sorted, because each __init__.py has its lines in the order of the arguments.
     sources = sorted(str(path) for path in SOURCES.glob("*/*.lcm"))
     options = ["--python", "--ppath", str(folder), "--package-prefix", PREFIX]
     code = lcm.run_script("lcm-gen", [*options, *sources])
@@ -67,10 +66,10 @@ def run_lcm_gen(folder: Path) -> None:
 
 
 def run_companions(folder: Path) -> None:
-    """Write stubs, fingerprints and service pairs beside the classes in ``folder``.
+    """Write stubs, fingerprints and service pairs next to the classes in ``folder``.
 
-    A process of its own, without site-packages, imports the classes that were just made and
-    cannot find those of an installed lcmtools instead.
+    A separate process without site-packages imports the new classes, so that it cannot import
+    those of an installed lcmtools instead.
     """
     script = SOURCES / "companions.py"
     subprocess.run(  # noqa: S603 - our own script with our own interpreter
@@ -88,13 +87,13 @@ def read_files(folder: Path) -> Files:
 
 
 def stale_files(wanted: Files, present: Files) -> list[Path]:
-    """Return the paths that are missing, that differ or that should not be there, sorted."""
+    """Return the paths of missing, different and superfluous files, sorted."""
     paths = wanted.keys() | present.keys()
     return sorted(path for path in paths if wanted.get(path) != present.get(path))
 
 
 def synchronise(wanted: Files, stale: Sequence[Path]) -> None:
-    """Write or remove each of the stale files under lcmtools/types."""
+    """Write or remove the stale files in lcmtools/types."""
     for path in stale:
         target = OUTPUT / path
         if path in wanted:

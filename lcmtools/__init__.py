@@ -1,7 +1,7 @@
 """A command line, a node library and robot labs for LCM.
 
 The public names of the node API, ``observe`` and ``publish`` are available here. Each is imported
-when it is first used, so that the command line starts without them.
+on first use, so that the command line starts without them.
 """
 
 from typing import TYPE_CHECKING
@@ -50,7 +50,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first used (PEP 562)."""
+    """Import a public name on first use (PEP 562)."""
     from importlib import import_module
 
     if name in ("observe", "publish"):

@@ -1,7 +1,7 @@
 """The console script, and ``python -m lcmtools``.
 
-As small as it is because importing the command line takes a moment, in which Ctrl-C should be as
-quiet as at any other. A shell that asks for completion gets it without the command line.
+It imports little: importing the command line takes a moment, and Ctrl-C must be quiet from the
+start. A shell's request for completion is answered without the command line.
 """
 
 import gc
@@ -9,14 +9,15 @@ import os
 import sys
 
 _NEW_OBJECTS = 100_000
-"""From one search for garbage to the next; usual are 700, of which an import makes many times more.
+"""The number of new objects before a garbage collection; Python's default is 700.
 
-Searching what is imported, here and as the process ends, takes a tenth of a short command's time.
+Imports create many times more. Searching them for garbage, now and at the end of the process, takes
+a tenth of a short command's time.
 """
 
 
 def _end_if_interrupted(ignored: "sys.UnraisableHookArgs") -> None:
-    """End the process by a Ctrl-C that Python would ignore: it came in a clean-up of an import."""
+    """End the process at a Ctrl-C that Python would ignore because it interrupted an import."""
     if ignored.exc_type is KeyboardInterrupt:
         os._exit(130)
     sys.__unraisablehook__(ignored)
@@ -36,7 +37,7 @@ def run() -> None:
         run_command_line()
     except KeyboardInterrupt as interrupt:
         sys.stderr.flush()
-        # the interpreter is half started: nothing is open that would need closing
+        # the command line is not imported yet: nothing is open that would need closing
         os._exit(interrupt.args[0] if interrupt.args else 130)
 
 

@@ -1,8 +1,8 @@
 """A node's command line: names, parameters and the bus.
 
-They can be written as ROS writes them (``__ns:=/husky0 a:=b _gain:=2.0``) or as flags (``--ns
-/husky0 --remap a:=b --param gain:=2.0``). This module takes them out of an argument list, and makes
-one of them. Must not know nodes and the environment.
+They can be written as in ROS (``__ns:=/husky0 a:=b _gain:=2.0``) or as flags (``--ns /husky0
+--remap a:=b --param gain:=2.0``). This module extracts them from an argument list, and creates
+argument lists. Must not know nodes or the environment.
 """
 
 import re
@@ -12,33 +12,33 @@ from typing import Any, NamedTuple
 
 from lcmtools.errors import UsageError
 
-# ROS's remapping arguments, and parameters with dots in their names, as ROS 2 has them;
-# everything else stays in the argument list.
+# ROS's remapping arguments, and parameters with dots in their names as in ROS 2.
+# Everything else stays in the argument list.
 _ASSIGNMENT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*|_[A-Za-z][A-Za-z0-9_/.]*):=(.*)", re.ASCII | re.DOTALL
 )
-# Mistakes in it: with blanks, or with one of the two signs only.
+# Misspelt assignments: with spaces, or with only one of the two signs.
 _MISSPELT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*)(?:=|:|:=|=:|==)([^:=].*)", re.ASCII | re.DOTALL
 )
 _FIELDS = {"--ns": "namespace", "--name": "name", "--lcm-url": "lcm_url", "--domain": "domain"}
 _FLAGS = (*_FIELDS, "--param", "--remap", "-r")
-# ROS's own special keys that have no meaning on LCM; accepted so that old command lines work.
+# ROS's special keys that mean nothing with LCM; accepted so that old command lines work.
 _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
 
 
 class NodeArguments(NamedTuple):
-    """The names, parameters and bus of a node's command line; None for what is not given."""
+    """The names, parameters and bus in a node's command line; None for those not given."""
 
     namespace: str | None = None
     name: str | None = None
-    remaps: tuple[tuple[str, str], ...] = ()  # (from, to), as written
-    parameters: Mapping[str, str] = MappingProxyType({})  # private ones, name to YAML text
+    remaps: tuple[tuple[str, str], ...] = ()  # (from, to) as written
+    parameters: Mapping[str, str] = MappingProxyType({})  # private, name to YAML text
     lcm_url: str | None = None
     domain: str | None = None
 
     def words(self) -> list[str]:
-        """Return the command line that ``split_arguments`` reads as this value."""
+        """Return the command line for these arguments; the inverse of ``split_arguments``."""
         specials = {"__ns": self.namespace, "__name": self.name}
         flags = {"--lcm-url": self.lcm_url, "--domain": self.domain}
         pairs = [
@@ -51,10 +51,10 @@ class NodeArguments(NamedTuple):
 
 
 def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]:
-    """Take the naming arguments out of a node's argument list, which has no program's name.
+    """Split an argument list, without the program's name, into naming and other arguments.
 
-    Returns their value, and the arguments that are the node's own; after a ``--`` all are.
-    UsageError is raised for a flag without its value, and an unknown ``__special:=``.
+    All arguments after ``--`` are the node's own. UsageError is raised for a flag without a value
+    and for an unknown ``__special:=``.
     """
     said = NodeArguments()
     rest: list[str] = []
@@ -74,17 +74,17 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
 
 
 def is_assignment(word: str) -> bool:
-    """Return True for an assignment as of ROS: "a:=b", "__ns:=/husky0", "_gain:=2.0"."""
+    """Return True for an assignment as in ROS: "a:=b", "__ns:=/husky0", "_gain:=2.0"."""
     return _ASSIGNMENT.fullmatch(word) is not None
 
 
 def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str:
-    """Return the hint for an argument that looks like an assignment and is none; "" for others.
+    """Return the hint for a misspelt assignment; "" for other words.
 
     Args:
         words: The command line.
         unknown: The unknown word in it: "a=b", or a part of "a := b".
-        of_node: A value that is no name is for a parameter; a launch has arguments only.
+        of_node: Read a value that is not a name as a parameter's; launches have no parameters.
     """
     if unknown == "--ros-args":
         return "names and remaps need none: leave it out"
@@ -96,7 +96,7 @@ def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str
     for count in range(1, len(rest) + 1):
         parts = rest[:count]
         if not all(map(_belong_together, parts, parts[1:])):
-            break  # two words, each with a meaning of its own
+            break  # two separate words
         if match := _MISSPELT.fullmatch("".join(parts)):
             name, value = match.groups()
             is_topic = not of_node or name[0] in "_~/" or value[0].isalpha() or value[0] in "_~/"
@@ -105,13 +105,13 @@ def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str
 
 
 def _belong_together(left: str, right: str) -> bool:
-    """Return True for neighbours with a sign between, as in "a :=" or "= b"."""
+    """Return True for two adjacent parts of an assignment, as in "a :=" or "= b"."""
     has_sign = left[-1:] in (":", "=") or right[:1] in (":", "=")
     return has_sign and not is_assignment(right) and not right.startswith("--")
 
 
 def looks_special(word: str) -> bool:
-    """Return True if a word can only be meant for ``split_arguments``: "__ns=/husky0", ":=b"."""
+    """Return True for a word that can only be a naming argument: "__ns=/husky0", ":=b"."""
     return ":=" in word or bool(re.match(r"__[a-z]+[:=]", word))
 
 
@@ -135,7 +135,7 @@ def _with_flag(said: NodeArguments, flag: str, value: str) -> NodeArguments:
 
 
 def _with_assignment(said: NodeArguments, key: str, value: str) -> NodeArguments:
-    """The arguments with ``key:=value``; without an empty value, which ROS ignores too."""
+    """Return the arguments with ``key:=value`` added; like ROS, ignore an empty value."""
     if key in _IGNORED_SPECIALS or not value:
         return said
     if key == "__ns":

@@ -16,25 +16,25 @@ class Clock(Protocol):
     """A source of time."""
 
     def now(self) -> int:
-        """Nanoseconds since 1970 (UTC), or since the simulation's start on simulated time."""
+        """Return the nanoseconds since 1970 (UTC), or since the start of a simulation."""
 
 
 class SystemClock:
     """The computer's clock."""
 
     def now(self) -> int:
-        """Nanoseconds since 1970 (UTC)."""
+        """Return the nanoseconds since 1970 (UTC)."""
         return time.time_ns()
 
 
 class ManualClock:
-    """A clock with the time last set: simulated time, and time in tests."""
+    """A clock that is set by its user: for simulated time and for tests."""
 
     def __init__(self, now: int = 0) -> None:
         self._now = now
 
     def now(self) -> int:
-        """The nanoseconds last set."""
+        """Return the nanoseconds set last."""
         return self._now
 
     def set(self, now: int) -> None:
@@ -43,10 +43,10 @@ class ManualClock:
 
 
 def split_stamp(nanoseconds: int) -> tuple[int, int]:
-    """The (sec, nsec) of a message's stamp."""
+    """Convert nanoseconds into the (sec, nsec) of a message's stamp."""
     return divmod(nanoseconds, NANOSECONDS)
 
 
 def join_stamp(sec: int, nsec: int) -> int:
-    """The nanoseconds of a message's stamp."""
+    """Convert the (sec, nsec) of a message's stamp into nanoseconds."""
     return sec * NANOSECONDS + nsec

@@ -1,7 +1,7 @@
-"""Colour for terminals: the decision for or against it, and its escape sequences.
+"""Colour in terminals: whether it is wanted, and its escape sequences.
 
-The caller gives the environment and the stream; nothing is printed here. Colour is used sparsely:
-for faults and their severity.
+The caller passes the environment and the stream; nothing is printed here. Colour is used
+sparingly, for faults and their severity.
 """
 
 from collections.abc import Mapping
@@ -17,13 +17,11 @@ BOLD_RED = "1;31"
 
 
 def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_terminal: bool) -> bool:
-    """Return whether the text for a stream gets colour.
+    """Return True if text for a stream should be coloured.
 
-    LCMTOOLS_COLOR counts first (``--color`` sets it), then NO_COLOR (https://no-color.org), then
-    FORCE_COLOR and CLICOLOR_FORCE, then the setting; else a terminal gets colour, unless it is a
-    dumb one.
-
-    ``usual`` is the user's setting: "auto", "always" or "never".
+    LCMTOOLS_COLOR, which ``--color`` sets, takes precedence over NO_COLOR (https://no-color.org),
+    FORCE_COLOR and CLICOLOR_FORCE, and these over ``usual``, the user's setting: "auto", "always"
+    or "never". With "auto", terminals other than dumb ones get colour.
     """
     chosen = environment.get("LCMTOOLS_COLOR") or "auto"
     if chosen == "auto":
@@ -37,14 +35,14 @@ def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_termina
 
 
 def stream_wants_color(stream: TextIO, environment: Mapping[str, str]) -> bool:
-    """Return ``is_wanted`` for a stream, with the user's setting."""
+    """Return ``is_wanted`` for a stream and the user's setting."""
     try:
         usual = read_user_file(environment).values.get("color", "auto")
-    except LcmtoolsError:  # the code that needs the settings reports it
+    except LcmtoolsError:  # reported by the code that needs the settings
         usual = "auto"
     try:
         is_terminal = stream.isatty()
-    except (AttributeError, ValueError):  # a stream of the user's own, or a closed one
+    except (AttributeError, ValueError):  # a stream defined by the user, or a closed one
         is_terminal = False
     return is_wanted(environment, usual, is_terminal=is_terminal)
 

@@ -1,22 +1,22 @@
 """The errors that lcmtools raises for its users to read.
 
-    LcmtoolsError        something could not be done                  exit code 1
+    LcmtoolsError        an operation failed                          exit code 1
     +-- UsageError       what was typed is wrong                      exit code 2
     |   +-- InvalidName      a name breaks the naming rules
-    |   +-- InvalidUrl       an LCM URL that liblcm would misread
+    |   +-- InvalidUrl       an LCM URL is wrong, or liblcm would misread it
     |   +-- UnknownType      no such message type
     |   +-- ValueMismatch    a value does not fit the message's field
     |   +-- InvalidFile      a world, YAML or other input file is wrong
-    +-- DecodeError      a payload is not what its type says
+    +-- DecodeError      a payload is damaged or has another type
     +-- BusError         the bus cannot be reached or used
     +-- ServiceError     a service call failed or was not answered
-    |   +-- ServiceTimeout   it was not answered in time              exit code 4
+    |   +-- ServiceTimeout   a service call was not answered in time  exit code 4
     +-- MissingExtra     an optional dependency is not installed      exit code 3
-    +-- NothingReceived  nothing came within the time given           exit code 4
+    +-- NothingReceived  no message arrived in time                   exit code 4
 
-Every error has the fault and its place (``what``) and, where there is one, the remedy (``hint``).
-Library code raises; only ``lcmtools.cli`` prints errors and turns them into exit codes. This module
-knows nothing else of lcmtools.
+Every error states the fault and its place (``what``) and, if there is one, the remedy (``hint``).
+Library code raises; only ``lcmtools.cli`` prints errors and turns them into exit codes. Must not
+know anything else of lcmtools.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,7 +28,7 @@ FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
 
 
 class LcmtoolsError(Exception):
-    """Something could not be done.
+    """An operation failed.
 
     Attributes:
         what: The error and its place, in one line without a full stop.
@@ -43,7 +43,7 @@ class LcmtoolsError(Exception):
         self.hint = hint
 
     def __str__(self) -> str:
-        """Both parts in one line, as a command prints them."""
+        """Return the error and its remedy in one line."""
         return f"{self.what}; {self.hint}" if self.hint else self.what
 
 
@@ -51,10 +51,7 @@ class LcmtoolsError(Exception):
 def os_errors_as(
     what: str, hint: str = "", kind: type[LcmtoolsError] = LcmtoolsError
 ) -> Iterator[None]:
-    """Raise the system's errors as an error of ours: "cannot write a.txt: Permission denied".
-
-    Text that is not UTF-8 is one of them.
-    """
+    """Convert OSError and UnicodeDecodeError: "cannot write a.txt: Permission denied"."""
     try:
         yield
     except OSError as error:
@@ -74,15 +71,15 @@ class InvalidName(UsageError):  # noqa: N818 - named for what happened, as in ht
 
 
 class InvalidUrl(UsageError):  # noqa: N818
-    """An LCM URL is wrong, or would be read by liblcm as something else than it says."""
+    """An LCM URL is wrong, or liblcm would misread it."""
 
 
 class UnknownType(UsageError):  # noqa: N818
-    """No message type of this name is known."""
+    """There is no message type of this name."""
 
 
 class ValueMismatch(UsageError):  # noqa: N818
-    """A value does not fit the message field it is meant for."""
+    """A value does not fit a field of a message."""
 
 
 class InvalidFile(UsageError):  # noqa: N818
@@ -90,7 +87,7 @@ class InvalidFile(UsageError):  # noqa: N818
 
 
 class DecodeError(LcmtoolsError):
-    """A payload is truncated, too short or of another type than expected."""
+    """A payload is truncated, damaged, or of another type than expected."""
 
 
 class BusError(LcmtoolsError):
@@ -115,30 +112,30 @@ class MissingExtra(LcmtoolsError):  # noqa: N818
 
 @contextmanager
 def needing_extra(extra: str, who_needs: str, otherwise: str = "") -> Iterator[None]:
-    """Raise an import that fails as MissingExtra: "MCAP needs" the extra "mcap"."""
+    """Convert a failed import into MissingExtra: "MCAP needs" the extra "mcap"."""
     try:
         yield
     except (ImportError, MissingExtra) as error:
         if (getattr(error, "name", None) or "").startswith("lcmtools"):
-            raise  # a fault of ours
+            raise  # a fault of lcmtools
         reason = " ".join(str(error.__cause__ or error).split())
         what = f"{who_needs} the extra '{extra}' ({reason})"
         raise MissingExtra(what, extra_hint(extra) + otherwise) from error
 
 
 def extra_hint(extra: str) -> str:
-    """Return what installs an extra, from a checkout or not."""
+    """Return the command that installs an extra, for a hint."""
     return f"type: pip install 'lcmtools-robotics[{extra}]'"
 
 
 class NothingReceived(LcmtoolsError):  # noqa: N818
-    """Nothing came within the time given."""
+    """No message arrived within the given time."""
 
     exit_code = 4
 
 
 def explained(function: FunctionT) -> FunctionT:
-    """Let calls that do not fit a function's signature raise a UsageError that shows it."""
+    """Decorate a function: calls with wrong arguments raise UsageError with its signature."""
 
     @wraps(function)
     def call(*arguments: object, **keywords: object) -> object:
@@ -154,7 +151,7 @@ def explained(function: FunctionT) -> FunctionT:
 
 
 def _call_fault(function: Callable[..., object], error: TypeError) -> UsageError:
-    """Return the error for a call that does not fit a function's signature."""
+    """Return the error for a call with wrong arguments."""
     import inspect  # late: it takes some milliseconds
 
     reason = str(error).partition("() ")[2]

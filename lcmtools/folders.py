@@ -1,4 +1,4 @@
-"""A user's folders by the XDG rules, and writing a file as a whole or not at all."""
+"""The user's folders (XDG Base Directory Specification), and atomic writing of files."""
 
 import contextlib
 import os
@@ -9,10 +9,10 @@ from lcmtools.errors import os_errors_as
 
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
-    """Return a folder of the user's by the XDG rules; None where the environment names no home.
+    """Return a user's XDG folder; None if the environment has no home.
 
-    The variable ("XDG_CACHE_HOME") names the folder, if by an absolute path; else it has its
-    ``default`` place in the home (".cache").
+    It is the value of ``variable`` ("XDG_CACHE_HOME") if that is an absolute path, else the folder
+    ``default`` (".cache") in the home.
     """
     named = environment.get(variable, "")
     if named.startswith("/"):
@@ -22,13 +22,13 @@ def home_folder(environment: Mapping[str, str], variable: str, default: str) -> 
 
 
 def cache_folder(environment: Mapping[str, str]) -> Path | None:
-    """Return the folder for data that can be computed again."""
+    """Return the folder for data that can be recomputed."""
     base = home_folder(environment, "XDG_CACHE_HOME", ".cache")
     return base / "lcmtools" if base else None
 
 
 def runtime_folder(environment: Mapping[str, str]) -> Path | None:
-    """Return the folder for data that is valid for a moment."""
+    """Return the folder for short-lived data, such as the records of running nodes."""
     named = environment.get("XDG_RUNTIME_DIR", "")
     if named.startswith("/") and os.access(named, os.W_OK):
         return Path(named) / "lcmtools"
@@ -36,25 +36,25 @@ def runtime_folder(environment: Mapping[str, str]) -> Path | None:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file that a person has named: as a whole, or the one before stays.
+    """Write a file that a user named; if that fails, an existing file stays unchanged.
 
     Raises:
-        LcmtoolsError: It cannot be written.
+        LcmtoolsError: The file cannot be written.
     """
     with os_errors_as(f"cannot write {path}"):
-        if path.exists() and not path.is_file():  # /dev/stdout, a pipe: not to be replaced
+        if path.exists() and not path.is_file():  # /dev/stdout or a pipe must not be replaced
             path.write_bytes(_encoded(content))
         else:
             write_atomically(path, content)
 
 
 def write_atomically(path: Path, content: str | bytes, *, private: bool = False) -> None:
-    """Write a file in an existing folder; a concurrent reader sees the old or the new one, whole.
+    """Write a file atomically: a concurrent reader sees all of the old or all of the new content.
 
-    Where ``path`` is a link, as a settings file kept elsewhere may be, its target is written.
-    A private file can be read by the user only; others keep their mode.
+    The folder must exist. If ``path`` is a symbolic link, its target is written. Only the user can
+    read a private file; others keep their mode.
     """
-    import tempfile  # completion seldom writes
+    import tempfile  # late: completion seldom writes
 
     path = path.resolve()
     descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)

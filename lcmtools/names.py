@@ -19,28 +19,28 @@ MAX_CHANNEL_BYTES = 63
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
 _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
-_NEAR = 0.65  # of 1, for identical; "position" and "friction" have 0.625
+_NEAR = 0.65  # least similarity, 1 for equal names; "position" and "friction" have 0.625
 
 _WILDCARD = re.compile(r"\*\*|[*?]")
 _MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
 
 SELF_TEST_CHANNEL = "LCM_SELF_TEST"
-"""The channel of liblcm's own test of a network, which stays on its computer."""
-# Channels that LCM itself uses, with the bookkeeping of mpudpm.
+"""The channel of liblcm's self-test, whose messages stay on the computer."""
+# Channels that LCM itself uses, including the control channel of mpudpm.
 _LCM_INTERNAL = (SELF_TEST_CHANNEL, "#!mpudpm")
 
 
 class Resolver(NamedTuple):
-    """The meaning of the names in a node's code."""
+    """Resolves the names in a node's code."""
 
-    namespace: str = "/"  # the node's, global ("/husky0")
+    namespace: str = "/"  # the node's full namespace ("/husky0")
     node: str = ""  # its full name ("/husky0/simple_controller")
-    remaps: tuple[tuple[str, str], ...] = ()  # (from, to) as given; compared when resolved
+    remaps: tuple[tuple[str, str], ...] = ()  # (from, to) as given; resolved to be compared
 
     def resolve(self, name: str) -> str:
-        """The topic or service that ``name`` means for this node, remapped.
+        """Return the full name of a topic or service, remapped.
 
-        InvalidName is raised for one that is illegal, or too long for an LCM channel.
+        InvalidName is raised if it is illegal or too long for an LCM channel.
         """
         resolved = self.expand(name)
         for source, target in reversed(self.remaps):  # the last of several equal rules wins
@@ -49,7 +49,7 @@ class Resolver(NamedTuple):
         return check_length(resolved, name)
 
     def spellings(self, name: str) -> Sequence[str]:
-        """The channels that a topic's name may mean where it is *read*, remapped."""
+        """Return the channels that a name may mean when a topic is *read*, remapped."""
         if not name:
             raise InvalidName("the topic's name is empty", "lcmtools list shows the topics")
         found = spellings(name, self.namespace)
@@ -59,14 +59,14 @@ class Resolver(NamedTuple):
         return found
 
     def expand(self, name: str) -> str:
-        """The global name, before remapping."""
+        """Return the full name before remapping."""
         return resolve(name, self.namespace, self.node)
 
 
 def resolve(name: str, namespace: str = "/", node: str = "") -> str:
-    """The global form of a name: "/a" as it is, "a" in the namespace, "~a" below the node.
+    """Return the full form of a name: "/a" unchanged, "a" in the namespace, "~a" below the node.
 
-    InvalidName is raised for other characters than ROS names have, and for "~a" without a node.
+    InvalidName is raised for characters that ROS names do not have, and for "~a" without a node.
     """
     check_legal(name)
     if name.startswith("~"):
@@ -78,27 +78,27 @@ def resolve(name: str, namespace: str = "/", node: str = "") -> str:
 
 
 def resolve_namespace(namespace: str) -> str:
-    """The global form of a namespace ("husky0" is "/husky0", "" is "/")."""
+    """Return the full form of a namespace: "/husky0" for "husky0", "/" for ""."""
     return resolve(namespace, "/") if namespace else "/"
 
 
 def check_legal(name: str) -> None:
-    """Raise InvalidName unless it is a graph resource name or empty, which is the namespace."""
+    """Raise InvalidName unless it is a graph resource name, or empty for the namespace."""
     if name and not _LEGAL_NAME.fullmatch(name):
         rule = "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'"
         raise InvalidName(f"'{name}' is not a legal name", rule)
 
 
 def check_node(name: str) -> None:
-    """Raise InvalidName unless it is the full name of a node."""
+    """Raise InvalidName unless it is a node's full name."""
     check_legal(name)
     if resolve(name) != name or name == "/":
         raise InvalidName(f"'{name}' is not a node's full name", "for example /husky0/driver")
 
 
-@lru_cache  # each message that is sent asks again
+@lru_cache  # called for each message sent
 def check_channel(channel: str) -> str:
-    """Return a channel to publish on; raise InvalidName if it is empty, too long or not UTF-8."""
+    """Return a channel unchanged; raise InvalidName if it is empty, too long or not UTF-8."""
     try:
         channel.encode()
     except UnicodeEncodeError:
@@ -107,7 +107,7 @@ def check_channel(channel: str) -> str:
 
 
 def check_base_name(name: str, namespace_by: str = "__ns:=") -> None:
-    """Raise InvalidName unless it is a node's name without a namespace: one part."""
+    """Raise InvalidName unless it is a node's name without a namespace."""
     if not _LEGAL_BASE_NAME.fullmatch(name):
         rule = "a node's name is letters, digits and '_', and does not start with a digit"
         hint = f"{rule}; its namespace is given by {namespace_by}"
@@ -115,9 +115,9 @@ def check_base_name(name: str, namespace_by: str = "__ns:=") -> None:
 
 
 def check_length(channel: str, name: str = "") -> str:
-    """Return a channel; raise InvalidName if it is empty or longer than 63 bytes in UTF-8.
+    """Return a channel unchanged; raise InvalidName if it is empty or longer than 63 bytes.
 
-    The error repeats the ``name`` that the channel was resolved from.
+    The error also shows ``name``, from which the channel was resolved.
     """
     try:
         size = len(channel.encode("utf-8", "surrogateescape"))
@@ -134,30 +134,30 @@ def check_length(channel: str, name: str = "") -> str:
 
 
 def as_utf_8(name: str) -> str:
-    r"""Return a channel's name for other formats: bytes that are not UTF-8 as ``\xff``."""
+    r"""Return a channel's name as valid UTF-8, with other bytes escaped as ``\xff``."""
     return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
 
 
 def is_hidden(name: str) -> bool:
-    """True if lists omit this name: a part starts with "_", or LCM itself uses the channel."""
+    """Return True for a name that lists omit: a part starts with "_", or LCM itself uses it."""
     return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))
 
 
 def namespace_of(name: str) -> str:
-    """The namespace of a full name ("/husky0/odometry" is in "/husky0")."""
+    """Return the namespace of a full name: "/husky0" for "/husky0/odometry"."""
     return name.rpartition("/")[0] or "/"
 
 
 def base_name_of(name: str) -> str:
-    """The last part of a full name."""
+    """Return the last part of a full name."""
     return name.rpartition("/")[2]
 
 
 def spellings(name: str, namespace: str = "/") -> Sequence[str]:
-    """The channels that a name may mean where a topic is *read*: as written, and resolved.
+    """Return the channels that a name may mean when a topic is *read*: as written, and resolved.
 
-    ``echo EXAMPLE`` means the plain LCM channel ``EXAMPLE``, ``echo chatter`` the topic
-    ``/chatter``; whichever is on the bus. A name that is no legal ROS name is only a channel.
+    ``echo EXAMPLE`` may mean the plain LCM channel ``EXAMPLE`` or the topic ``/EXAMPLE``, whichever
+    is on the bus. A name that is not a legal ROS name can only be a channel.
     """
     if name.startswith("~") or not _LEGAL_NAME.fullmatch(name):
         return [name]
@@ -165,11 +165,11 @@ def spellings(name: str, namespace: str = "/") -> Sequence[str]:
 
 
 class Pattern:
-    """A name with wildcards, with one meaning in all commands.
+    """A name with wildcards, which mean the same in all commands.
 
-    ``*`` is any characters but "/", ``**`` for any characters, ``?`` for one character but
-    "/". Hidden names match only a pattern that has a hidden part itself. A relative pattern
-    matches as it is and in the namespace.
+    ``*`` matches any characters except "/", ``**`` any characters, and ``?`` one character except
+    "/". Hidden names are only matched by a pattern with a hidden part. A relative pattern matches
+    names as written and in the namespace.
 
     Args:
         text: The pattern; a name without wildcards matches itself.
@@ -186,21 +186,24 @@ class Pattern:
         self._below = re.compile(f"{root}{_expression(bare)}(/.*)?" if bare else ".*", re.DOTALL)
 
     def matches(self, name: str) -> bool:
-        """Return True if the pattern is the whole name."""
+        """Return True if the pattern matches the whole name."""
         return (self._hidden or not is_hidden(name)) and bool(self._whole.fullmatch(name))
 
     def covers(self, name: str) -> bool:
-        """Return True if the pattern is the name or a namespace of it; "" and "/" are of all."""
+        """Return True if the pattern matches the name or a namespace around it.
+
+        "" and "/" match all names.
+        """
         return (self._hidden or not is_hidden(name)) and bool(self._below.fullmatch(name))
 
     def means_node(self, name: str) -> bool:
-        """Return ``covers``, or True for a pattern that is the name's last part."""
+        """Return True if the pattern covers a node's name or matches its last part."""
         is_last = "/" not in self._text and self._whole.fullmatch(base_name_of(name))
         return self.covers(name) or (bool(is_last) and (self._hidden or not is_hidden(name)))
 
 
 def has_wildcard(text: str) -> bool:
-    """Return True for a word with * or ? in it."""
+    """Return True for text that contains * or ?."""
     return _WILDCARD.search(text) is not None
 
 
@@ -213,9 +216,9 @@ def _expression(pattern: str) -> str:
 
 
 def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
-    """The known names nearest to ``name``, best first, for "did you mean".
+    """Return the known names most similar to ``name``, best first, for "did you mean".
 
-    A namespace that two names share makes them no nearer.
+    A shared namespace does not make names more similar.
     """
     from difflib import get_close_matches
 
@@ -232,7 +235,7 @@ def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """The hint "did you mean X?", or "" where nothing is near."""
+    """Return the hint "did you mean X?", or "" if no known name is similar."""
     near = closest(name, (other for other in known if other != name))
     return f"did you mean {near[0]}?" if near else ""
 

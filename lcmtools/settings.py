@@ -1,7 +1,7 @@
-"""The settings of a user: the table of all settings, and the settings file.
+"""The user's settings: the table of all settings, and the settings file.
 
-A setting comes from a flag, else from an environment variable, else from the user's file
-``$XDG_CONFIG_HOME/lcmtools/config.yaml``. Commands and nodes both read them here. Must not know
+A setting's value comes from a flag, else from an environment variable, else from the file
+``$XDG_CONFIG_HOME/lcmtools/config.yaml``. Commands and nodes read settings here. Must not know
 buses, and prints nothing.
 """
 
@@ -24,11 +24,11 @@ COLORS = ("auto", "always", "never")
 _DURATION = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m|h)?", re.ASCII)
 _BYTES = re.compile(r"(\d+\.?\d*|\.\d+)\s*(?:([kKMGT])(i)?)?B?", re.ASCII)
 _SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0}
-_MOST_BYTES = 100_000  # of a settings file
+_MOST_BYTES = 100_000  # the largest settings file
 
 
 def parse_duration(text: str) -> float:
-    """Return a time span in seconds: ``2``, ``500ms``, ``1m`` or ``1h``; UsageError for others."""
+    """Parse a duration [s]: ``2``, ``500ms``, ``1m`` or ``1h``; UsageError for other text."""
     form = _DURATION.fullmatch(text)
     if not form:
         raise UsageError(f"'{text}' is not a duration", "write 500ms, 2s or 1m")
@@ -36,7 +36,7 @@ def parse_duration(text: str) -> float:
 
 
 def parse_bytes(text: str) -> int:
-    """Return a size in bytes: ``500MB``, ``1.5 GiB`` or ``1000``; UsageError for others."""
+    """Parse a size [byte]: ``500MB``, ``1.5 GiB`` or ``1000``; UsageError for other text."""
     form = _BYTES.fullmatch(text)
     if not form or not float(form[1]):
         raise UsageError(f"'{text}' is not a size", "write 500MB or 1GB")
@@ -57,7 +57,7 @@ class Setting(NamedTuple):
     variable: str
     option: str
     default: str = ""
-    check: Callable[[str], object] = str  # raises LcmtoolsError for a value that is wrong
+    check: Callable[[str], object] = str  # raises LcmtoolsError for an invalid value
 
 
 SETTINGS = {
@@ -73,35 +73,35 @@ SETTINGS = {
 
 
 class UserFile(NamedTuple):
-    """The user's file."""
+    """The content of the user's settings file."""
 
-    path: Path | None = None  # None where the environment names no home
-    values: Mapping[str, str] = MappingProxyType({})  # by the settings' names, as text
-    lines: Mapping[str, int] = MappingProxyType({})  # of each value, from 1
+    path: Path | None = None  # None if the environment has no home
+    values: Mapping[str, str] = MappingProxyType({})  # setting to text
+    lines: Mapping[str, int] = MappingProxyType({})  # setting to line, from 1
 
     def source(self, name: str) -> str:
-        """Return the place of a value, for messages: "/home/me/.config/.../config.yaml:3"."""
+        """Return a setting's file and line: "/home/me/.config/.../config.yaml:3"."""
         return f"{self.path}:{self.lines[name]}"
 
 
 NO_FILE = UserFile()
 
 
-class Said(NamedTuple):
-    """A setting's value and its source: an option, a variable, a place in the file."""
+class SettingValue(NamedTuple):
+    """A setting's value and its source: an option, a variable, a line of the file, "default"."""
 
     value: str
     source: str
 
 
 def user_path(environment: Mapping[str, str]) -> Path | None:
-    """Return the path of the user's file by the XDG rules; None where there is no home."""
+    """Return the path of the settings file; None if the environment has no home."""
     folder = home_folder(environment, "XDG_CONFIG_HOME", ".config")
     return folder / "lcmtools" / "config.yaml" if folder else None
 
 
 def read_user_file(environment: Mapping[str, str]) -> UserFile:
-    """Return the user's file, empty where there is none; InvalidFile, with the line, if wrong."""
+    """Read the settings file, empty if there is none; InvalidFile, with the line, if invalid."""
     path = user_path(environment)
     if path is None:
         return NO_FILE
@@ -114,31 +114,33 @@ def read_user_file(environment: Mapping[str, str]) -> UserFile:
     return _read(path, state.st_mtime_ns, state.st_size)
 
 
-def said(name: str, flag: str | None, environment: Mapping[str, str], file: UserFile) -> Said:
-    """Return a setting's value: the flag's, else the variable's, else the file's, else the default.
+def lookup(
+    name: str, flag: str | None, environment: Mapping[str, str], file: UserFile
+) -> SettingValue:
+    """Return a setting's value from the flag, the variable, the file or the default, in this order.
 
-    An empty flag or variable counts as not given, as in liblcm.
+    As in liblcm, an empty flag or variable counts as not given.
     """
     setting = SETTINGS[name]
     if flag:
-        return Said(flag, setting.option)
+        return SettingValue(flag, setting.option)
     if inherited := environment.get(setting.variable):
-        return Said(inherited, setting.variable)
+        return SettingValue(inherited, setting.variable)
     if name in file.values:
-        return Said(file.values[name], file.source(name))
-    return Said(setting.default, "default")
+        return SettingValue(file.values[name], file.source(name))
+    return SettingValue(setting.default, "default")
 
 
 def usual_namespace(environment: Mapping[str, str]) -> str:
-    """Return the namespace in which names are resolved by default; InvalidFile as of the file."""
-    return said("namespace", None, environment, read_user_file(environment)).value
+    """Return the namespace that names are resolved in by default; InvalidFile for a bad file."""
+    return lookup("namespace", None, environment, read_user_file(environment)).value
 
 
 @lru_cache(maxsize=4)
 def _read(path: Path, modified: int, size: int) -> UserFile:
-    """Return the file in the state that was seen: a long running program may read it often."""
+    """Parse the file, once per version of it: a long-running program may read it often."""
     del modified
-    from lcmtools.formats.strict_yaml import read_file  # most people have no settings file
+    from lcmtools.formats.strict_yaml import read_file  # late: few users have a settings file
 
     if size > _MOST_BYTES:
         raise InvalidFile(f"{path}: {size} bytes are too many for a settings file")
@@ -154,7 +156,7 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
 
 
 def _text(path: Path, name: str, node: "Node") -> str:
-    """Return a setting's text, checked; it is read by its own type, not YAML's."""
+    """Return a setting's text, checked by the setting's own rule instead of YAML's types."""
     where = f"{path}:{node.key_line}"
     if name not in SETTINGS:
         hint = did_you_mean(name, SETTINGS) or f"there are {', '.join(SETTINGS)}"

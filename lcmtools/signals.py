@@ -1,21 +1,21 @@
-"""Signals that request a process to end, and when two of them are one request."""
+"""Signals that ask a process to end, and the detection of duplicates."""
 
 import signal
 import time
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
-_DOUBLED = 0.05  # [s] in which a second signal is the same request
+_DOUBLED = 0.05  # [s] within which a second signal is the same request
 
 
 class Doubles:
-    """Tells the second of two signals that come together: timeout(1) sends its own twice."""
+    """Detects duplicate signals: timeout(1) sends each one twice."""
 
     def __init__(self) -> None:
         self._until = 0.0
 
     def is_double(self) -> bool:
-        """Return whether the signal that has come now is the same request as the one before."""
+        """Return True if the signal received now repeats the previous request."""
         now = time.monotonic()
         if now < self._until:
             return True

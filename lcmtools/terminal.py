@@ -1,7 +1,7 @@
-"""A terminal that hands over keys and pictures, and is restored.
+"""Reading keys from a terminal, and restoring its settings afterwards.
 
-Whatever ends the program, Ctrl-Z too, the terminal's settings and its cursor are restored: when
-the block ends, and once more when the process does. The meaning of keys and text is not known here.
+The terminal's settings and its cursor are restored when the block ends, again when the process
+ends, and while Ctrl-Z suspends it. Must not know the meaning of keys and text.
 """
 
 import atexit
@@ -19,18 +19,18 @@ from types import FrameType
 from typing import TextIO
 
 _ESCAPE_TIME = 0.05
-"""Seconds within which a terminal sends the rest of an arrow's sequence, over a network too."""
+"""Seconds within which the rest of an arrow key's sequence arrives, also over a network."""
 _AT_ONCE = 4096
 
 UP, DOWN, LEFT, RIGHT = "up", "down", "left", "right"
 ESCAPE = "escape"
 END_OF_INPUT = "end"
-"""Ctrl-D, which a terminal that hands over single keys passes on as a character."""
+"""Ctrl-D, which a terminal that passes on single keys sends as a character."""
 
 _ARROWS = {"A": UP, "B": DOWN, "C": RIGHT, "D": LEFT}
 _CONTROLS = {"\x04": END_OF_INPUT, "\x1b": ESCAPE}
-# ECMA-48: ESC [ parameters, intermediates, a final character; ESC O and a letter is what keypads
-# send (xterm, Control Sequences, "SS3"); ESC [ M and three bytes is an old kind of mouse report.
+# ECMA-48: ESC [ parameters, intermediates, a final character. Keypads send ESC O and a letter
+# (xterm, Control Sequences, "SS3"); ESC [ M and three bytes is an old form of mouse report.
 _SEQUENCE = re.compile(
     r"\x1b\[M...|\x1b\[[0-?]*[ -/]*(?P<last>[@-~])|\x1bO(?P<pad>.)|\x1b(?P<alt>[^\x1b\[O])|.",
     re.DOTALL,
@@ -39,17 +39,17 @@ _UNFINISHED = re.compile(r"\x1b(\[M.{0,2}|\[[0-?]*[ -/]*|O)?\Z", re.DOTALL)
 
 
 def split_keys(data: bytes, *, is_complete: bool) -> tuple[list[str], bytes]:
-    """Return the keys in the bytes of a terminal: characters, and the names above.
+    """Split the bytes from a terminal into keys: characters, and names such as ``UP``.
 
-    Escape sequences other than the arrows' (function keys, mouse, focus) are left out; what is
-    typed with Alt counts as the character alone.
+    Escape sequences other than arrow keys (function keys, mouse, focus) are left out. A key typed
+    with Alt counts as the key alone.
 
     Args:
         data: The bytes so far.
-        is_complete: No more belongs to them: an escape character at the end is the Escape key.
+        is_complete: No more bytes follow: an escape character at the end is the Escape key.
 
     Returns:
-        The keys, and the bytes of the beginning of another one.
+        The keys, and the bytes of an incomplete sequence at the end.
     """
     text = data.decode("utf-8", "surrogateescape")
     unfinished = None if is_complete else _UNFINISHED.search(text)
@@ -59,7 +59,7 @@ def split_keys(data: bytes, *, is_complete: bool) -> tuple[list[str], bytes]:
 
 
 def _key(match: re.Match[str]) -> str:
-    """Return a key's name; "" for a sequence that is none."""
+    """Return a key's name; "" for a sequence that is not a key."""
     text = match.group()
     if len(text) == 1:
         return _CONTROLS.get(text, text)
@@ -69,13 +69,13 @@ def _key(match: re.Match[str]) -> str:
 
 
 class Terminal:
-    """Standard input and error, or output, as a terminal with settings of one's own.
+    """The terminal at standard input and output, with its own settings within a block.
 
     Args:
-        keys: Keys are handed over one by one and not shown; a terminal is at standard input.
+        keys: Read single keys without echo; standard input must be a terminal.
         opening: The text that sets up the screen.
-        closing: The text that undoes that.
-        on_suspend: Called before Ctrl-Z stops the program.
+        closing: The text that restores the screen.
+        on_suspend: Called before Ctrl-Z suspends the program.
     """
 
     def __init__(
@@ -94,32 +94,32 @@ class Terminal:
         self._handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
 
     def __enter__(self) -> "Terminal":
-        """Set it up."""
+        """Set up the terminal."""
         if self._keys is not None:
-            with contextlib.suppress(termios.error):  # gone already: reading it will show that
+            with contextlib.suppress(termios.error):  # closed already: reading will show it
                 self._saved = termios.tcgetattr(self._keys)
         self._handlers = {
-            signal.SIGTSTP: signal.signal(signal.SIGTSTP, self._take_suspension),
-            signal.SIGCONT: signal.signal(signal.SIGCONT, self._take_resumption),
+            signal.SIGTSTP: signal.signal(signal.SIGTSTP, self._request_suspension),
+            signal.SIGCONT: signal.signal(signal.SIGCONT, self._note_resumption),
         }
         atexit.register(self._restore)
         self._apply()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Give it back."""
+        """Restore the terminal."""
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
         self._restore()
         atexit.unregister(self._restore)
 
     def obey(self) -> bool:
-        """Suspend the program if Ctrl-Z was pressed; to be called some times a second.
+        """Suspend the program if Ctrl-Z was pressed; call it several times a second.
 
-        A signal's handler may not do it: it can interrupt a message or a line that is half sent.
+        The signal's handler does not suspend: it could interrupt a half-sent message or line.
 
         Returns:
-            True if the program was suspended: what was on the screen is no longer there.
+            True if the program was suspended: the screen's content is lost.
         """
         if self._is_to_suspend:
             self._is_to_suspend = False
@@ -133,7 +133,7 @@ class Terminal:
         with contextlib.suppress(termios.error):
             if self._keys is not None:
                 tty.setcbreak(self._keys, termios.TCSANOW)
-                # Ctrl-S is a key like any other: a program that cannot write drives no robot
+                # Ctrl-S is an ordinary key: a program that it stops could not stop a robot
                 attributes = termios.tcgetattr(self._keys)
                 attributes[0] &= ~termios.IXON
                 termios.tcsetattr(self._keys, termios.TCSANOW, attributes)
@@ -146,23 +146,23 @@ class Terminal:
                 termios.tcsetattr(self._keys, termios.TCSANOW, self._saved)
 
     def _suspend(self) -> None:
-        """Give the terminal back, and stop as if the signal had not been caught."""
+        """Restore the terminal, and stop as if the signal had not been caught."""
         self._on_suspend()
         self._restore()
         handler = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
         os.kill(os.getpid(), signal.SIGTSTP)
-        signal.signal(signal.SIGTSTP, handler)  # here the program goes on
+        signal.signal(signal.SIGTSTP, handler)  # the program continues here
         self._is_resumed = True
 
-    def _take_suspension(self, _number: int, _frame: FrameType | None) -> None:
+    def _request_suspension(self, _number: int, _frame: FrameType | None) -> None:
         self._is_to_suspend = True
 
-    def _take_resumption(self, _number: int, _frame: FrameType | None) -> None:
+    def _note_resumption(self, _number: int, _frame: FrameType | None) -> None:
         self._is_resumed = True
 
 
 class TerminalKeys:
-    """The keys that are pressed at standard input's terminal, which hands over single ones."""
+    """The keys pressed at a terminal that passes on single keys."""
 
     def __init__(self, terminal: Terminal) -> None:
         self.is_over = False
@@ -170,7 +170,7 @@ class TerminalKeys:
         self._rest = b""
 
     def read(self, seconds: float) -> list[str]:
-        """Return the keys that have come."""
+        """Wait for keys and return them."""
         self._terminal.obey()
         if not is_readable(_ESCAPE_TIME if self._rest else seconds):
             keys, self._rest = split_keys(self._rest, is_complete=True)
@@ -185,7 +185,7 @@ class TerminalKeys:
 
 
 def write_screen(text: str, stream: TextIO | None = None) -> None:
-    """Write to a terminal, that of standard output if no other is given, if it is still there."""
+    """Write to a terminal, by default standard output; ignore a closed one."""
     stream = stream or sys.stdout
     with contextlib.suppress(OSError, ValueError):  # the terminal is closed
         stream.write(text)
@@ -193,7 +193,7 @@ def write_screen(text: str, stream: TextIO | None = None) -> None:
 
 
 def is_terminal(stream: TextIO) -> bool:
-    """Return whether a stream is an open terminal."""
+    """Return True for a stream that is an open terminal."""
     try:
         return stream.isatty()
     except (OSError, ValueError):  # closed
@@ -204,10 +204,10 @@ def is_terminal(stream: TextIO) -> bool:
 def open_keys(
     on_suspend: Callable[[], object],
 ) -> Iterator[Callable[[float], Sequence[str]]]:
-    """Yield a function that waits so many seconds at most, and returns the keys that came.
+    """Yield a function that waits up to the given seconds for keys and returns them.
 
-    They are those of the terminal at standard input. Where there is none, or the program runs in
-    its background, no key ever comes.
+    It never returns a key if standard input is not a terminal or the program runs in the
+    background.
     """
     if not has_keys():
         yield _no_keys
@@ -222,12 +222,12 @@ def open_keys(
 
 
 def has_keys() -> bool:
-    """Return whether keys of a terminal at standard input come to this program."""
+    """Return True if this program receives the keys of a terminal at standard input."""
     if not is_terminal(sys.stdin):
         return False
     try:
         return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
-    except OSError:  # it is not the terminal that controls this program, which has no background
+    except OSError:  # not this program's controlling terminal: it cannot be in its background
         return True
 
 
@@ -237,13 +237,13 @@ def _no_keys(seconds: float) -> Sequence[str]:
 
 
 def is_readable(seconds: float) -> bool:
-    """Return whether standard input has something, or has ended; wait for it at most so long."""
+    """Wait up to the given seconds; return True if standard input has data or has ended."""
     return bool(select.select([sys.stdin.fileno()], [], [], seconds)[0])
 
 
 def read_waiting() -> bytes:
-    """Return what has come on standard input; empty at the end, and where the terminal is gone."""
-    # not sys.stdin.read(): what waits in its buffer is hidden from select
+    """Read the available standard input; empty at its end or if the terminal is closed."""
+    # not sys.stdin.read(), whose buffer is hidden from select
     try:
         return os.read(sys.stdin.fileno(), _AT_ONCE)
     except OSError:

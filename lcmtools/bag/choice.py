@@ -38,8 +38,8 @@ class RecordedTopics:
         self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
         """The topics, if all are named individually; empty if there may be any number."""
 
-    def learn(self, graph: Graph) -> list[str]:
-        """Note the topics of nodes; return all wanted topics that are known."""
+    def update(self, graph: Graph) -> list[str]:
+        """Add the topics of the graph; return all wanted topics that are known."""
         chosen = [
             node
             for node in graph.nodes

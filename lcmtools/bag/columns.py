@@ -138,7 +138,7 @@ class _Plan:
     ) -> None:
         code = FORMATS.get(part.type)
         if code:
-            start = self._cursor.take(prod(sizes) * struct.calcsize(code), where)
+            start = self._cursor.advance(prod(sizes) * struct.calcsize(code), where)
             columns[where] = _Numbers(start, code, tuple(sizes))
         elif part.message_class is None:
             columns[where] = self._text(sizes, where)
@@ -167,7 +167,7 @@ class _Plan:
             elements = self._elements(sizes[0], 1, where)
             return _Stack([self._text(sizes[1:], where) for _ in elements])
         size = self._length(">I", where)
-        start = self._cursor.take(size, where)
+        start = self._cursor.advance(size, where)
         return _Text(start, max(0, size - 1))
 
     def _elements(self, count: int, least_bytes: int, where: str) -> range:
@@ -176,7 +176,7 @@ class _Plan:
 
     def _length(self, form: str, where: str) -> int:
         size = struct.calcsize(form)
-        start = self._cursor.take(size, where)
+        start = self._cursor.advance(size, where)
         self._lengths.append(slice(start, start + size))
         (length,) = struct.unpack_from(form, self._cursor.data, start)
         return int(length)

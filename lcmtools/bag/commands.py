@@ -13,10 +13,11 @@ from typing import NamedTuple
 from lcmtools.arguments import is_assignment
 from lcmtools.bag.playlist import Track
 from lcmtools.errors import LcmtoolsError
+from lcmtools.formats.strict_json import write_json
 from lcmtools.graph.model import Graph, Node
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.plain import cells, plain_json, to_plain
+from lcmtools.messages.plain import cells, to_plain
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic
 from lcmtools.observe.reports.describe import node_text, program_text
@@ -96,7 +97,7 @@ class LastCommands:
         """Note a message that was published."""
         self._last[topic] = payload
 
-    def take(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
+    def pop(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
         """Return the commands that are still in effect and would be obeyed, then forget them.
 
         If others are ``heard``, programs that are not nodes may listen too.
@@ -125,7 +126,7 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
         return StandingCommand(track.topic, values)
     _set_to_zero(message)
     stop = {k: v for k, v in to_plain(message).items() if v and k != "header"} if is_joints else {}
-    typed = f"lcmtools pub -1 {track.topic} {track.type} '{plain_json(stop)}'"
+    typed = f"lcmtools pub -1 {track.topic} {track.type} '{write_json(stop)}'"
     return StandingCommand(track.topic, values, encode(message), typed)
 
 

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from lcmtools.bag.output import output_beside
 from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
-from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, ParquetFiles, Tell
+from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, OnOmission, ParquetFiles
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.observe.reading.decoding import Decoder
@@ -34,8 +34,8 @@ class Exported:
     # Sentences on what was left out, by reason.
     left_out: dict[str, str] = field(default_factory=dict)
 
-    def tell(self, reason: str, text: str) -> None:
-        """Note what is left out."""
+    def add_omission(self, reason: str, text: str) -> None:
+        """Note what is left out, once per reason."""
         self.left_out.setdefault(reason, text)
 
 
@@ -79,7 +79,7 @@ def export(
     done = Exported()
     with (
         output_beside(target, force=force) as beside,
-        _open(beside, format_, compression, done.tell) as file,
+        _open(beside, format_, compression, done.add_omission) as file,
     ):
         for packet in packets:
             _add(file, packet, decoder, done)
@@ -94,19 +94,19 @@ def _add(file: _Target, packet: Packet, decoder: Decoder, done: Exported) -> Non
         file.add(packet, decoder)
     except DecodeError as error:
         what = f"messages on {packet.channel} are left out: {error}"
-        done.tell(f"{packet.channel} {error}", what)
+        done.add_omission(f"{packet.channel} {error}", what)
     else:
         done.messages += 1
 
 
 def _open(
-    path: Path, format_: str, compression: Compression, tell: Tell
+    path: Path, format_: str, compression: Compression, on_omission: OnOmission
 ) -> AbstractContextManager[_Target]:
     makers: dict[str, Callable[[], AbstractContextManager[_Target]]] = {
-        "csv": lambda: CsvFiles(path, tell),
+        "csv": lambda: CsvFiles(path, on_omission),
         "jsonl": lambda: JsonLines(path),
-        "npz": lambda: NumpyFile(path, tell),
-        "parquet": lambda: ParquetFiles(path, tell),
+        "npz": lambda: NumpyFile(path, on_omission),
+        "parquet": lambda: ParquetFiles(path, on_omission),
         "mcap": lambda: McapFile(path, "cdr", compression),
         "mcap-ros1": lambda: McapFile(path, "ros1", compression),
         "ros1": lambda: RosBag(path, 1),

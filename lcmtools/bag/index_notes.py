@@ -77,7 +77,7 @@ class IndexNotes:
             add(packet, number)
             self._last_time = packet.time
 
-    def take_node(self, packet: Packet, writer: LogWriter | None) -> bool:
+    def add_announcement(self, packet: Packet, writer: LogWriter | None) -> bool:
         """Keep an announcement; return whether it differs from the node's last one."""
         identity, revision = head_of(packet.payload)
         if self._revisions.get(identity) == revision:
@@ -97,19 +97,19 @@ class IndexNotes:
             self._add_node(packet, writer)
         return True
 
-    def learn(self, graph: Graph) -> None:
-        """Learn from a changed graph which topics are latched."""
+    def update(self, graph: Graph) -> None:
+        """Update the latched topics from a changed graph."""
         self._latched = frozenset(topic.name for topic in graph.topics() if topic.is_latched)
         self._next_lookup = 0.0
 
-    def look(self, writer: LogWriter, *, in_full: bool = False) -> None:
+    def annotate(self, writer: LogWriter, *, in_full: bool = False) -> None:
         """Add the names, types and losses known by now; all of them if ``in_full``."""
         if self._lookup is None and (in_full or time.monotonic() >= self._next_lookup):
             self._begin_lookup()
         if self._lookup is not None and (in_full or self._lookup.done()):
             self._end_lookup(self._lookup, writer)
             if in_full and self._unknown:
-                self.look(writer, in_full=True)
+                self.annotate(writer, in_full=True)
                 return
         self._note_losses(writer, in_full=in_full)
 
@@ -153,7 +153,7 @@ class IndexNotes:
         for packet in packets:
             self._announced[packet.channel] = self._monitor.types_of(packet.channel)
         nodes = self._monitor.graph().nodes
-        self._lookup = self._worker.submit(self._look_up, list(self._numbers), nodes, packets)
+        self._lookup = self._worker.submit(self._identify, list(self._numbers), nodes, packets)
 
     def _end_lookup(self, lookup: "Future[list[RecordedType]]", writer: LogWriter) -> None:
         self._lookup = None
@@ -165,7 +165,7 @@ class IndexNotes:
                 self._named[sender] = name  # later files have the name from the beginning
                 writer.rename_sender(number, sender, name)
 
-    def _look_up(
+    def _identify(
         self, senders: list[Sender | None], nodes: tuple[Node, ...], packets: list[Packet]
     ) -> list[RecordedType]:
         """Return the types of packets, and learn the names of senders; on the worker's thread."""

@@ -154,10 +154,10 @@ class _Session:
         def missing() -> list[str]:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
-        def tell() -> None:
+        def report() -> None:
             self._notify(f"waiting for subscribers of {', '.join(missing())}")
 
-        wait_until(lambda: not missing(), None, tell)
+        wait_until(lambda: not missing(), None, report)
 
     def run(self, player: Player, on_position: OnPosition) -> Result:
         """Play to the end; stop or report commands that are still in effect."""
@@ -182,7 +182,7 @@ class _Session:
             if now - seen > _ASLEEP:
                 player.postpone(now - seen)
             seen = now
-            if message := None if now >= due else player.take(now):
+            if message := None if now >= due else player.pop_due(now):
                 self._publish(message)
                 continue
             left = min(player.wait(now), max(0, due - now) / NANOSECONDS)
@@ -194,7 +194,7 @@ class _Session:
             if now - shown >= _SHOW_PERIOD:
                 shown = now
                 on_position(player.position(now))
-                for conflict in self._watch.take():
+                for conflict in self._watch.pop():
                     self._notify(f"{conflict.reason} while it is played")
 
     def _press(self, player: Player, key: str) -> bool:
@@ -222,7 +222,7 @@ class _Session:
         """Stop actuators that commands have set in motion, or report them."""
         graph = self._node.graph()
         heard = self._node.has_plain_listeners(at_once=True)
-        for one in self._commands.take(graph, heard=heard):
+        for one in self._commands.pop(graph, heard=heard):
             said = f"{situation}: the last command on {one.topic} was {one.values}"
             if one.stop is not None and self._forced:
                 for _ in range(_STOPS):
@@ -256,8 +256,8 @@ class _Watch(AbstractContextManager["_Watch"]):
         self._is_over.set()
         self._thread.join(timeout=1.0)
 
-    def take(self) -> list[Conflict]:
-        """Return what was found since the last call, each once."""
+    def pop(self) -> list[Conflict]:
+        """Return the conflicts found since the last call, each once."""
         return [self._found.get() for _ in range(self._found.qsize())]
 
     def _run(self) -> None:

@@ -52,7 +52,7 @@ class Player:
         self._next: Played | None = None
         self._move(window[0], now)
 
-    def take(self, now: int) -> Played | None:
+    def pop_due(self, now: int) -> Played | None:
         """Return the next message if it is due; else None."""
         message = self._next
         if message is None or self.is_paused:

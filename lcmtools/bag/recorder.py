@@ -127,7 +127,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     def __enter__(self) -> "BagRecorder":
         """Begin."""
         self._began = time.monotonic()
-        self._look(self._began)
+        self._update_graph(self._began)
         if self._ring is None:
             self._open()
         with suppress(BusError):  # nodes will announce themselves soon anyway
@@ -220,11 +220,11 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
 
     def _read(self) -> None:
         while not self._stops.is_set() and not self._is_complete():
-            self._take(self._monitor.receive(_WRITE_PERIOD))
-            self._attend(time.monotonic())
+            self._add_wanted(self._monitor.receive(_WRITE_PERIOD))
+            self._do_due_work(time.monotonic())
         deadline = time.monotonic() + _DRAIN
         while (packets := self._monitor.receive(0.0)) and time.monotonic() < deadline:
-            self._take(packets)
+            self._add_wanted(packets)
         self._note_silence()
 
     def _note_silence(self) -> None:
@@ -242,12 +242,14 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         spelled = self._choice.spelled
         return bool(named) and all(any(spelled(name, one) for one in full) for name in named)
 
-    def _take(self, packets: Sequence[Packet]) -> None:
+    def _add_wanted(self, packets: Sequence[Packet]) -> None:
         includes = self._choice.includes
         wanted = [packet for packet in packets if includes(packet.channel)]
         if len(wanted) < len(packets):
             for packet in packets:
-                if packet.channel == NODE_CHANNEL and self._notes.take_node(packet, self._writer):
+                if packet.channel == NODE_CHANNEL and self._notes.add_announcement(
+                    packet, self._writer
+                ):
                     self._is_new_graph = True
         if len(self._pauses) > 1 or self.is_paused:
             wanted = [packet for packet in wanted if not self._was_paused(packet.time)]
@@ -291,14 +293,14 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         if self._writer is not None and now >= self._saves_until:
             self._close(self._writer)
 
-    def _attend(self, now: float) -> None:
+    def _do_due_work(self, now: float) -> None:
         """Do the work that is due."""
         if now >= self._next_look:
-            self._look(now)
+            self._update_graph(now)
         if now >= self._began + PATIENCE:
             self._note_silence()
         if self._ring is not None:  # time also passes without messages
-            self._take([])
+            self._add_wanted([])
         writer = self._writer
         if writer is None:
             return
@@ -309,15 +311,15 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._close(writer)
             self._open(is_split=True)
 
-    def _look(self, now: float) -> None:
+    def _update_graph(self, now: float) -> None:
         self._next_look = now + _LOOK_PERIOD
         if self._is_new_graph:
             self._is_new_graph = False
             graph = self._monitor.graph()
-            self._notes.learn(graph)
-            self._monitor.listen_to(self._choice.learn(graph))
+            self._notes.update(graph)
+            self._monitor.listen_to(self._choice.update(graph))
         if self._writer is not None:
-            self._notes.look(self._writer)
+            self._notes.annotate(self._writer)
 
     def _is_full(self, writer: LogWriter, now: float) -> bool:
         most, longest = self._limits.split_bytes, self._limits.split_time
@@ -330,7 +332,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             if not self._written.done() and writer.waiting_bytes < _MOST_WAITING:
                 return
             self._written.result()
-        self._written = self._worker.submit(writer.write, writer.take())
+        self._written = self._worker.submit(writer.write, writer.pop_batch())
 
     def _open(self, *, is_split: bool = False) -> None:
         self._writer = self._series.next()
@@ -340,7 +342,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     def _close(self, writer: LogWriter) -> None:
         if self._written is not None:
             self._written.result()
-        self._notes.look(writer, in_full=True)
+        self._notes.annotate(writer, in_full=True)
         self._writer = None
         self._closed_bytes += writer.size
         self._written = self._worker.submit(writer.close)

@@ -33,8 +33,8 @@ def _lines(log: LogFile, progress: Progress) -> Iterator[str]:
     index, nodes = log.index, _NewNodes()
     builder, seen = known_nodes(log), dict[tuple[str, int], None]()
 
-    def take(packet: Packet) -> None:
-        nodes.take(packet)
+    def add(packet: Packet) -> None:
+        nodes.add(packet)
         builder.add(packet)
 
     yield log_index.index_line()
@@ -42,7 +42,7 @@ def _lines(log: LogFile, progress: Progress) -> Iterator[str]:
         yield log_index.sender_line(number, sender)
     yield from map(log_index.type_line, index.types.values())
     yield from map(log_index.node_line, index.nodes)
-    for block in log.blocks(take):
+    for block in log.blocks(add):
         progress(block.end)
         yield from map(log_index.node_line, nodes.found)
         nodes.found.clear()
@@ -64,7 +64,7 @@ class _NewNodes:
         self.found: list[RecordedNode] = []
         self._revisions: dict[bytes, bytes] = {}
 
-    def take(self, packet: Packet) -> None:
+    def add(self, packet: Packet) -> None:
         identity, revision = head_of(packet.payload)
         if self._revisions.get(identity) != revision:
             self._revisions[identity] = revision

@@ -6,6 +6,7 @@ from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
 from lcmtools.observe.reports.describe import UNKNOWN, size_text
+from lcmtools.text_table import text_table
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
 _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")
@@ -29,49 +30,13 @@ def span_text(seconds: float) -> str:
     return f"{hours}h {minutes:02}m" if hours else f"{minutes}m {rest:02}s"
 
 
-def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a log's summary, each a key and a value."""
-    yield "path:", summary.path
-    yield "size:", f"{size_text(summary.bytes)} in {summary.messages} messages"
-    if summary.messages:
-        yield "duration:", span_text(summary.duration)
-        yield "start:", time_text(summary.start)
-        yield "end:", time_text(summary.end)
-    yield "index:", _index_text(summary)
-    if summary.damaged:
-        what = f"{size_text(summary.damaged)} do not belong to any message"
-        yield "damaged:", f"{what}; lcmtools bag fix shows where"
-    if summary.disorder:
-        what = f"times go back, by up to {span_text(summary.disorder / 1e9)}"
-        yield "order:", f"{what}; lcmtools bag sort sorts the messages"
-    if summary.nodes:
-        yield "nodes:", ", ".join(summary.nodes)
-    lost = [f"{loss} of {sender}" for sender, loss in summary.losses.items() if loss.lost]
-    for number, text in enumerate(lost):
-        yield "" if number else "lost:", f"{text}, before they were recorded"
-    if summary.messages:
-        yield "activity:", _spark_line(summary.histogram)
+def rows(summary: LogSummary) -> list[str]:
+    """Return the lines of a log's summary, and below the table of its topics."""
+    topics = ["", *text_table([_HEAD, *map(_cells, summary.topics)])] if summary.topics else []
+    return [*text_table([*_facts(summary)]), *topics]
 
 
-def topic_table(topics: Sequence[TopicSummary]) -> list[Sequence[str]]:
-    """Return the table of topics, with its heading; none for a log without messages."""
-    rows = [
-        (
-            topic.name,
-            ", ".join(topic.types) or UNKNOWN,
-            str(topic.messages),
-            "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
-            size_text(topic.mean_bytes),
-            size_text(topic.bytes),
-            span_text(topic.longest_gap / 1e9) if topic.messages > 1 else "-",
-            ", ".join(topic.senders) or "-",
-        )
-        for topic in topics
-    ]
-    return [_HEAD, *rows] if rows else []
-
-
-def summary_record(summary: LogSummary) -> dict[str, object]:
+def record(summary: LogSummary) -> dict[str, object]:
     """Return the same for JSON; times are nanoseconds since 1970."""
     return {
         "path": summary.path,
@@ -105,6 +70,43 @@ def summary_record(summary: LogSummary) -> dict[str, object]:
             for topic in summary.topics
         ],
     }
+
+
+def _facts(summary: LogSummary) -> Iterator[tuple[str, str]]:
+    """Yield what is known of the whole log, each a key and a value."""
+    yield "path:", summary.path
+    yield "size:", f"{size_text(summary.bytes)} in {summary.messages} messages"
+    if summary.messages:
+        yield "duration:", span_text(summary.duration)
+        yield "start:", time_text(summary.start)
+        yield "end:", time_text(summary.end)
+    yield "index:", _index_text(summary)
+    if summary.damaged:
+        what = f"{size_text(summary.damaged)} do not belong to any message"
+        yield "damaged:", f"{what}; lcmtools bag fix shows where"
+    if summary.disorder:
+        what = f"times go back, by up to {span_text(summary.disorder / 1e9)}"
+        yield "order:", f"{what}; lcmtools bag sort sorts the messages"
+    if summary.nodes:
+        yield "nodes:", ", ".join(summary.nodes)
+    lost = [f"{loss} of {sender}" for sender, loss in summary.losses.items() if loss.lost]
+    for number, text in enumerate(lost):
+        yield "" if number else "lost:", f"{text}, before they were recorded"
+    if summary.messages:
+        yield "activity:", _spark_line(summary.histogram)
+
+
+def _cells(topic: TopicSummary) -> Sequence[str]:
+    return (
+        topic.name,
+        ", ".join(topic.types) or UNKNOWN,
+        str(topic.messages),
+        "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
+        size_text(topic.mean_bytes),
+        size_text(topic.bytes),
+        span_text(topic.longest_gap / 1e9) if topic.messages > 1 else "-",
+        ", ".join(topic.senders) or "-",
+    )
 
 
 def _index_text(summary: LogSummary) -> str:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lcmtools.bag.columns import TIME, require_columns, table, with_times
 from lcmtools.errors import DecodeError, UsageError, needing_extra
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.fields import stamp
-from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
+from lcmtools.messages.plain import Plain, cells, to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import as_utf_8
 from lcmtools.observe.formatter import CsvTable
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 _ALL_VALUES = ".jsonl, .npz and .parquet have all of its values"
 
-Tell = Callable[[str, str], None]  # takes the reason why something is left out, and a sentence
+OnOmission = Callable[[str, str], None]  # called with a reason and a sentence
 
 
 class _TopicFiles:
@@ -63,12 +64,12 @@ def _file_name(topic: str) -> str:
 class CsvFiles(AbstractContextManager["CsvFiles"]):
     """Comma-separated values, a file for each topic, as ``echo --csv`` prints them.
 
-    A path without a suffix is a folder, which is created. ``tell`` is called if something is left
-    out.
+    A path without a suffix is a folder, which is created. ``on_omission`` is called for each
+    reason why something is left out.
     """
 
-    def __init__(self, path: Path, tell: Tell) -> None:
-        self._files, self._tell = _TopicFiles(path, ".csv"), tell
+    def __init__(self, path: Path, on_omission: OnOmission) -> None:
+        self._files, self._on_omission = _TopicFiles(path, ".csv"), on_omission
         self._stack = ExitStack()
         self._tables: dict[str, tuple[TextIO, CsvTable]] = {}
 
@@ -91,7 +92,7 @@ class CsvFiles(AbstractContextManager["CsvFiles"]):
         file = self._stack.enter_context(
             path.open("x", encoding="utf-8", errors="backslashreplace")
         )
-        self._tables[topic] = file, CsvTable(self._tell, _ALL_VALUES)
+        self._tables[topic] = file, CsvTable(self._on_omission, _ALL_VALUES)
         return self._tables[topic]
 
 
@@ -112,14 +113,14 @@ class JsonLines(AbstractContextManager["JsonLines"]):
         row: dict[str, Plain] = {"topic": packet.channel, "time": packet.time}
         row |= {"sender": sender} if sender else {}
         row |= {"type": type_name(message), "message": to_plain(message)}
-        self._file.write(f"{plain_json(row)}\n")
+        self._file.write(f"{write_json(row)}\n")
 
 
 class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
     """Arrays of all messages of each topic, created at the end."""
 
-    def __init__(self, path: Path, tell: Tell) -> None:
-        self._path, self._tell = path, tell
+    def __init__(self, path: Path, on_omission: OnOmission) -> None:
+        self._path, self._on_omission = path, on_omission
         self._packets: dict[str, tuple[type[Message], list[int], list[bytes]]] = {}
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
@@ -146,7 +147,9 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
             made = table(cls, payloads)
             found[topic] = with_times(times, made)
             if made.malformed:
-                self._tell(f"bad {topic}", f"{len(made.malformed)} messages on {topic} are damaged")
+                self._on_omission(
+                    f"bad {topic}", f"{len(made.malformed)} messages on {topic} are damaged"
+                )
         return found
 
     @abstractmethod
@@ -175,7 +178,9 @@ class NumpyFile(ColumnsOfTopics):
                 rows = [np.asarray(row) for row in column]
                 filled = [row.ravel() for row in rows if row.size]  # empty ones have no type
                 if any(row.dtype == object for row in filled):
-                    self._tell(f"{topic} {name}", f"{topic}/{name} is left out: arrays in arrays")
+                    self._on_omission(
+                        f"{topic} {name}", f"{topic}/{name} is left out: arrays in arrays"
+                    )
                     continue
                 arrays[f"{start}{name}"] = np.concatenate(filled or [np.empty(0)])
                 arrays[f"{start}{name}.lengths"] = np.array([row.size for row in rows])
@@ -190,8 +195,8 @@ class ParquetFiles(ColumnsOfTopics):
         MissingExtra: pyarrow is missing.
     """
 
-    def __init__(self, path: Path, tell: Tell) -> None:
-        super().__init__(path, tell)
+    def __init__(self, path: Path, on_omission: OnOmission) -> None:
+        super().__init__(path, on_omission)
         with needing_extra("parquet", "Parquet needs"):
             import pyarrow as pa  # noqa: F401 - before anything is read
 

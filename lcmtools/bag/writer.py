@@ -106,8 +106,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Bytes of the events that were added since the last batch was taken."""
         return self.size - self._taken
 
-    def take(self) -> WriteBatch:
-        """Return what was added since then, for ``write``, in the same order."""
+    def pop_batch(self) -> WriteBatch:
+        """Return the events added since the last batch, for ``write``, in the same order."""
         if self._block.is_full(self.size):
             self._end_block()
         batch = WriteBatch(self._taken, self._parts, self._lines)
@@ -126,7 +126,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
 
     def flush(self) -> None:
         """Write what was added; raises errors as ``write`` does."""
-        self.write(self.take())
+        self.write(self.pop_batch())
 
     def close(self) -> None:
         """Write the rest, and close the files; a second call does nothing.
@@ -138,7 +138,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             return
         try:
             if self._is_cut_off:
-                self.take()
+                self.pop_batch()
             elif self._block.channels:
                 self._end_block()
             self._lines.append(log_index.end_line(self.size))

@@ -1,4 +1,4 @@
-"""The bus, and the names on it, that the command line means."""
+"""The bus and the names that the command line selects."""
 
 import os
 import signal
@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from lcmtools.cli.options import bus_choice
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
 from lcmtools.settings import read_user_file, usual_namespace
 
-if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
+if TYPE_CHECKING:  # --help and usage errors do not need the bus
     from lcmtools.bus.tap import Tap
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph
@@ -27,12 +27,12 @@ def chosen_url() -> "BusUrl":
     choice = bus_choice()
     url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
     if choice.domain and source != "--domain":
-        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
+        write_note(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
     return url
 
 
 def chosen_log() -> str | None:
-    """Return the log that the command line names in place of the bus.
+    """Return the log that the command line names instead of the bus.
 
     Raises:
         UsageError: It names a bus, too.
@@ -77,7 +77,7 @@ def open_monitor(
         observer,
         whole=whole,
         plays=plays,
-        on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
+        on_outage=lambda text: write_note(f"lcmtools {tool}: {text}"),
         on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
         asked=asked,
     )
@@ -94,7 +94,7 @@ def _asking(url: "BusUrl") -> "Tap":
 
 
 def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
-    """Return the graph of the bus that the command line selects, and which bus it is.
+    """Return the graph of the bus that the command line selects, and the bus's URL.
 
     ``foreign``: wait for programs that are no nodes, too.
     """
@@ -103,34 +103,34 @@ def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
 
 
 def notify(text: str) -> None:
-    """Tell the person something in the name of the command that runs."""
-    talk(f"{click.get_current_context().command_path}: {text}")
+    """Write a note that begins with the name of the running command."""
+    write_note(f"{click.get_current_context().command_path}: {text}")
 
 
 def looking_names() -> Resolver:
-    """The names of a command that looks: its namespace and its remaps."""
-    said = bus_choice().names
-    namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
-    return Resolver(resolve_namespace(namespace), remaps=said.remaps)
+    """Return the namespace and the remaps of an observing command."""
+    given = bus_choice().names
+    namespace = usual_namespace(os.environ) if given.namespace is None else given.namespace
+    return Resolver(resolve_namespace(namespace), remaps=given.remaps)
 
 
 def looking_pattern(text: str, *, hidden: bool) -> Pattern:
-    """A topic, namespace or pattern as a looking command reads it."""
+    """Return a topic, namespace or pattern as a pattern of full names."""
     names = looking_names()
     word = text if has_wildcard(text) else in_names(text)
     return Pattern(word, names.namespace, hidden=hidden)
 
 
 def in_names(word: str) -> str:
-    """A node, service, namespace or pattern as the command line's own ``--ns`` and remaps have it.
+    """Apply ``--ns`` and the remaps to a pattern, or to the name of a node, service or namespace.
 
-    Where neither is given the word stays as it is, for it may be a name's last part or a pid.
+    Without them the word is unchanged: it may be the last part of a name, or a pid.
     """
-    said, names = bus_choice().names, looking_names()
-    if not word or not (said.namespace or said.remaps):
+    given, names = bus_choice().names, looking_names()
+    if not word or not (given.namespace or given.remaps):
         return word
     found = names.spellings(word)[-1]
-    if said.namespace and has_wildcard(word) and not word.startswith("/"):
+    if given.namespace and has_wildcard(word) and not word.startswith("/"):
         return f"{names.namespace.rstrip('/')}/{word}"
     is_remapped = found != spellings(word, names.namespace)[-1]
-    return found if said.namespace or is_remapped else word
+    return found if given.namespace or is_remapped else word

@@ -1,4 +1,4 @@
-"""The commands: name, home and help line of each; a command's module is not imported."""
+"""Tables of the commands: name, module and help line. The modules are not imported."""
 
 from collections.abc import Mapping
 
@@ -10,16 +10,16 @@ from lcmtools.cli.options import bus_options
 def _group(
     name: str, text: str, entries: Mapping[str, Entry], *examples: str, has_bus: bool = True
 ) -> LazyGroup:
-    """A group of commands; where it has a bus, that may be named before the command."""
+    """Return a group of commands. With ``has_bus``, the bus options may precede the command."""
     text = with_examples(text, (f"{name} {example}" for example in examples))
     group = LazyGroup(name, entries=entries, help=text, context_settings=CONTEXT)
     return bus_options(group) if has_bus else group
 
 
 def _entries(table: str) -> Mapping[str, Entry]:
-    """Read a table: name, home and help line of each command; "=" is before an alias's."""
+    """Read a table of names, modules and help lines; "=" marks the help line of an alias."""
     rows = (line.split(None, 2) for line in table.splitlines())
-    return {name: Entry(home, said.removeprefix("= "), said[0] == "=") for name, home, said in rows}
+    return {name: Entry(home, text.removeprefix("= "), text[0] == "=") for name, home, text in rows}
 
 
 TOPIC_VERBS = _entries("""\

@@ -7,8 +7,9 @@ import click
 from lcmtools.bus.url import choose_url
 from lcmtools.cli.declare import examples, subcommand
 from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
-from lcmtools.cli.output import columns, show
-from lcmtools.settings import SETTINGS, read_user_file, said
+from lcmtools.cli.output import write_result
+from lcmtools.settings import SETTINGS, lookup, read_user_file
+from lcmtools.text_table import text_table
 
 
 @subcommand("config", json_option, bus_options)
@@ -25,7 +26,7 @@ def command(*, as_json: bool) -> None:
     url, source = choose_url(choice.url, choice.domain, os.environ, file)
     color = click.get_current_context().meta.get(COLOR)
     flags = {"lcm_url": choice.url, "domain": choice.domain, "color": color}
-    values = {name: said(name, flags.get(name), os.environ, file) for name in SETTINGS}
+    values = {name: lookup(name, flags.get(name), os.environ, file) for name in SETTINGS}
     file_exists = file.path is not None and file.path.exists()
     record = {
         "file": str(file.path) if file.path else None,
@@ -43,7 +44,7 @@ def command(*, as_json: bool) -> None:
         ],
     }
     rows = [(name, value.value or "-", value.source) for name, value in values.items()]
-    table = columns([*rows, ("bus", str(url), source)])
+    table = text_table([*rows, ("bus", str(url), source)])
     state = "" if file_exists else " (there is none)"
     place = f"file: {file.path or 'no home, no file'}{state}"
-    show(record, [*table, place], as_json=as_json)
+    write_result(record, [*table, place], as_json=as_json)

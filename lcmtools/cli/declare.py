@@ -13,7 +13,7 @@ from lcmtools.settings import parse_bytes, parse_duration
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
-_DIGITS = 18  # of a count, which thereby fits 64 bits
+_DIGITS = 18  # of a count, which then fits into 64 bits
 _LEAST_RATE = 1e-9  # [Hz]; a clock does not hold longer periods
 CONTEXT: Mapping[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -24,7 +24,7 @@ def subcommand(
     cls: type[click.Command] = click.Command,
     **context: object,
 ) -> Callable[[Callable[..., object]], click.Command]:
-    """Make a function a command, with what its click context has besides the usual.
+    """Make a function a command, with additional settings of its click context.
 
     The ``usual`` options follow those that are declared between this line and the function.
     """
@@ -41,7 +41,7 @@ FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
 
 
 def examples(*lines: str) -> Callable[[FunctionT], FunctionT]:
-    """End a command's help, which is its docstring, with command lines behind "lcmtools "."""
+    """Append example command lines, without "lcmtools ", to a command's docstring."""
 
     def declare(function: FunctionT) -> FunctionT:
         function.__doc__ = with_examples(cleandoc(function.__doc__ or ""), lines)
@@ -51,12 +51,12 @@ def examples(*lines: str) -> Callable[[FunctionT], FunctionT]:
 
 
 def with_examples(text: str, lines: Iterable[str]) -> str:
-    """Return a help text with examples at its end."""
+    """Append examples to a help text."""
     return "\n".join([text, "", "\b", "Examples:", *(f"  lcmtools {line}" for line in lines)])
 
 
 def together(*parts: Callable[[Any], Any]) -> Callable[[CommandT], CommandT]:
-    """Make several options and arguments one decorator, of a function or of a command."""
+    """Combine options and arguments into one decorator of a function or a command."""
 
     def declare(command: CommandT) -> CommandT:
         # click appends to a command what it prepends to a function
@@ -108,7 +108,7 @@ def size(value: str | int) -> int:
 
 
 def rate(value: str | float) -> float:
-    """Parse a rate in Hz, which is positive; for ``type=``."""
+    """Parse a positive rate [Hz]; for ``type=``."""
     try:
         number = float(value)
     except ValueError:
@@ -119,7 +119,7 @@ def rate(value: str | float) -> float:
 
 
 def whole_number(lowest: int) -> Callable[[str | int], int]:
-    """Return a parser of whole numbers from ``lowest`` on, for ``type=``."""
+    """Return a parser of whole numbers of at least ``lowest``, for ``type=``."""
 
     def read(value: str | int) -> int:
         text = str(value)

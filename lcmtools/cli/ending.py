@@ -1,4 +1,4 @@
-"""The end of a command: errors and signals become one line and an exit code."""
+"""The end of a command: turning errors and signals into one line and an exit code."""
 
 import contextlib
 import errno
@@ -18,7 +18,7 @@ from typing import NoReturn, TextIO, cast
 import click
 from click.core import ParameterSource
 
-from lcmtools.cli.output import complain, talk
+from lcmtools.cli.output import write_error, write_note
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.signals import ENDING, Doubles
 
@@ -67,7 +67,7 @@ def interrupting_signals() -> Iterator[list[int]]:
         raise KeyboardInterrupt(exit_code(signals[0]))
 
     def interrupt_again(ignored: "sys.UnraisableHookArgs") -> None:
-        if ignored.exc_type is KeyboardInterrupt:  # came in a clean-up, as each import has one
+        if ignored.exc_type is KeyboardInterrupt:  # raised during a clean-up; every import has one
             signal.setitimer(signal.ITIMER_REAL, _SOON)
         else:
             show(ignored)
@@ -85,13 +85,13 @@ def interrupting_signals() -> Iterator[list[int]]:
 
 
 def _ending_signals() -> list[int]:
-    """The signals that end a command; under nohup a closed terminal does not."""
+    """Return the signals that end a command; under nohup, SIGHUP is not one."""
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [number for number in ENDING if number != signal.SIGHUP or hangs_up]
 
 
 def end_with_reader() -> None:
-    """Let a command that may be silent for long end when nobody reads its output any more.
+    """End the command when its output loses its reader, even if it writes nothing.
 
     Of a terminal SIGHUP says so. Without effect outside of ``interrupting_signals``.
     """
@@ -105,20 +105,20 @@ def end_with_reader() -> None:
 def _await_reader_gone(output: int, ended: int) -> None:
     poll = select.poll()
     for descriptor in (output, ended):
-        poll.register(descriptor, 0)  # errors only: of a pipe whose other end is closed
+        poll.register(descriptor, 0)  # errors only: the other end of the pipe is closed
     while ended not in dict(poll.poll()):
         signal.pthread_kill(cast(int, threading.main_thread().ident), _READER_GONE)
-        time.sleep(_AGAIN)  # Python may lose an interrupt: one that comes as it words an error
+        time.sleep(_AGAIN)  # Python may lose an interrupt that arrives while it formats an error
     os.close(ended)
 
 
 def exit_code(number: int) -> int:
-    """Return the exit code of a command that a signal has ended; a reader who left is no fault."""
+    """Return the exit code after a signal; 0 if the reader of the output has gone."""
     return 0 if number == _READER_GONE else BY_SIGNAL + number
 
 
 def end_at_once() -> None:
-    """Let a signal that comes after all output end the process without a word."""
+    """Let a signal that arrives after all output end the process silently."""
     for number in _ending_signals():
         signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
 
@@ -139,7 +139,7 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
     if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
         return None
     failure = _failure(error)
-    complain(command, failure, as_json=as_json and not isinstance(failure, UsageError))
+    write_error(command, failure, as_json=as_json and not isinstance(failure, UsageError))
     return failure.exit_code
 
 
@@ -165,7 +165,7 @@ def _usage_error(error: click.ClickException, command: str) -> int:
     words = {parameter.metavar for parameter in context.command.params} if context else ()
     if "extra argument" in message and "COMMAND" in words:
         message += "; a command line is one word, in quotes"
-    talk(f"{message} (see {command} --help)", command)
+    write_note(f"{message} (see {command} --help)", command)
     return error.exit_code
 
 
@@ -176,7 +176,7 @@ def _of_ros(command: str, option: str) -> str:
 
 
 def _of_variable(error: click.ClickException) -> str:
-    """The text of an error in an environment variable's value; "" for all other errors."""
+    """Return the text of an error in the value of an environment variable, or ""."""
     if not isinstance(error, click.BadParameter) or not (error.ctx and error.param):
         return ""
     source = error.ctx.get_parameter_source(error.param.name or "")
@@ -189,7 +189,7 @@ def open_nothing(mode: str) -> TextIO:
 
 
 def writable(stream: TextIO | None) -> TextIO:
-    """Return the stream, able to take any text: a channel's name that is no UTF-8 is escaped."""
+    """Return the stream, set to escape text that is not UTF-8, such as a channel's name."""
     if stream is None:
         return open_nothing("w")
     with contextlib.suppress(AttributeError):
@@ -201,7 +201,7 @@ _ended: list[int] = []
 
 
 def leave() -> None:
-    """End the process without taking Python down piece by piece, which takes 3 ms.
+    """End the process without Python's finalization, which takes 3 ms.
 
     Called last of all handlers of atexit. A node's program of its own unregisters it: files that
     it has left open are closed, and written to their end, as Python ends.
@@ -211,19 +211,19 @@ def leave() -> None:
 
 
 def end(code: int) -> NoReturn:
-    """Write what is left, and end the process."""
+    """Flush the output, and end the process."""
     end_at_once()
     _ended.append(flush(code))
     sys.exit(_ended[0])
 
 
 def flush(code: int) -> int:
-    """Write what is left: no reader is no fault, a full disk is one, which is said once."""
+    """Flush the output. A missing reader is no error; a full disk is reported once."""
     try:
         sys.stdout.flush()
     except OSError as error:
         if not (code or _is_without_reader(error)):  # else the command has said why it failed
-            talk(f"cannot write: {error.strerror}", "lcmtools")
+            write_note(f"cannot write: {error.strerror}", "lcmtools")
             code = 1
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     try:

@@ -6,7 +6,7 @@ from lcmtools.bag.choice import RecordedTopics
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
 from lcmtools.cli.options import bus_options, exclude_option, json_option, names_options
-from lcmtools.cli.output import document
+from lcmtools.cli.output import write_document
 from lcmtools.errors import UsageError
 
 _ALL = "**"
@@ -80,7 +80,7 @@ def command(
 
         def say() -> None:
             if as_json:
-                document({"address": address})
+                write_document({"address": address})
             else:
                 notify(f"open a connection to {address} in Foxglove or Lichtblick")
 

@@ -1,6 +1,5 @@
 """``lcmtools graph``."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -13,9 +12,10 @@ import click
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import data, lines, talk
+from lcmtools.cli.output import write_data, write_lines, write_note
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
 from lcmtools.folders import write_whole
+from lcmtools.formats.strict_json import write_json
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.labels import counted
@@ -121,11 +121,11 @@ def command(
     write(diagram, format_, file)
     if not diagram.members:
         meant = " ".join((*namespace, *topics))
-        talk(f"nothing{f' of {meant}' if meant else ''} to draw on {url}")
+        write_note(f"nothing{f' of {meant}' if meant else ''} to draw on {url}")
     if file != STDOUT:
-        talk(f"wrote {file}: {counted(diagram)}")
+        write_note(f"wrote {file}: {counted(diagram)}")
     if left.text() and (format_ == "text" or file != STDOUT):
-        talk(left.text())
+        write_note(left.text())
 
 
 def chosen_output(
@@ -152,9 +152,9 @@ def write(diagram: Diagram, format_: str, file: str) -> None:
     """Write a diagram to a file, or to standard output."""
     if file == STDOUT and format_ == "text":
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        lines(text.write(diagram, text.signs_for(sys.stdout.encoding, os.environ), width))
+        write_lines(text.write(diagram, text.signs_for(sys.stdout.encoding, os.environ), width))
     elif file == STDOUT:
-        data(_document(diagram, format_).removesuffix("\n"))
+        write_data(_document(diagram, format_).removesuffix("\n"))
     else:
         document = _document(diagram, format_)
         is_markdown = Path(file).suffix.lower() == ".md" and format_ == "mermaid"
@@ -176,9 +176,7 @@ def _by_suffix(file: str) -> str:
 
 def _document(diagram: Diagram, format_: str) -> str:
     if format_ == "json":
-        document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
-        # a channel that is not UTF-8 has surrogates, which JSON writes as it escapes them
-        return document.encode("utf-8", "backslashreplace").decode() + "\n"
+        return write_json(as_json.write(diagram), indent=2) + "\n"
     if format_ == "text":
         return "".join(f"{row}\n" for row in text.write(diagram))
     if format_ == "mermaid":
@@ -191,8 +189,8 @@ def _svg(document: str) -> str:
         [_graphviz(), "-Tsvg"], input=document.encode(), capture_output=True, check=False
     )
     if done.returncode:
-        said = done.stderr.decode(errors="replace").strip().partition("\n")[0]
-        raise LcmtoolsError(f"Graphviz's dot failed ({said or f'exit code {done.returncode}'})")
+        message = done.stderr.decode(errors="replace").strip().partition("\n")[0]
+        raise LcmtoolsError(f"Graphviz's dot failed ({message or f'exit code {done.returncode}'})")
     return done.stdout.decode()
 
 

@@ -4,7 +4,7 @@ import click
 
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.lazy import COMMAND
-from lcmtools.cli.output import data
+from lcmtools.cli.output import write_data
 
 
 @subcommand("help")
@@ -23,4 +23,4 @@ def command(ctx: click.Context, words: tuple[str, ...]) -> None:
             ctx.fail(f"no such command '{word}'")
         context = below.make_context(name, [], parent=context, resilient_parsing=True)
     context.meta[COMMAND] = ctx.command_path  # not the command that is looked up
-    data(context.get_help())
+    write_data(context.get_help())

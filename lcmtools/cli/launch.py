@@ -12,18 +12,19 @@ from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import CommandT, argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.launch_screen import Screen
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
 from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
+from lcmtools.launch.plan_report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.reading import make_plan
-from lcmtools.launch.report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
+from lcmtools.text_table import text_table
 
 
 def _question(*names: str, text: str) -> Callable[[CommandT], CommandT]:
@@ -100,27 +101,27 @@ def command(
         known = "nodes, --args, --find-node, --show-args, --dump-params, --files, --dry-run, --list"
         raise UsageError("--json needs an option that asks for data", f"one of --{known}")
     if query == "list":
-        show(*list_answer(), as_json=as_json)
+        write_result(*list_answer(), as_json=as_json)
         return 0
     typed = read_words(words, ns, usual_namespace(os.environ))
     is_piped = typed.places == (STANDARD_INPUT,)
     files = [read_standard_input()] if is_piped else list(map(read_file, find_files(typed.places)))
     if query == "show-args":
-        show(*arguments_answer(files), as_json=as_json)
+        write_result(*arguments_answer(files), as_json=as_json)
         return 0
     plan = make_plan(files, typed.arguments, typed.namespace, os.environ)
     if query:
         answer = PLAN_ANSWERS[query](plan, named.get(query) or "")
         notify(*plan.notes)
-        show(*answer, as_json=as_json)
+        write_result(*answer, as_json=as_json)
         return 0
     return run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout), wait=wait)
 
 
 def notify(*texts: str) -> None:
-    """Tell the person something in the name of the command."""
+    """Write notes that begin with the name of the command."""
     for text in texts:
-        talk(f"lcmtools launch: {text}")
+        write_note(f"lcmtools launch: {text}")
 
 
 def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -> int:
@@ -137,19 +138,19 @@ def run(plan: Plan, output: str | None, timeouts: StopTimeouts, *, wait: bool) -
         hint = "lcmtools launch --dry-run shows it"
         raise UsageError("the launch file has no nodes to run", hint)
     nodes = [_with_bus(_with_output(node, output)) for node in plan.nodes]
-    # a node's print comes at once, as it would on a terminal
+    # a node's print() appears at once, as on a terminal
     environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(url)}
     folder = make_folder(os.environ)
     hidden = any(node.output is Output.LOG for node in nodes)
-    talk(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
+    write_note(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
     ended = Supervisor(nodes, environment, folder, Screen(), timeouts).run()
     sys.stdout.flush()
     rows = [("node", "end", "restarts", "log")]
     for one in ended:
         log = shlex.quote(one.log) if one.log else "-"
         rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
-    for row in columns(rows):
-        talk(row)
+    for row in text_table(rows):
+        write_note(row)
     return int(any(one.has_failed for one in ended))
 
 
@@ -160,7 +161,7 @@ def _with_output(node: NodePlan, output: str | None) -> NodePlan:
 
 
 def _with_bus(node: NodePlan) -> NodePlan:
-    """Return a node on the domain that its file sets, if any, and not on the launcher's bus."""
+    """Return a node with the URL of the domain that its launch file sets, if any."""
     domain = node.environment.get("LCMTOOLS_DOMAIN")
     if not domain or "LCM_DEFAULT_URL" in node.environment:
         return node

@@ -1,9 +1,9 @@
-"""The terminal of ``lcmtools launch``: the lines of all processes, and what happens to them."""
+"""The output of ``lcmtools launch``: the lines and events of all processes."""
 
 import os
 import sys
 
-from lcmtools.cli.output import data, say, talk
+from lcmtools.cli.output import write_data, write_note, write_stderr
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.launch.node_process import NodeProcess
 
@@ -21,22 +21,22 @@ class Screen:
         self._colors_talk = stream_wants_color(sys.stderr, os.environ)
 
     def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
-        """Show a line that a node has written, unchanged."""
+        """Write a node's line, unchanged."""
         prefix = f"[{node.label}]"
         if self._colors_talk if is_error else self._colors_lines:
             prefix = paint(prefix, _COLORS[node.number % len(_COLORS)])
         if not is_error:
-            data(f"{prefix} {text}")
+            write_data(f"{prefix} {text}")
             return
-        say(f"{prefix} {text}\n")
+        write_stderr(f"{prefix} {text}\n")
 
     def stream(self, *, is_error: bool) -> int:
-        """Return the descriptor that is written to."""
+        """Return the file descriptor of the output."""
         return (sys.stderr if is_error else sys.stdout).fileno()
 
     def event(self, text: str, *, is_bad: bool = False) -> None:
-        """Show an event of the processes."""
+        """Write an event of the processes."""
         if is_bad and self._colors_talk:
-            say(f"{paint(text, BOLD_RED)}\n")
+            write_stderr(f"{paint(text, BOLD_RED)}\n")
         else:
-            talk(text)
+            write_note(text)

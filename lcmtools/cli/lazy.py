@@ -10,8 +10,8 @@ from typing import NamedTuple, cast
 
 import click
 
-from lcmtools.cli.options import is_looking, manner_options, take_names
-from lcmtools.cli.output import talk
+from lcmtools.cli.options import extract_names, is_looking, manner_options
+from lcmtools.cli.output import write_note
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import closest
 from lcmtools.settings import SETTINGS, read_user_file
@@ -40,7 +40,7 @@ class LazyGroup(click.Group):
         return [name for name, _ in self.help_lines()]
 
     def get_command(self, _: click.Context, cmd_name: str) -> click.Command | None:
-        """Import one command; None when there is none of this name."""
+        """Import a command. Return None if there is none of this name."""
         entry = self._entries.get(cmd_name)
         if entry is None:
             return None
@@ -50,17 +50,17 @@ class LazyGroup(click.Group):
         )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the group's own options; without anything typed, print the help."""
+        """Parse the group's own options. Without any arguments, print the help."""
         if not args and not ctx.resilient_parsing:
             for line in ctx.get_help().split("\n"):
-                talk(line)
+                write_note(line)
             ctx.exit(UsageError.exit_code)
         return super().parse_args(ctx, args)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command, or fail with the one that may have been meant."""
+        """Find the command, or fail with the most similar one."""
         command = self.get_command(ctx, args[0])
         if command is None and not args[0].startswith("-"):
             args = self._instead(ctx, args)
@@ -70,11 +70,11 @@ class LazyGroup(click.Group):
         if command is not None:
             ctx.default_map = {name: _usual_values(command)}
             if is_looking(command):
-                return name, command, take_names(ctx, args[1:])
+                return name, command, extract_names(ctx, args[1:])
         return super().resolve_command(ctx, args)
 
     def _instead(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """The words that take the place of a command of ROS; an error for any other one."""
+        """Return the words that replace a command of ROS. Fail for any other unknown command."""
         from lcmtools.cli.ros import instead
 
         ctx.meta[COMMAND] = ctx.command_path
@@ -86,16 +86,16 @@ class LazyGroup(click.Group):
         return found
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands from the table, importing none."""
+        """List the commands from the table, without imports."""
         with formatter.section("Commands"):
             formatter.write_dl(self.help_lines())
 
     def help_lines(self) -> list[tuple[str, str]]:
-        """Return each command that help lists, with its line."""
+        """Return the commands that the help lists, with their help lines."""
         return [(name, entry.help) for name, entry in self._entries.items() if not entry.is_alias]
 
     def all_help_lines(self) -> dict[str, str]:
-        """Return each command with its line, aliases too."""
+        """Return all commands, including aliases, with their help lines."""
         return {name: entry.help.rstrip(".") for name, entry in self._entries.items()}
 
     def with_pages(self) -> list[str]:
@@ -106,10 +106,10 @@ class LazyGroup(click.Group):
 
 
 class WindowGroup(LazyGroup):
-    """A group that opens all panels where none is named."""
+    """A group that opens all panels if none is named."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the group's own options; those of its command "all" need no name of a panel."""
+        """Parse the group's own options. Those of "all" may be given without a panel's name."""
         every = self.get_command(ctx, "all")
         names = [one.opts + one.secondary_opts for one in every.params] if every else []
         known = [name for those in names for name in those]
@@ -119,7 +119,7 @@ class WindowGroup(LazyGroup):
 
 
 def _mannered(command: click.Command) -> click.Command:
-    """A command with the options that every one has, and with its --timeout's variable."""
+    """Add the common options to a command, and the environment variable to its --timeout."""
     known = {option for parameter in command.params for option in parameter.opts}
     for option in manner_options(hidden=True):
         if not known.intersection(option.opts):

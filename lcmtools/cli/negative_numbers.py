@@ -1,4 +1,4 @@
-"""Commands that read their words in a way of their own: "-1" and "-0.5" as values, for example."""
+"""Click commands that accept "-1" and "-0.5" as arguments."""
 
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -12,16 +12,16 @@ from lcmtools.cli.completion.line import is_value
 WITHOUT_END = "forever"  # the value of an option of ``may_stand_alone`` that is given alone
 
 _EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
-"""Options that the option -1 cannot stand beside."""
+"""Options that conflict with -1 (``--once``)."""
 _ONE_AND_MORE = re.compile("-1[a-z]+", re.IGNORECASE)  # "-1v" is two options
-_ONE_VALUE = 3  # words: TOPIC, TYPE and the value
+_ONE_VALUE = 3  # number of words: TOPIC, TYPE and the value
 _ENDS_IN_ONE = f"{__name__}.ends_in_one"
 
 
 class CommandWithWords(click.Command):
-    """A command whose arguments take negative numbers and YAML as they are.
+    """A command whose arguments may be negative numbers or YAML.
 
-    A word behind an option that takes a value is that value, whatever it looks like.
+    A word after an option with a value is always that value.
     """
 
     may_stand_alone: ClassVar[tuple[str, ...]] = ()  # options with "=" and a value, or without
@@ -102,12 +102,12 @@ class CommandWithDeps(click.Command):
             else:
                 spread += ["--deps", word] if option else [word]
         if option and args[-1] == option:
-            spread.append(option)  # click says that its value is missing
+            spread.append(option)  # click reports the missing value
         return super().parse_args(ctx, spread)
 
 
 def shielded(word: str) -> str:
-    """Put a blank before a word that click would take for an option although it is a value."""
+    """Put a blank before a value that click would parse as an option."""
     return f" {word}" if is_value(word) else word
 
 

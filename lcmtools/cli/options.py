@@ -16,11 +16,11 @@ COLOR = "lcmtools.color"  # the key of a click context's ``meta`` for the value 
 
 
 class BusChoice:
-    """The bus, and the names that commands look for, as the command line has them."""
+    """The bus, namespace and remaps of the command line."""
 
     url: str | None = None
     domain: str | None = None
-    log: str | None = None  # that is read in place of the bus
+    log: str | None = None  # read instead of the bus
 
     def __init__(self) -> None:
         self.names = NodeArguments()
@@ -58,10 +58,10 @@ def _remember_names(ctx: click.Context, parameter: click.Parameter, value: objec
     _add_names(ctx, [f"{parameter.opts[0]}={word}" for word in given])
 
 
-def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
-    """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others."""
+def extract_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
+    """Apply ``__ns:=`` and ``a:=b`` of an observing command, and return the other words."""
     end = [*words, "--"].index("--")
-    pairs = list(pairwise(["", *words[:end]]))  # behind --remap it is that option's value
+    pairs = list(pairwise(["", *words[:end]]))  # after --remap it is the option's value
     taken = [is_assignment(word) and before != "--remap" for before, word in pairs]
     _add_names(ctx, list(compress(words, taken)))
     return [
@@ -71,12 +71,12 @@ def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
 
 
 def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
-    said, _ = split_arguments(words)
-    if said.parameters or said.name:
+    given, _ = split_arguments(words)
+    if given.parameters or given.name:
         raise UsageError(f"{words[0]} is for nodes", "this command takes __ns:= and a:=b")
     choice = ctx.ensure_object(BusChoice)
-    namespace = choice.names.namespace if said.namespace is None else said.namespace
-    choice.names = NodeArguments(namespace, remaps=choice.names.remaps + said.remaps)
+    namespace = choice.names.namespace if given.namespace is None else given.namespace
+    choice.names = NodeArguments(namespace, remaps=choice.names.remaps + given.remaps)
 
 
 names_options = together(
@@ -132,24 +132,24 @@ asking_options = together(names_options, bus_options, _bag_option(hidden=True))
 
 
 def is_looking(command: click.Command) -> bool:
-    """Return whether a command has ``looking_options``; pub is a node of its own name."""
+    """Return whether a command observes with a namespace and remaps; pub, a node, does not."""
     names = {parameter.name for parameter in command.params if not parameter.expose_value}
     return "ns" in names and command.name != "pub"
 
 
 def rate_option(verb: str) -> Callable[[CommandT], CommandT]:
-    """Return ``--rate`` of a command that does something again and again."""
+    """Return the option ``--rate`` for a command that repeats an action."""
     return option("-r", "--rate", type=rate, help=f"{verb} at this rate [Hz] until Ctrl-C.")
 
 
 def times_option(verb: str) -> Callable[[CommandT], CommandT]:
-    """Return ``--times`` of a command that does something again and again."""
+    """Return the option ``--times`` of a command that repeats an action."""
     text = f"{verb} N times, at 1 Hz or -r."
     return option("-t", "--times", metavar="N", type=whole_number(1), help=text)
 
 
 def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:
-    """Return ``--timeout`` of a command that waits for an answer."""
+    """Return the option ``--timeout`` of a command that waits for an answer."""
     text = f"Maximum time to wait for an answer (else {seconds:g}s)."
     return option("--timeout", type=duration, default=seconds, help=text)
 
@@ -167,9 +167,9 @@ all_option = flag("-a", "--all", "show_all", help="Show hidden names too (a part
 
 
 def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
-    said = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
-    if value and said and not ctx.resilient_parsing:
-        os.environ["LCMTOOLS_COLOR"] = value  # for nodes, and the processes that this one starts
+    given = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+    if value and given and not ctx.resilient_parsing:
+        os.environ["LCMTOOLS_COLOR"] = value  # for nodes and child processes
         ctx.meta[COLOR] = value
 
 

@@ -1,53 +1,57 @@
-"""Printing: data to standard output, talk to standard error; each line flushed."""
+"""Printing: data to standard output, notes and errors to standard error; each line flushed.
+
+To standard output: ``write_result`` (a value, as JSON or as lines), ``write_document`` (as JSON),
+``write_lines`` (for people, control characters escaped) and ``write_data`` (as it is). To standard
+error: ``write_note`` (a line), ``write_error`` and ``write_stderr`` (as it is).
+"""
 
 import contextlib
 import os
 import stat
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
 
-# Anybody can put a channel on the bus whose name would clear or recolour the terminal, begin a line
-# of its own or turn the direction of what follows.
+# The name of a channel may contain sequences that clear or recolour the terminal, begin a
+# new line or change the direction of the text.
 _ODD = (*range(0x7F, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A))
-_ESCAPES_IN_JSON = {code: f"\\u{code:04x}" for code in _ODD}  # of what json.dumps leaves
 _ESCAPES = {
     code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
     for code in (*range(0x20), *_ODD)
     if code != ord("\t")
-} | {0xDC00 + byte: f"\\x{byte:02x}" for byte in range(0x80, 0x100)}  # bytes that are no UTF-8
+} | {0xDC00 + byte: f"\\x{byte:02x}" for byte in range(0x80, 0x100)}  # bytes that are not UTF-8
 _ESCAPES_IN_LINES = {code: text for code, text in _ESCAPES.items() if code != ord("\n")}
 
 _PATIENCE = 0.5  # [s] before progress is shown
 _SHOWN_EVERY = 0.1  # [s]
 
 
-def data(text: str) -> None:
-    """Print a piece of data, ended by a newline, at once."""
+def write_data(text: str) -> None:
+    """Write text and a newline to standard output, and flush it."""
     _write(f"{text}\n")
 
 
 def on_screen(text: str) -> str:
-    """Return lines of data; for a terminal, control characters escaped, which CSV may have."""
+    """Escape control characters if standard output is a terminal; CSV may contain some."""
     return text.translate(_ESCAPES_IN_LINES) if sys.stdout.isatty() else text
 
 
-def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
-    """Print lines of data together, control characters escaped; ``decorate`` then colours them."""
+def write_lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
+    """Write lines to standard output with control characters escaped, then decorated."""
     _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
 
 
-def document(value: object) -> None:
-    """Print one JSON document."""
-    import json
+def write_document(value: object) -> None:
+    """Write a JSON document to standard output."""
+    from lcmtools.formats.strict_json import write_json
 
-    data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
+    write_data(write_json(value, indent=2))
 
 
-def show(
+def write_result(
     value: object,
     rows: Iterable[str],
     decorate: Callable[[str], str] = str,
@@ -55,23 +59,15 @@ def show(
     as_json: bool,
     none: str = "",
 ) -> None:
-    """Print a value as a JSON document, or as lines; say ``none`` where it is an empty list."""
-    document(value) if as_json else lines(rows, decorate)
+    """Write a value as a JSON document or as lines; for an empty list also the note ``none``."""
+    write_document(value) if as_json else write_lines(rows, decorate)
     if none and not value:
-        talk(none)
-
-
-def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table, its columns aligned and two blanks apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-        yield "  ".join(cells).rstrip()
+        write_note(none)
 
 
 @contextlib.contextmanager
 def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show how much of a long work is done, in a line of a terminal; after a while only."""
+    """Show the progress of a long operation on a terminal, after the first half second."""
     begin = shown = time.monotonic()
 
     def report(done: int) -> None:
@@ -79,53 +75,53 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
         now = time.monotonic()
         if now - begin > _PATIENCE and now - shown > _SHOWN_EVERY and sys.stderr.isatty():
             shown = now
-            say(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
+            write_stderr(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
 
     try:
         yield report
     finally:
         if shown > begin:
-            say("\r\033[K")
+            write_stderr("\r\033[K")
 
 
-def talk(text: str, speaker: str = "") -> None:
-    """Print a message for the person to standard error, a line behind the name of its speaker."""
-    said = text.translate(_ESCAPES)
+def write_note(text: str, speaker: str = "") -> None:
+    """Write a line to standard error, after the name of its speaker if given."""
+    line = text.translate(_ESCAPES)
     if speaker:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
-        said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
-    say(f"{said}\n")
+        line = f"{paint(name, BOLD_RED) if wanted else name} {line}"
+    write_stderr(f"{line}\n")
 
 
-def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
-    """Print an error in one line; as JSON where the data are JSON."""
+def write_error(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
+    """Write an error in one line, as JSON if the command prints JSON."""
     what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
     if as_json:
-        import json
+        from lcmtools.formats.strict_json import write_json
 
         record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
-        talk(json.dumps(record, ensure_ascii=False))
+        write_note(write_json(record))
     else:
-        talk(f"{what}; {hint}" if hint else what, command)
+        write_note(f"{what}; {hint}" if hint else what, command)
 
 
 def may_wait() -> bool:
-    """Return True where a person or a file takes the output: a program at a pipe must not wait."""
-    with contextlib.suppress(OSError):  # it is no file of the system
+    """Return whether output may be delayed: to a terminal or a file, but not to a pipe."""
+    with contextlib.suppress(OSError):  # not a file of the operating system
         mode = os.fstat(sys.stdout.fileno()).st_mode
         return stat.S_ISREG(mode) or stat.S_ISCHR(mode)
     return False
 
 
 def clearing() -> str:
-    """Return what clears the screen; "" where there is none."""
+    """Return the escape sequence that clears the screen, or "" if there is no screen."""
     can_clear = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
-    return "\033[2J\033[;H" if can_clear else ""  # the screen, and the cursor to its corner
+    return "\033[2J\033[;H" if can_clear else ""  # clear, and move the cursor to the corner
 
 
-def say(text: str) -> None:
-    """Write to standard error as it is; where nothing can be said, the exit code remains."""
+def write_stderr(text: str) -> None:
+    """Write text to standard error as it is. Ignore a closed or full stream."""
     with contextlib.suppress(OSError, ValueError):  # ValueError: the stream is closed
         sys.stderr.write(text)
         sys.stderr.flush()

@@ -10,13 +10,13 @@ from pathlib import Path
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.options import looking_options
-from lcmtools.cli.output import clearing, data, talk
+from lcmtools.cli.output import clearing, write_data, write_note
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError
 from lcmtools.observe.measuring.curves import Curves, draw_picture, draw_text
 
 _PERIOD = 0.2  # [s] between two drawings
-_WIDE = (80, 24)  # columns and rows where there is no terminal
+_WIDE = (80, 24)  # columns and rows without a terminal
 
 _fields = argument(
     "fields",
@@ -58,10 +58,10 @@ def command(
         raise UsageError("plot draws on a terminal", "or into a picture: -o FILE.png")
     with open_monitor("plot", whole=True) as monitor:
         curves = Curves(monitor, fields, looking_names(), notify, None if output else window)
-        with suppress(*([KeyboardInterrupt] if output else [])):  # the picture is of what came
+        with suppress(*([KeyboardInterrupt] if output else [])):  # the picture is written then
             for _ in curves.follow(_PERIOD, timeout, duration):
                 if output is None:
-                    data(f"{clearing()}{_text(curves)}")
+                    write_data(f"{clearing()}{_text(curves)}")
     if output is not None:
         _write(curves, Path(output))
 
@@ -80,7 +80,7 @@ def of_log(log: str, fields: tuple[str, ...], output: str | None) -> None:
         curves = Curves(monitor, fields, looking_names(), notify)
         deque(curves.follow(), 0)
     if output is None:
-        data(_text(curves))
+        write_data(_text(curves))
     else:
         _write(curves, Path(output))
 
@@ -93,4 +93,4 @@ def _text(curves: Curves) -> str:
 
 def _write(curves: Curves, path: Path) -> None:
     draw_picture([*curves], path)
-    talk(f"{path}: {', '.join(curve.label for curve in curves)}")
+    write_note(f"{path}: {', '.join(curve.label for curve in curves)}")

@@ -14,7 +14,7 @@ from lcmtools.bus.url import BusUrl, domain_url, parse_url
 from lcmtools.cli.bus import chosen_url, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, option, rate, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, show
+from lcmtools.cli.output import write_result
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.graph.relay_report import Link, State
@@ -25,6 +25,7 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules, check_rules
 from lcmtools.relay.status import known_relays
+from lcmtools.text_table import text_table
 
 _HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
@@ -95,17 +96,17 @@ def command(
         url = parse_url(serve, "--serve")
         check_server(url, buses)
         with StatusLine("lcmtools relay") as line:
-            attend_hub(url, line)
+            run_server(url, line)
     rules = Rules(allow, deny, read_rates(rates), newest, prefix_there.strip("/"), one_way)
     check_rules(rules)
-    attend_relay(chosen_buses(buses), rules, name)
+    run_relay(chosen_buses(buses), rules, name)
 
 
 def chosen_buses(words: Sequence[str]) -> tuple[BusUrl, BusUrl]:
-    """Return the buses that the command line names: two, or one beside the usual one.
+    """Return the two buses of the command line. A single one joins the default bus.
 
     Raises:
-        UsageError: There are more or fewer, both are one, or one cannot be joined.
+        UsageError: There are none or more than two, both are the same, or one cannot be joined.
     """
     if not words or len(words) > _TWO:
         raise UsageError("a relay joins two buses", "for example lcmtools relay 0 1")
@@ -133,8 +134,8 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
     return found
 
 
-def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
-    """Relay until Ctrl-C; show what is carried on a terminal, and say it in the end."""
+def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
+    """Relay until Ctrl-C. Show rates on a terminal, and write totals at the end."""
     name = resolve(name) if name else ""
     latest: list[Link] = []
 
@@ -144,50 +145,50 @@ def attend_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
         if rates := line.rates(here.messages, here.bytes, there.messages, there.bytes):
             back, on = (f"{rates[n]:.0f}/s, {size_text(rates[n + 1])}/s" for n in (0, 2))
             is_idle = link.state is State.STANDBY
-            line.write("stands by" if is_idle else f"there {on}; back {back}; {lost_text(link)}")
+            line.write("stands by" if is_idle else f"there {on}; back {back}; {_lost_text(link)}")
 
     with StatusLine("lcmtools relay") as line:
         for url in urls:
-            wait_for_bus(url, line.talk)
+            wait_for_bus(url, line.write_note)
         try:
             with Relay(
                 urls,
                 rules,
-                line.talk,
+                line.write_note,
                 name=name,
                 on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
             ) as relay:
                 attend(relay, show_rates)
         finally:
             for link in latest:
-                line.talk(last_word(link))
+                line.write_note(_summary(link))
 
 
-def last_word(link: Link) -> str:
-    """Return what a relay has carried, in one sentence."""
+def _summary(link: Link) -> str:
+    """Return a sentence with the totals of a relay."""
     here, there = link.ends
     carried = [
         f"{end.messages} messages ({size_text(end.bytes)}) to {end.bus}" for end in (there, here)
     ]
-    return f"{', '.join(carried)}; {lost_text(link)}"
+    return f"{', '.join(carried)}; {_lost_text(link)}"
 
 
-def lost_text(link: Link) -> str:
-    """Return what did not get through: lost on the way to the relay, or dropped for a slow line."""
+def _lost_text(link: Link) -> str:
+    """Return the counts of messages lost on the way to the relay, and dropped for a slow line."""
     lost, dropped = (sum(getattr(end, what) for end in link.ends) for what in ("lost", "dropped"))
     parts = [f"{lost} lost on the way to the relay"] if lost else []
     parts += [f"{dropped} dropped"] if dropped else []
     return ", ".join(parts) or "none lost"
 
 
-def attend_hub(url: BusUrl, line: StatusLine) -> NoReturn:
-    """Serve tcpq until Ctrl-C; show what it does on a terminal, and say it in the end."""
-    with Hub(url, line.talk) as hub:
-        line.talk(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
+def run_server(url: BusUrl, line: StatusLine) -> NoReturn:
+    """Serve tcpq until Ctrl-C. Show rates on a terminal, and write totals at the end."""
+    with Hub(url, line.write_note) as hub:
+        line.write_note(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
         try:
             serve(hub, partial(_show, line), lambda: signal.raise_signal(signal.SIGTERM))
         finally:
-            line.talk(_counted(hub.counts))
+            line.write_note(_counted(hub.counts))
 
 
 def _show(line: StatusLine, counts: HubCounts) -> None:
@@ -206,7 +207,7 @@ def _dropped(counts: HubCounts) -> str:
 
 
 def _audience(host: str) -> str:
-    """The programs that can connect to an address."""
+    """Return a description of the programs that can connect to an address."""
     try:
         address = ip_address(host)
     except ValueError:
@@ -218,7 +219,7 @@ def _audience(host: str) -> str:
 
 
 def check_server(url: BusUrl, buses: Sequence[str]) -> None:
-    """Refuse to serve what cannot be served, or more than a server."""
+    """Raise UsageError if a URL cannot be served, or buses are given besides it."""
     if buses:
         hint = f"start another relay that joins {url} and {buses[0]}"
         raise UsageError("--serve runs a server and does not join a bus", hint)
@@ -227,19 +228,19 @@ def check_server(url: BusUrl, buses: Sequence[str]) -> None:
 
 
 def show_status(*, as_json: bool) -> None:
-    """Print the relays that are known on the bus."""
+    """Print the relays on the bus."""
     with open_monitor("relay") as monitor:
         links = known_relays(monitor)
         none = f"there is no relay on {monitor.url}"
     records = [{**asdict(link), "state": link.state.name.lower()} for link in links]
-    show(records, columns(_rows(links)) if links else [], as_json=as_json, none=none)
+    write_result(records, text_table(_rows(links) if links else []), as_json=as_json, none=none)
 
 
 def _rows(links: Sequence[Link]) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = [_HEADING]
     for link in links:
         state = "carries" if link.state is State.ACTIVE else "stands by"
-        names = (link.name, link.host, f"{state}, {lost_text(link)}")
+        names = (link.name, link.host, f"{state}, {_lost_text(link)}")
         for end in link.ends:
             sent = f"{end.messages} ({size_text(end.bytes)})"
             rows.append((*names, end.bus, sent, str(end.left_out), end.trouble))

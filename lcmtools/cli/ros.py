@@ -1,31 +1,31 @@
-"""Commands of ROS and catkin that are typed behind ``lcmtools``, and what takes their place.
+"""Commands and options of ROS and catkin, and their replacements.
 
-Imported only where a command or an option is unknown.
+Imported only if a command or an option is unknown.
 """
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.ros_words.commands import COMMANDS, NO_BUILD, NOT_MESSAGES, OPTIONS, PREFIXES
 
 
 def _create_package(words: Sequence[str]) -> list[str]:
-    """As catkin_create_pkg NAME roscpp rospy std_msgs: of the dependencies those with messages."""
+    """Translate catkin_create_pkg NAME roscpp rospy std_msgs; keep dependencies with messages."""
     from lcmtools.messages.registry import packages
 
     name, *others = [word for word in words if not word.startswith("-")] or [""]
     known = [word for word in others if word in packages()]
     if unknown := [word for word in others if word not in (*known, *NOT_MESSAGES)]:
-        talk(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
+        write_note(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
     return ["pkg", "create", *([name] if name else []), *(["--deps", *known] if known else [])]
 
 
 def _build(words: Sequence[str]) -> list[str]:
-    """As catkin build NAME, catkin_make: options of compilers have no use."""
+    """Translate catkin build NAME and catkin_make, without the compiler's options."""
     names = [word for word in words if word[:1].isalpha()]
     return ["pkg", "build", *names[:1]]
 
@@ -40,7 +40,7 @@ def _catkin(words: Sequence[str]) -> list[str]:
 
 
 def _run(words: Sequence[str]) -> list[str]:
-    """As rosrun PACKAGE NODE; a package that is not there may be ROS's own with a node of ours."""
+    """Translate rosrun PACKAGE NODE. A missing package may be ROS's, with a node of lcmtools."""
     from lcmtools.packages.runnable_nodes import OWN, runnables
 
     known = runnables(Path.cwd())
@@ -54,20 +54,20 @@ def _run(words: Sequence[str]) -> list[str]:
 
 
 def _ros2(words: Sequence[str]) -> list[str]:
-    """As ros2 run PACKAGE NODE --ros-args -r a:=b, where remaps need no --ros-args here."""
+    """Translate ros2 run PACKAGE NODE --ros-args -r a:=b; remaps need no --ros-args here."""
     if list(words[:1]) == ["run"]:
         return _run([word for word in words[1:] if word != "--ros-args"])
     return list(words) or ["help"]
 
 
 def _image_view(words: Sequence[str]) -> list[str]:
-    """As rqt_image_view TOPIC: the topic stands first, and what follows is the node's own."""
+    """Translate rqt_image_view TOPIC; the words after the topic are the node's."""
     is_topic = bool(words) and not words[0].startswith("-") and ":=" not in words[0]
     return ["run", "image_view", *([f"image:={words[0]}"] if is_topic else []), *words[is_topic:]]
 
 
 Instead = str | tuple[str, ...] | Callable[[Sequence[str]], list[str]]
-"""A hint where there is no such command; or the words in its place, or a function of the rest."""
+"""A hint, the words of the replacement, or a function that translates the following words."""
 
 _INSTEAD: Mapping[str, Instead] = {
     **COMMANDS,
@@ -84,7 +84,7 @@ _INSTEAD: Mapping[str, Instead] = {
 
 
 def instead(group: str, words: Sequence[str]) -> list[str]:
-    """Return the words that take the place of a command of ROS; none for what is no such command.
+    """Return the words that replace a command of ROS, or [] for other commands.
 
     ``group`` is the one that it is typed in, such as "param"; "" for ``lcmtools`` itself.
 
@@ -98,7 +98,7 @@ def instead(group: str, words: Sequence[str]) -> list[str]:
             return []
         found = did_you_mean(name, _INSTEAD) or "lcmtools --help lists the commands"
     replaced = _replaced(name, found, rest)
-    talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
+    write_note(f"{name} is here: lcmtools {shlex.join(replaced)}")
     return replaced
 
 
@@ -109,7 +109,7 @@ def _replaced(name: str, found: Instead, rest: Sequence[str]) -> list[str]:
 
 
 def option_instead(command: str, name: str) -> str:
-    """Return what takes the place of an option of ROS, as a hint; "" for what is no such option.
+    """Return a hint about the replacement of an option of ROS, or "" for other options.
 
     Args:
         command: The command that it was typed for, such as "lcmtools topic hz".

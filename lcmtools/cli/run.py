@@ -14,7 +14,7 @@ from lcmtools.cli import ending
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.finding import find_node, own_answer
 from lcmtools.packages.runnable_nodes import OWN, NodeProgram, Runnable, runnables
@@ -56,16 +56,16 @@ def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) 
 
 
 def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> None:
-    """Print what can be typed: a node's name, behind its package's where that is needed."""
+    """Print the names of nodes, preceded by the package's name where necessary."""
     if not nodes:
-        talk(f"lcmtools run: the package {package} has no nodes")
+        write_note(f"lcmtools run: the package {package} has no nodes")
     typed = {
         node.name if node.package == (package or OWN) else f"{node.package} {node.name}": node
         for node in nodes
     }
     width = max(map(len, typed), default=0)
     rows = (f"{name:<{width}}  {typed[name].summary()}".rstrip() for name in sorted(typed))
-    show(sorted(typed), rows, as_json=as_json)
+    write_result(sorted(typed), rows, as_json=as_json)
 
 
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
@@ -75,7 +75,7 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     others = [one.package for one in known if one.name == node.name and one.package != OWN]
     if node.package == OWN and words[0] == node.name and others:
         what = f"this is lcmtools' own {node.name}; {others[0]} has one too"
-        talk(f"lcmtools run: {what}: lcmtools run {others[0]} {node.name}")
+        write_note(f"lcmtools run: {what}: lcmtools run {others[0]} {node.name}")
     elif words[0] == node.name:
         from lcmtools.node.process import set_note
 
@@ -89,7 +89,7 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         typed = words[: len(words) - len(arguments)]
         click.get_current_context().meta[COMMAND] = " ".join(["lcmtools run", *typed])
         return _call(program, [*chosen.words(), *arguments]) or 0
-    except KeyboardInterrupt:  # asked to end before the node was ready to be asked
+    except KeyboardInterrupt:  # ended before the node handled signals
         return 0
     except (LcmtoolsError, OSError):
         raise
@@ -99,11 +99,11 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         sys.stderr.write(node.traceback(error))
         return 1
     finally:
-        lcmtools.shutdown()  # where the node has not done so
+        lcmtools.shutdown()  # unless the node has done so
 
 
 def _call(program: NodeProgram, words: Sequence[str]) -> int | None:
-    """Call a node's main function; one without parameters reads its words from ``sys.argv``."""
+    """Call a node's main function. One without parameters reads ``sys.argv``."""
     if inspect.signature(program).parameters:
         return program(words)
     sys.argv[1:] = words

@@ -1,18 +1,18 @@
-"""A line on a terminal that shows a state and is written over, beside what else is said."""
+"""A status line on a terminal, which is overwritten at each update."""
 
 import shutil
 import sys
 import time
 from contextlib import AbstractContextManager
 
-from lcmtools.cli.output import say, talk
+from lcmtools.cli.output import write_note, write_stderr
 from lcmtools.terminal import is_terminal
 
 _SHOWN_EVERY = 0.5  # [s]
 
 
 class StatusLine(AbstractContextManager["StatusLine"]):
-    """A line on standard error that is written over; nothing if quiet, or that is no terminal."""
+    """A status line on standard error; nothing if quiet, or if that is not a terminal."""
 
     def __init__(self, command: str, *, is_quiet: bool = False) -> None:
         self._command, self._is_quiet = command, is_quiet
@@ -22,25 +22,25 @@ class StatusLine(AbstractContextManager["StatusLine"]):
         self._totals: tuple[int, ...] = ()
 
     def __exit__(self, *_: object) -> None:
-        """Leave the last line where it is."""
+        """Keep the last status, and end the line."""
         if self._shown:
-            say("\n")
+            write_stderr("\n")
 
     def write(self, text: str) -> None:
-        """Write the line."""
+        """Overwrite the line."""
         text = text[: shutil.get_terminal_size().columns - 1]
         if self.shows and text != self._shown:
             self._shown = text
-            say(f"\r{text}\x1b[K")
+            write_stderr(f"\r{text}\x1b[K")
 
     def clear(self) -> None:
-        """Take the line away."""
+        """Erase the line."""
         if self._shown:
             self._shown = ""
-            say("\r\x1b[K")
+            write_stderr("\r\x1b[K")
 
     def rates(self, *totals: int) -> list[float]:
-        """Return the growth of totals [1/s] since the last line; none if it is not time for one."""
+        """Return the rates since the last update [1/s], or [] if the line is not due."""
         now = time.monotonic()
         if not self._totals:
             self._time, self._totals = now, totals
@@ -51,15 +51,15 @@ class StatusLine(AbstractContextManager["StatusLine"]):
         self._time, self._totals = now, totals
         return found
 
-    def talk(self, text: str) -> None:
-        """Say something above the line."""
+    def write_note(self, text: str) -> None:
+        """Write a note above the line."""
         if self._shown:
-            say("\r\x1b[K")
-        talk(f"{self._command}: {text}")
+            write_stderr("\r\x1b[K")
+        write_note(f"{self._command}: {text}")
         if self._shown:
-            say(self._shown)
+            write_stderr(self._shown)
 
-    def talk_unless_quiet(self, text: str) -> None:
-        """Say something that is no warning."""
+    def write_note_unless_quiet(self, text: str) -> None:
+        """Write a note above the line unless quiet."""
         if not self._is_quiet:
-            self.talk(text)
+            self.write_note(text)

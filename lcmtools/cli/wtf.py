@@ -1,6 +1,5 @@
 """``lcmtools wtf``."""
 
-import json
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -12,7 +11,7 @@ import click
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
-from lcmtools.cli.output import data, lines, show, talk
+from lcmtools.cli.output import write_data, write_lines, write_note, write_result
 from lcmtools.cli.wtf_options import (
     JudgingCommand,
     WrongUsage,
@@ -27,6 +26,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
+from lcmtools.formats.strict_json import write_json
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
@@ -72,7 +72,7 @@ def command(
     if list_rules or explain:
         shown = [explain] if explain else RULES
         rows = report.rules_text(shown, in_full=explain is not None)
-        show([report.rule_record(rule) for rule in shown], rows, as_json=as_json)
+        write_result([report.rule_record(rule) for rule in shown], rows, as_json=as_json)
         return 0
     rules = [rule for rule in dict.fromkeys(judged_rules(only)) if rule not in ignore]
     if not rules:
@@ -86,11 +86,11 @@ def command(
     evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)
     if save_to:
         saved.save(evidence, save_to)
-        talk(f"the evidence is in {save_to}")
+        write_note(f"the evidence is in {save_to}")
     findings = examine(evidence, rules)
     rows = [*report.text(findings), *report.not_checked(evidence, rules)]
     records = [*map(report.record, findings), *report.unchecked_records(evidence, rules)]
-    show(records, rows, _decoration(), as_json=as_json)
+    write_result(records, rows, _decoration(), as_json=as_json)
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 
@@ -98,12 +98,12 @@ def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool
     end_with_reader()
     for number, changes in enumerate(report.watch(look, rules)):
         if not (number or changes or as_json):
-            data("No errors or warnings")
+            write_data("No errors or warnings")
         for change, finding in changes:
             if as_json:
-                data(json.dumps({"change": change, **report.record(finding)}))
+                write_data(write_json({"change": change, **report.record(finding)}))
             else:
-                lines([*report.change_text(change, finding), ""], _decoration())
+                write_lines([*report.change_text(change, finding), ""], _decoration())
 
 
 def _decoration() -> Callable[[str], str]:

@@ -1,5 +1,5 @@
-"""Text formats, each read in one place: strict YAML, XML, and expressions.
+"""Parsers of text formats: strict YAML, XML and expressions.
 
 Belongs here: syntax, limits and the place of each mistake. Must not know the meaning of a
-text: messages, settings, launch files and worlds are built on top of it.
+text: messages, settings, launch files and worlds are built on top of these parsers.
 """

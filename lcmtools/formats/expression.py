@@ -1,8 +1,8 @@
-"""Expressions in Python's syntax, checked and worked out without Python's own evaluation.
+"""Expressions in Python's syntax, checked and evaluated without Python's ``eval``.
 
-Belongs here: the syntax tree. All that is not listed is refused. The cost of an expression is
-bounded by its length and by the arrays it is given: there are no loops. Must not know the source of
-the names' values: see ``NameLookup``.
+Belongs here: the syntax tree. Every node that is not listed is refused. There are no loops, so the
+cost of an expression is bounded by its length and by the arrays it is given. Must not know where
+the values of names come from: see ``NameLookup``.
 """
 
 import ast
@@ -27,7 +27,7 @@ from lcmtools.formats.operations import (
 )
 
 DEEPEST = 40
-"""Levels of an expression's tree."""
+"""The maximum depth of an expression's tree."""
 _SHOWN = 40  # characters of an expression that an error repeats
 _PLAIN_NODES = (ast.Name, ast.BoolOp, ast.Call, ast.Tuple, ast.List)
 _FIELD_NODES = (ast.Attribute, ast.Subscript, ast.Slice)
@@ -36,40 +36,41 @@ _FAULTS = (*_OF_VALUES, AttributeError, TypeError)
 
 
 class NameLookup(Protocol):
-    """The values of names while an expression is worked out."""
+    """The values of names during the evaluation of an expression."""
 
     def named(self, name: str) -> object:
-        """Return the value of a name; a LookupError says that there is none."""
+        """Return the value of a name; raise LookupError if it has none."""
 
     def attribute(self, owner: object, name: str) -> object:
         """Return a field of a value."""
 
 
 class ExpressionFault(Exception):  # noqa: N818 - named for what happened, as in errors.py
-    """An expression that cannot be worked out with the values it was given."""
+    """An expression cannot be evaluated with the given values."""
 
 
 class NoValue(ExpressionFault):
-    """An expression that has no value with these values, and may have one with others."""
+    """An expression has no result for the given values, but may have one for others."""
 
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """The syntax of a kind of expressions."""
+    """A dialect of expressions: its functions, limits and hints."""
 
     name: str  # in errors
     example: str  # the hint for an expression that cannot be read
-    allowed: str  # the hint for a part that is not allowed: "fields, numbers ... are"
+    allowed: str  # the hint for a forbidden part: "fields, numbers ... are"
     longest: int  # characters
-    functions: Mapping[str, Function]  # besides those that every expression has
+    functions: Mapping[str, Function]  # in addition to those of every expression
     has_fields: bool = False  # values have fields, and arrays have elements: m.x, a[0]
-    has_choices: bool = False  # "a if b else c", and text may be joined
+    has_choices: bool = False  # "a if b else c", and + joins text
 
 
 class Expression:
-    """An expression of a language whose form has been checked: its ``text`` and its tree ``root``.
+    """An expression whose syntax has been checked: its ``text`` and its syntax tree, ``root``.
 
-    UsageError is raised for one that is too long, or names the part that is not allowed.
+    UsageError is raised for an expression that is too long or has a forbidden part, which the
+    error names.
     """
 
     def __init__(self, text: str, language: Language) -> None:
@@ -80,15 +81,15 @@ class Expression:
         self._check(self.root, 0)
 
     def value(self, scope: NameLookup) -> object:
-        """Return the value of the expression; raise ExpressionFault where it has none.
+        """Evaluate the expression; raise ExpressionFault if that fails.
 
-        It is NoValue where other values of the names might do: for an element that an array does
-        not have, or a division by zero. "and" and "or" have a value where one operand decides.
+        NoValue is raised if it may succeed with other values: if an index is out of range, or for
+        a division by zero. "and" and "or" need only the operand that decides.
         """
         return self._value(self.root, scope)
 
     def place(self, node: ast.AST) -> str:
-        """Return the part of the expression that a node was read from, shortened."""
+        """Return the source text of a node, shortened."""
         start, end = getattr(node, "col_offset", 0), getattr(node, "end_col_offset", None)
         part = self.text.encode()[start:end].decode(errors="replace")
         return part if len(part) <= _SHOWN else f"{part[: _SHOWN - 3]}..."
@@ -106,7 +107,7 @@ class Expression:
             raise self._bad("the expression has a character that cannot be printed")
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # Python's advice to programmers
+                warnings.simplefilter("ignore")  # Python's SyntaxWarnings are not for users
                 return ast.parse(text, mode="eval").body
         except SyntaxError as error:
             start = max(0, (error.offset or 1) - 1)
@@ -150,7 +151,7 @@ class Expression:
         return isinstance(node, (*_PLAIN_NODES, *fields, *choices))
 
     def _hint(self, node: ast.AST) -> str:
-        """Return the hint for a part that is not allowed."""
+        """Return the hint for a forbidden part."""
         operation = type(getattr(node, "op", None))
         if operation in (ast.BitAnd, ast.BitOr, ast.Invert):
             return "write and, or, not"
@@ -250,7 +251,7 @@ def _has_names(node: ast.AST) -> bool:
 
 
 def operands(node: ast.AST) -> list[ast.expr]:
-    """Return the expressions in an expression, without operators and the names of functions."""
+    """Return a node's subexpressions, without operators and function names."""
     if isinstance(node, ast.Call):
         return list(node.args)
     return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]

@@ -1,7 +1,7 @@
-"""The operations of expressions: operators, functions and constants, each with its limits.
+"""Operators, functions and constants of expressions, with their limits.
 
-Powers are floating point, whole numbers have at most 64 bits, and text can only be joined, up to a
-limit: so no operation costs more than the arrays it is given.
+Powers are floating point, integers have at most 64 bits, and text can only be joined, up to a
+limit. So the cost of an operation is at most proportional to its arrays.
 """
 
 import ast
@@ -14,7 +14,7 @@ from typing import TypeAlias
 Function: TypeAlias = Callable[..., object]
 
 LARGEST = 2**64
-"""Limit of whole numbers; a message's have 64 bits at most."""
+"""The limit of integers; those of a message have at most 64 bits."""
 CONSTANTS: Mapping[str, float] = {"pi": math.pi}
 _LONGEST_TEXT = 10_000
 
@@ -42,7 +42,7 @@ SIGNS: Mapping[type[ast.unaryop], Function] = {
     ast.USub: lambda value: -number(value),
     ast.UAdd: lambda value: +number(value),
 }
-OF_ONE_LIST = {"all", "any", "len", "sum"}  # len: of text too
+OF_ONE_LIST = {"all", "any", "len", "sum"}  # len also accepts text
 FUNCTIONS: Mapping[str, Function] = {
     "abs": abs,
     "all": all,
@@ -58,16 +58,16 @@ FUNCTIONS: Mapping[str, Function] = {
     },
     **{name: getattr(math, name) for name in ("isnan", "isinf", "isfinite", "degrees", "radians")},
 }
-"""The functions that every expression has."""
+"""The functions of every expression."""
 
 
 def comparable(value: object) -> object:
-    """Return a value; lists, bytes and arrays as tuples, which equal a tuple that is written."""
+    """Convert sequences to tuples, so that ``m.data == (1, 2)`` compares by content."""
     return tuple(value) if isinstance(value, (list, bytes, array)) else value
 
 
 def number(value: object) -> float:
-    """Return a value that is a number; raise TypeError for others."""
+    """Return a number unchanged; raise TypeError for other values."""
     if not isinstance(value, (bool, int, float)):
         kinds: dict[type, str] = {str: "text", tuple: "an array"}
         raise TypeError(f"a number is needed, not {kinds.get(type(value), 'a message')}")
@@ -75,14 +75,14 @@ def number(value: object) -> float:
 
 
 def bounded(value: object) -> object:
-    """Return a result; raise OverflowError for a whole number larger than 64 bits."""
+    """Return a result unchanged; raise OverflowError for an integer of more than 64 bits."""
     if isinstance(value, int) and abs(value) > LARGEST:
         raise OverflowError("the number is larger than 64 bits")
     return value
 
 
 def joined(left: str, right: str) -> str:
-    """Return two texts as one; raise ValueError where it is too long."""
+    """Concatenate two texts; raise ValueError if the result is too long."""
     if len(left) + len(right) > _LONGEST_TEXT:
         raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
     return left + right

@@ -1,7 +1,7 @@
-"""XML as elements that remember their lines.
+"""XML parsed into elements with line numbers.
 
-Belongs here: syntax and limits. Document types and entities are refused: a few lines of them can
-fill the memory. Must not know the meaning of tags.
+Belongs here: syntax and limits. Document types and entities are refused because a few lines of
+them can exhaust the memory. Must not know the meaning of tags.
 """
 
 import re
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 DEEPEST = 50
-"""Levels of elements in each other."""
+"""The maximum depth of nested elements."""
 
 _CURLY = re.compile("[\u201c\u201d\u2018\u2019]")
 _NUMBERED = re.compile(r"\s*\d+\s*<")
@@ -23,7 +23,7 @@ _MISTAKES = (
     (re.compile(r"&(?!\w+;|#)"), "write & as &amp;"),
     (re.compile(r"=\s*\"[^\"<>]*<"), "write < in a value as &lt;"),
 )
-"""Mistakes in a line that is not well-formed, and their remedies."""
+"""Patterns of mistakes in a malformed line, with their remedies."""
 _MISTAKES_OUTSIDE_QUOTES = (
     (re.compile(r"(?<!<!)--(?!>)"), "a comment cannot contain --"),
     (re.compile(r"=\s*[^\s\"'<>]"), 'write values in quotes, as in name="driver"'),
@@ -32,22 +32,22 @@ _MISTAKES_OUTSIDE_QUOTES = (
 
 @dataclass(slots=True)
 class Element:
-    """An element of a document."""
+    """An XML element with its place in the file."""
 
     tag: str
-    source: str  # the file that it comes from, for errors
-    line: int  # in which it begins, from 1
+    source: str  # the file's name, for errors
+    line: int  # where it begins, from 1
     attributes: dict[str, str] = field(default_factory=dict)
     children: list["Self"] = field(default_factory=list)
-    text: str = ""  # without that of its children
+    text: str = ""  # without its children's text
 
     @property
     def place(self) -> str:
-        """File and line, for errors."""
+        """The file and line, for errors."""
         return f"{self.source}:{self.line}"
 
     def error(self, reason: str, hint: str = "") -> InvalidFile:
-        """Return the error for this element, to be raised by the caller."""
+        """Return an error at this element, for the caller to raise."""
         return InvalidFile(f"{self.place}: {reason}", hint)
 
 
@@ -55,14 +55,15 @@ E = TypeVar("E", bound=Element)
 
 
 def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
-    """Return the root of a document, made of elements of a kind.
+    """Parse a document into elements of class ``kind`` and return the root.
 
-    InvalidFile, with the line: it is no XML, has a document type, or is nested too deeply.
+    InvalidFile, with the line, is raised for text that is not XML, has a document type, or is
+    nested too deeply.
     """
-    from xml.parsers import expat  # elements are made without it, by other readers
+    from xml.parsers import expat  # late: readers of YAML use elements without a parser
 
     parser = expat.ParserCreate()
-    parser.buffer_text = True  # else every line comes for itself
+    parser.buffer_text = True  # else each line of text is a call of its own
     top = kind("", source, 1)
     open_elements = [top]
 
@@ -73,7 +74,7 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
         open_elements[-1].children.append(element)
         open_elements.append(element)
 
-    def take_text(text: str) -> None:
+    def add_text(text: str) -> None:
         open_elements[-1].text += text
 
     def refuse_doctype(*_: object) -> None:
@@ -82,7 +83,7 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _tag: open_elements.pop()
-    parser.CharacterDataHandler = take_text
+    parser.CharacterDataHandler = add_text
     parser.StartDoctypeDeclHandler = refuse_doctype
     try:
         parser.Parse(content, True)  # noqa: FBT003 - expat's signature
@@ -90,13 +91,13 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
         reason = expat.errors.messages[error.code]
         hint = _hint(content, error.lineno) or _unclosed(open_elements, reason)
         raise InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint) from None
-    except (LookupError, ValueError) as error:  # an encoding that is none
+    except (LookupError, ValueError) as error:  # an unknown encoding
         raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None
     return top.children[0]
 
 
 def _hint(content: bytes | str, line: int) -> str:
-    """Return the hint for mistakes in lines that were copied from a document."""
+    """Return a hint for the mistake in a malformed line; "" if it is not a usual one."""
     text = content if isinstance(content, str) else content.decode(errors="replace")
     rows = text.splitlines()
     row = rows[line - 1] if 0 < line <= len(rows) else ""
@@ -115,7 +116,7 @@ def _hint(content: bytes | str, line: int) -> str:
 
 
 def _unclosed(elements: list[E], reason: str) -> str:
-    """Return the hint for a text that breaks off, or closes another element."""
+    """Return a hint for an unclosed element; "" if the mistake is another one."""
     last = elements[-1]
     if not last.tag or "invalid token" in reason:
         return ""

@@ -1,9 +1,9 @@
-"""YAML as nodes that remember their places, read strictly and event by event.
+"""YAML parsed strictly, event by event, into nodes with line numbers.
 
 Belongs here: nesting, keys, anchors and tags. Scalars stay text, because only the reader of a value
-knows its type: ``1e3`` may be a number and ``no`` a name. The YAML library's own loaders are not
-used: they crash (a segmentation fault) on deep nesting, follow aliases without end, take the last
-of several equal keys, and forget what was quoted.
+knows its type: ``1e3`` may be a number and ``no`` a name. PyYAML's own loaders are not used: they
+crash (a segmentation fault) on deep nesting, follow aliases without a limit, keep the last of
+several equal keys, and do not report which scalars were quoted.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import yaml
 
 MOST_REPEATED = 100_000
-"""Values that aliases may repeat in a document, so that a line of text cannot fill the memory."""
+"""The most values that a document's aliases may repeat: one line could exhaust the memory."""
 
 PlainNode: TypeAlias = "str | bytes | list[PlainNode] | dict[str, PlainNode] | None"
 
@@ -34,7 +34,7 @@ _TEXT_TAGS = (None, *(f"{_TAG}{name}" for name in ("int", "float", "bool", "null
 
 
 class Node:
-    """A value of a document."""
+    """A value in a document, with its line."""
 
     __slots__ = ("is_quoted", "key_line", "line", "value")
 
@@ -45,18 +45,18 @@ class Node:
         *,
         is_quoted: bool = False,
     ) -> None:
-        self.value = value  # text as written, bytes (!!binary), a list, or a mapping by keys
-        self.line = line  # in which it begins, from 1
-        self.key_line = line  # of its key in a mapping
-        self.is_quoted = is_quoted  # text that was quoted, a block, or tagged !!str
+        self.value = value  # text as written, bytes (!!binary), a list, or a mapping
+        self.line = line  # where it begins, from 1
+        self.key_line = line  # the line of its key in a mapping
+        self.is_quoted = is_quoted  # True for text in quotes, in a block, or tagged !!str
 
     @property
     def is_nothing(self) -> bool:
-        """True for an empty value, ``~`` or ``null`` that is not quoted."""
+        """True for an unquoted empty value, ``~`` or ``null``."""
         return not self.is_quoted and isinstance(self.value, str) and self.value in _NULLS
 
     def plain(self) -> PlainNode:
-        """Return the value without places; None for nothing."""
+        """Return the value without line numbers; None for an empty one."""
         value = self.value
         if isinstance(value, str):
             return value if self.is_quoted or value not in _NULLS else None
@@ -68,18 +68,18 @@ class Node:
 
 
 def read_values(text: str) -> Iterator[tuple[PlainNode, int]]:
-    """Return the documents that are not empty, without places, and their first lines."""
+    """Yield the value and the first line of each document that is not empty."""
     for root in read_documents(text, keeps_places=False):
         if root:
             yield _bare(root), root.line
 
 
 def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | None]:
-    """Return the documents of a text, one after the other; None for an empty one.
+    """Yield the documents in a text; None for an empty one.
 
-    Without places only the root is a Node: the garbage collector would visit all others again and
-    again while a large text is read. BadYaml is raised for a document that is wrong, after those
-    before it.
+    If ``keeps_places`` is False, only the root is a Node: in a large text the garbage collector
+    would visit all other nodes again and again. BadYaml is raised for an invalid document, after
+    the documents before it.
     """
     import yaml
 
@@ -87,7 +87,7 @@ def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | N
     tree = _Tree(keeps_places=keeps_places)
     try:
         for event in yaml.parse(text, Loader=loader):
-            tree.take(event)
+            tree.add_event(event)
             if isinstance(event, yaml.DocumentEndEvent):
                 yield tree.root
                 tree = _Tree(keeps_places=keeps_places)
@@ -98,7 +98,7 @@ def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | N
 
 
 def read_file(text: str, source: str) -> Node | None:
-    """Return the only document of a file, None if it is empty; raise InvalidFile, with the line."""
+    """Return a file's only document, None if it is empty; raise InvalidFile with the line."""
     try:
         found = [node for node in read_documents(text) if node]
     except BadYaml as bad:
@@ -110,11 +110,11 @@ def read_file(text: str, source: str) -> Node | None:
 
 
 _Key: TypeAlias = "tuple[str, int]"
-_NO_KEY: _Key = ("", 0)  # values in a list, and the root, have none
+_NO_KEY: _Key = ("", 0)  # for the root and the values in a list
 
 
 class _Tree:
-    """The nodes of one document while its events come in."""
+    """Builds the nodes of one document from its events."""
 
     def __init__(self, *, keeps_places: bool) -> None:
         import yaml
@@ -123,12 +123,12 @@ class _Tree:
         self._keeps_places = keeps_places
         self.root: Node | None = None
         self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
-        self._keys: list[_Key | None] = [_NO_KEY]  # the key of the next value; None: it comes next
+        self._keys: list[_Key | None] = [_NO_KEY]  # of the next value; None: a key is next
         self._anchors: dict[str, Node] = {}
         self._repeated = 0
 
-    def take(self, event: "yaml.Event") -> None:
-        """Take the next event; raise BadYaml if it does not belong there."""
+    def add_event(self, event: "yaml.Event") -> None:
+        """Add the next event; raise BadYaml if it is not allowed there."""
         yaml = self._yaml
         if isinstance(event, yaml.ScalarEvent):
             if self._keys[-1] is None:
@@ -141,7 +141,7 @@ class _Tree:
             self._keys.pop()
             self._add(*self._open.pop())
         elif isinstance(event, yaml.AliasEvent):
-            self._take_alias(event)
+            self._add_alias(event)
 
     def _start(self, event: "yaml.CollectionStartEvent", *, is_list: bool) -> None:
         if self._keys[-1] is None:
@@ -153,7 +153,7 @@ class _Tree:
         self._open.append((Node([] if is_list else {}, _line(event)), event.anchor))
         self._keys.append(_NO_KEY if is_list else None)
 
-    def _take_alias(self, event: "yaml.AliasEvent") -> None:
+    def _add_alias(self, event: "yaml.AliasEvent") -> None:
         known = self._anchors.get(event.anchor or "")
         if known is None:
             raise _bad(event, f"unknown alias '*{event.anchor}'", quote_hint("*"))
@@ -192,12 +192,12 @@ class _Tree:
 
 
 def _bare(node: Node) -> PlainNode:
-    """Return the value of a node whose parts are as they should be; None for nothing."""
+    """Return the value of a node whose parts are converted already; None for an empty one."""
     return None if node.is_nothing else cast("PlainNode", node.value)
 
 
 def _count(part: object) -> int:
-    """Return the number of values in a part, those that aliases repeat counted each time."""
+    """Count the values in a part, repeated ones each time."""
     value = part.value if isinstance(part, Node) else part
     if isinstance(value, dict):
         return 1 + sum(map(_count, value.values()))
@@ -223,7 +223,7 @@ def _binary(event: "yaml.ScalarEvent") -> bytes:
         data = b64decode(text, validate=True)
     except ValueError:
         data = b""
-    if b64encode(data) != text.encode():  # some Pythons take "=" for base64
+    if b64encode(data) != text.encode():  # some versions of Python accept "=" as base64
         raise _bad(event, "!!binary is not followed by base64")
     return data
 

@@ -1,4 +1,4 @@
-"""Mistakes in YAML: the parser's errors in our words, with the text to type instead."""
+"""Errors in YAML: the parser's messages reworded, with a hint what to type instead."""
 
 import re
 from typing import TYPE_CHECKING
@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     import yaml
 
 DEEPEST = 100
-"""Levels of nesting; far more than any document needs."""
+"""The maximum depth of nesting; far more than any document needs."""
 TOO_DEEP = f"nested more than {DEEPEST} levels deep"
 
 _WORD_BEFORE_COLON = re.compile(r"\b([A-Za-z_]\w*):([^\s:/,}\]]+)")
@@ -19,9 +19,9 @@ _IN_BRACKETS = (_NO_COMMA, "did not find expected node content")
 
 
 class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors.py
-    """A text that is not the YAML that is accepted here, with the text to type instead as hint.
+    """Text that is not accepted as YAML; ``hint`` says what to type instead.
 
-    Lines and columns (characters of a line) count from 1; 0 is for an unknown one.
+    Lines and columns (in characters) count from 1; 0 means unknown.
     """
 
     def __init__(self, problem: str, line: int = 0, column: int = 0, hint: str = "") -> None:
@@ -30,22 +30,22 @@ class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors
 
     @classmethod
     def at(cls, mark: "yaml.Mark | None", problem: str, hint: str = "") -> "BadYaml":
-        """Return the error for a place of the YAML library."""
+        """Return the error for a position reported by PyYAML."""
         line, column = (mark.line + 1, mark.column + 1) if mark else (0, 0)
         return cls(problem, line, column, hint)
 
 
 class OpenBracket(BadYaml):
-    """The text ends within brackets; with more of it, it may be right."""
+    """The text ends within brackets; with more text, it may be valid."""
 
 
 def quote_hint(start: str) -> str:
-    """Return the hint for text that YAML takes for something else."""
+    """Return the hint for text whose first character has a special meaning in YAML."""
     return f"put text that begins with '{start}' in quotes"
 
 
 def explained(error: "yaml.MarkedYAMLError", text: str) -> BadYaml:
-    """Return the parser's complaint in our words."""
+    """Convert the parser's error into ours."""
     context, problem, mark = str(error.context), str(error.problem), error.problem_mark
     if problem.startswith(_IN_BRACKETS) and mark and mark.line >= text.rstrip().count("\n") + 1:
         return _open_bracket(error)
@@ -55,7 +55,7 @@ def explained(error: "yaml.MarkedYAMLError", text: str) -> BadYaml:
 
 
 def forbidden_character(text: str) -> BadYaml:
-    """Return the error for a control character or half a character."""
+    """Return the error for a control character or a lone surrogate."""
     import yaml
 
     match = yaml.reader.Reader.NON_PRINTABLE.search(text)
@@ -79,7 +79,7 @@ def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
         problem, hint = f"text cannot begin with '{at}'", "put it in quotes"
     elif at and at in "]}" and "document start" in problem:
         problem = f"this '{at}' closes nothing"
-    elif problem == "exceeded maximum nesting depth":  # of 1000, since libyaml 0.2.6
+    elif problem == "exceeded maximum nesting depth":  # 1000, since libyaml 0.2.6
         problem = TOO_DEEP
     else:
         hint = _flow_hint(problem, line)
@@ -87,14 +87,14 @@ def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
 
 
 def _nesting_hint(mark: "yaml.Mark | None") -> str:
-    """Return the hint for "linear: x: 1", and for text as "note: this"."""
+    """Return the hint for "linear: x: 1" and for text like "note: this"."""
     if mark and mark.line:
         return "indent the keys of an entry equally"
     return "put the fields in { }, and text that has ': ' in it in quotes"
 
 
 def _flow_hint(problem: str, line: str) -> str:
-    """Return the hint for "a: {x: 1} b: {y: 2}", and for other marks between fields."""
+    """Return the hint for "a: {x: 1} b: {y: 2}" and other wrong separators."""
     if problem == "did not find expected key" and re.search(r"[}\]]\s*,?\s*\w+\s*:", line):
         return "put all fields into { } with commas between, or each on a line of its own"
     if problem in ("did not find expected key", "did not find expected '-' indicator"):
@@ -103,7 +103,7 @@ def _flow_hint(problem: str, line: str) -> str:
 
 
 def _colon_hint(text: str) -> str:
-    """Return the hint for "x:1"; "" where there is none in the text."""
+    """Return the hint for "x:1"; "" if the text has nothing like it."""
     match = _WORD_BEFORE_COLON.search(text)
     if not match:
         return ""
@@ -112,7 +112,7 @@ def _colon_hint(text: str) -> str:
 
 
 def _open_bracket(error: "yaml.MarkedYAMLError") -> OpenBracket:
-    """Return the error for a bracket that is not closed; the parser does not always know which."""
+    """Return the error for an unclosed bracket; the parser does not always report which one."""
     mark = error.context_mark
     if not mark or not str(error.problem).startswith(_NO_COMMA):
         return OpenBracket("a bracket is not closed", 1)

@@ -89,7 +89,7 @@ class Bridge(AbstractContextManager["Bridge"]):
         clients that subscribe to a topic at the moment it is offered.
         """
         self._monitor.discover()
-        while self.look(self._monitor.graph(), server):
+        while self.update_offers(self._monitor.graph(), server):
             self._receive()
         on_ready()
         next_look = 0.0
@@ -97,10 +97,10 @@ class Bridge(AbstractContextManager["Bridge"]):
             trouble = self._receive()
             if trouble != self._trouble:
                 self._trouble = trouble
-                server.tell("bus", trouble)
+                server.show_problem("bus", trouble)
                 self._notify(trouble or "the bus is back")
             if time.monotonic() >= next_look:
-                has_more = self.look(self._monitor.graph(), server)
+                has_more = self.update_offers(self._monitor.graph(), server)
                 next_look = time.monotonic() + (_TURN if has_more else _LOOK_PERIOD)
 
     # Called for clients' actions on the server's threads; names of ``ServerListener``
@@ -129,7 +129,7 @@ class Bridge(AbstractContextManager["Bridge"]):
             self.publishing.publish(client.id, channel, data)
 
     def _refuse(self, text: str) -> None:
-        self._wishes.put(lambda: self._tell(text))
+        self._wishes.put(lambda: self._notify_once(text))
 
     # On the serving thread
 
@@ -153,13 +153,13 @@ class Bridge(AbstractContextManager["Bridge"]):
         offer = self._offers.get(topic)
         if offer and offer.last:
             self._send(offer, offer.last)
-        self._attend(topic)
+        self._update_following(topic)
 
     def _end(self, topic: str) -> None:
         self._subscribers[topic] -= 1
-        self._attend(topic)
+        self._update_following(topic)
 
-    def look(self, graph: Graph, server: FoxgloveServer) -> bool:
+    def update_offers(self, graph: Graph, server: FoxgloveServer) -> bool:
         """Offer new topics, and withdraw those that are gone or have another type now.
 
         Names that are not UTF-8, or have control characters, are not offered.
@@ -172,17 +172,17 @@ class Bridge(AbstractContextManager["Bridge"]):
             if one.name.isprintable() and self._topics.includes(one.name)
         }
         for name in self._offers.keys() - topics.keys():
-            self._take_back(name)
+            self._withdraw(name)
         for name, topic in topics.items():
             cls, offer = self._class_of(topic), self._offers.get(name)
             if offer and cls and offer.cls is not cls:
-                self._take_back(name)
+                self._withdraw(name)
             if cls and name not in self._offers and len(self._offers) < most:
                 channel = server.offer(name, *self._schemas.of(cls))
                 self._offers[name] = _Offer(cls, channel)
             if offer := self._offers.get(name):
                 offer.is_latched = topic.is_latched
-                self._attend(name)
+                self._update_following(name)
         server.draw({name: _ends(topic) for name, topic in topics.items()})
         wanted = self._following.channels
         if wanted != self._announced:
@@ -190,25 +190,25 @@ class Bridge(AbstractContextManager["Bridge"]):
             self._monitor.listen_to(wanted)
         return len(self._offers) == most
 
-    def _take_back(self, name: str) -> None:
+    def _withdraw(self, name: str) -> None:
         offer = self._offers.pop(name)
         if offer.end:
             offer.end()
         offer.channel.close()
 
-    def _attend(self, topic: str) -> None:
+    def _update_following(self, topic: str) -> None:
         """Follow a topic while a client subscribes to it, and always if it is latched."""
         offer = self._offers.get(topic)
         if offer is None:
             return
         is_wanted = self._subscribers[topic] > 0 or offer.is_latched
         if is_wanted and offer.end is None:
-            offer.end = self._following.add(topic, lambda packet: self._take(offer, packet))
+            offer.end = self._following.add(topic, lambda packet: self._forward(offer, packet))
         elif not is_wanted and offer.end is not None:
             offer.end()
             offer.end = None
 
-    def _take(self, offer: _Offer, packet: Packet) -> None:
+    def _forward(self, offer: _Offer, packet: Packet) -> None:
         if offer.is_latched:
             offer.last = packet
         if self._subscribers[packet.channel] > 0:
@@ -238,13 +238,13 @@ class Bridge(AbstractContextManager["Bridge"]):
             if topic.types and not topic.fingerprints:
                 return message_class(topic.types[0])
         except LcmtoolsError as error:
-            self._tell(f"{topic.name} is left out: {error}")
+            self._notify_once(f"{topic.name} is left out: {error}")
             return None
         if topic.fingerprints:
-            self._tell(f"{topic.name} is left out: unknown type; {remedy_of_unknown()}")
+            self._notify_once(f"{topic.name} is left out: unknown type; {remedy_of_unknown()}")
         return None
 
-    def _tell(self, text: str) -> None:
+    def _notify_once(self, text: str) -> None:
         """Notify the user of something once."""
         if text not in self._told:
             self._told.add(text)

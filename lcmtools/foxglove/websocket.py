@@ -72,7 +72,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
         )
         return channel
 
-    def tell(self, key: str, text: str) -> None:
+    def show_problem(self, key: str, text: str) -> None:
         """Show clients a problem, replacing an earlier one with its key; "" removes it."""
         if text:
             self._server.publish_status(text, self._level, key)

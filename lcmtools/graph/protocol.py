@@ -235,11 +235,11 @@ def _decode_version_0(payload: bytes) -> Announcement | None:
     cursor = Cursor(payload, _NAME_OFFSETS[_VERSION_0])
     try:
         name, host = read_string(cursor, "name"), read_string(cursor, "host")
-        pid, start_time = struct.unpack_from(">iq", payload, cursor.take(12, "pid"))
+        pid, start_time = struct.unpack_from(">iq", payload, cursor.advance(12, "pid"))
         identifier = read_string(cursor, "id")
-        state, _, tool = struct.unpack_from(">bq?", payload, cursor.take(10, "state"))
+        state, _, tool = struct.unpack_from(">bq?", payload, cursor.advance(10, "state"))
         command = read_string(cursor, "command")
-        (answers,) = struct.unpack_from(">q", payload, cursor.take(8, "answers"))
+        (answers,) = struct.unpack_from(">q", payload, cursor.advance(8, "answers"))
     except Malformed:
         return None
     if not _is_node_name(name):

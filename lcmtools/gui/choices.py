@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.image import TYPES
 from lcmtools.gui.streams.steer import is_velocity
@@ -25,7 +25,7 @@ def topics(source: Source, parameters: Parameters) -> Json:
     """Return the topics for a kind of messages, each with its type."""
     kind = parameters.text("kind")
     if kind not in _KINDS:
-        raise Rubbish(f"there is no kind of topics '{kind[:40]}'")
+        raise MalformedRequest(f"there is no kind of topics '{kind[:40]}'")
     return [_choice(row) for row in source.latest.rows if any(map(_KINDS[kind], row.types[:1]))]
 
 

@@ -56,7 +56,7 @@ class Poses:
         self._stamp = 0.0
         self._frames: dict[str, tuple[str, list[float]]] = {}
 
-    def take(self, message: TFMessage) -> None:
+    def add(self, message: TFMessage) -> None:
         """Add the frames of a message."""
         for one in message.transforms:
             stamp = one.header.stamp
@@ -80,11 +80,11 @@ class MarkerScene:
         self._ends: dict[tuple[str, int], float] = {}
         self._has_changed = False
 
-    def take(self, message: Message, now: float) -> None:
-        """Process a Marker or a MarkerArray at a time [s]."""
+    def add(self, message: Message, now: float) -> None:
+        """Add a Marker or a MarkerArray at a time [s]."""
         for marker in message.markers if isinstance(message, MarkerArray) else [message]:
             assert isinstance(marker, Marker), "a topic of markers has no others"
-            self._take(marker, now)
+            self._add_marker(marker, now)
         self._has_changed = True
 
     def drawing(self, now: float) -> Update | None:
@@ -97,7 +97,7 @@ class MarkerScene:
         self._has_changed = False
         return Update({"kind": "markers", "markers": list(self._markers.values())})
 
-    def _take(self, marker: Marker, now: float) -> None:
+    def _add_marker(self, marker: Marker, now: float) -> None:
         if marker.action == Marker.DELETEALL:
             self._markers.clear()
             self._ends.clear()

@@ -159,7 +159,7 @@ class LogSource:
         next_snapshot = 0.0
         try:
             while not self._ends.is_set():
-                self._attend()
+                self._handle_requests()
                 due = self._due()
                 self._pass_on(due)
                 if time.monotonic() >= next_snapshot:
@@ -172,7 +172,7 @@ class LogSource:
         except Exception as error:  # noqa: BLE001 - shown on the pages
             self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
 
-    def _attend(self) -> None:
+    def _handle_requests(self) -> None:
         """Execute pages' requests; new followers get the latest messages, in order of time."""
         self._wakes.clear()
         try:
@@ -190,7 +190,7 @@ class LogSource:
 
     def _due(self) -> list[Played]:
         due: list[Played] = []
-        while len(due) < _MOST and (one := self._player.take(time.monotonic_ns())) is not None:
+        while len(due) < _MOST and (one := self._player.pop_due(time.monotonic_ns())) is not None:
             due.append(one)
         return due
 

@@ -15,7 +15,14 @@ from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
-from lcmtools.gui.protocol import Frame, Json, PageRequest, Rubbish, read_request, text_frame
+from lcmtools.gui.protocol import (
+    Frame,
+    Json,
+    MalformedRequest,
+    PageRequest,
+    read_request,
+    text_frame,
+)
 from lcmtools.gui.requests import ACTIONS, ASKS, answer
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
@@ -61,7 +68,7 @@ class BrowserPage:
         """Serve the page until it is gone.
 
         Raises:
-            Rubbish: It sends data that no page of this server would.
+            MalformedRequest: It sends data that no page of this server would.
         """
         self._outbox.append(text_frame({"hello": hello}))
         both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
@@ -80,9 +87,9 @@ class BrowserPage:
 
     async def _read(self) -> None:
         async for data in self._socket:
-            await self._take(read_request(data))
+            await self._handle(read_request(data))
 
-    async def _take(self, request: PageRequest) -> None:
+    async def _handle(self, request: PageRequest) -> None:
         if request.op in _ANSWERED:
             await self._has_room()
         if request.op in ("ask", "do"):
@@ -90,7 +97,7 @@ class BrowserPage:
         elif request.op in self._operations:
             self._operations[request.op](request)
         else:
-            raise Rubbish(f"there is no operation '{request.op[:40]}'")
+            raise MalformedRequest(f"there is no operation '{request.op[:40]}'")
 
     async def _has_room(self) -> None:
         """Wait while the page has too many pending answers, or does not accept them."""
@@ -136,7 +143,7 @@ class BrowserPage:
         """Command a robot; if the command is ignored, tell its stream why."""
         steering, refusal = self._source.steering, _MAY_NOT
         if steering and COMMAND in self._rights:
-            refusal = steering.take(id(self), request)
+            refusal = steering.execute(id(self), request)
         if refusal != self._refusals.get(request.id, ""):
             self._refusals[request.id] = refusal
             self._send({"id": request.id, "data": {"refused": refusal}})

@@ -2,7 +2,7 @@
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.log_source import LogSource
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 
 _DAY = 86_400.0
@@ -28,7 +28,7 @@ def play(source: Source, parameters: Parameters) -> Json:
     elif action == "step":
         log.step()
     else:
-        raise Rubbish(f"a log cannot '{action[:40]}'")
+        raise MalformedRequest(f"a log cannot '{action[:40]}'")
     return None
 
 

@@ -10,7 +10,8 @@ A page sends JSON texts with an ``op``, and the server answers with the same ``i
 
 Other values of ``op`` are in ``page``. The server sends JSON texts, and for many numbers binary
 frames: the length of a JSON header (uint32), the header, padded with blanks so that the payload
-begins at a multiple of eight bytes, and the payload. All numbers are little-endian.
+begins at a multiple of eight bytes, and the payload. All numbers are little-endian. Numbers that
+JSON lacks are the texts "nan", "inf" and "-inf", as in ``--json``; null is a missing value.
 
 Sans-I/O. Must not know the content of streams.
 """
@@ -23,6 +24,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias, cast
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.formats.strict_json import write_json
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 Frame: TypeAlias = str | bytes
@@ -36,7 +38,7 @@ _LARGEST_ID = 1 << 31
 _ALIGNMENT = 8
 
 
-class Rubbish(LcmtoolsError):  # noqa: N818 - named for what came
+class MalformedRequest(LcmtoolsError):  # noqa: N818 - named for what happened, as in errors.py
     """A page has sent data that no page of this server would."""
 
 
@@ -44,7 +46,7 @@ class Parameters:
     """The values of a request, each checked as it is read.
 
     Raises:
-        Rubbish: Raised by every method if a value is not as expected.
+        MalformedRequest: Raised by every method if a value is not as expected.
     """
 
     def __init__(self, values: Mapping[str, Json]) -> None:
@@ -59,14 +61,14 @@ class Parameters:
         """Return a name or another short text."""
         value = self._get(name, default)
         if not isinstance(value, str) or len(value) > _LONGEST_TEXT:
-            raise Rubbish(f"'{name}' is not a short text")
+            raise MalformedRequest(f"'{name}' is not a short text")
         return value
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return a list of short texts; empty if there is none."""
         value = self._get(name, [])
         if not isinstance(value, list) or len(value) > _MOST_TEXTS:
-            raise Rubbish(f"'{name}' is not a short list")
+            raise MalformedRequest(f"'{name}' is not a short list")
         return tuple(Parameters({name: one}).text(name) for one in value)
 
     def number(
@@ -79,16 +81,16 @@ class Parameters:
         """Return a finite number within bounds."""
         value = self._get(name, default)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise Rubbish(f"'{name}' is not a number")
+            raise MalformedRequest(f"'{name}' is not a number")
         if not (abs(value) <= sys.float_info.max and lowest <= value <= highest):
-            raise Rubbish(f"'{name}' is not within {lowest:g} to {highest:g}")
+            raise MalformedRequest(f"'{name}' is not within {lowest:g} to {highest:g}")
         return float(value)
 
     def flag(self, name: str, *, default: bool = False) -> bool:
         """Return true or false."""
         value = self._get(name, default)
         if not isinstance(value, bool):
-            raise Rubbish(f"'{name}' is neither true nor false")
+            raise MalformedRequest(f"'{name}' is neither true nor false")
         return value
 
     def value(self, name: str) -> Json:
@@ -102,7 +104,7 @@ class Parameters:
     def _get(self, name: str, default: Json) -> Json:
         value = self._values.get(name, default)
         if value is None:
-            raise Rubbish(f"'{name}' is missing")
+            raise MalformedRequest(f"'{name}' is missing")
         return value
 
 
@@ -120,15 +122,15 @@ class PageRequest(Parameters):
 
 
 def read_request(data: str | bytes) -> PageRequest:
-    """Return the request in a WebSocket message; Rubbish if it is none."""
+    """Return the request in a WebSocket message; MalformedRequest if it is none."""
     if isinstance(data, bytes):
-        raise Rubbish("it sent bytes")
+        raise MalformedRequest("it sent bytes")
     try:
         values = json.loads(data, parse_constant=_refuse)
     except (ValueError, RecursionError):
-        raise Rubbish("it sent what is not JSON") from None
+        raise MalformedRequest("it sent what is not JSON") from None
     if not isinstance(values, dict):
-        raise Rubbish("it sent JSON that is not an object")
+        raise MalformedRequest("it sent JSON that is not an object")
     return PageRequest(cast("dict[str, Json]", values))
 
 
@@ -137,22 +139,8 @@ def _refuse(constant: str) -> None:
 
 
 def text_frame(values: Mapping[str, Json]) -> str:
-    """Return a text for a page; numbers that JSON does not have become null."""
-    try:
-        return json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    except ValueError:
-        return json.dumps(finite(values), allow_nan=False, separators=(",", ":"))
-
-
-def finite(value: Json) -> Json:
-    """Return a value with null for each number that JSON does not have."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {name: finite(one) for name, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(one) for one in value]
-    return value
+    """Return a text for a page."""
+    return write_json(values)
 
 
 def binary_frame(header: Mapping[str, Json], payload: bytes | memoryview) -> bytes:

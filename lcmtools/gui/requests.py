@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TypeAlias
 
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 
 Answer: TypeAlias = Callable[[Source, Parameters], Json]
@@ -33,9 +33,9 @@ ACTIONS = {
 
 
 def answer(name: str, table: Mapping[str, str]) -> Answer:
-    """Return the function of a request; Rubbish if there is none with this name."""
+    """Return the function of a request; MalformedRequest if there is none with this name."""
     if name not in table:
-        raise Rubbish(f"there is no request '{name[:40]}'")
+        raise MalformedRequest(f"there is no request '{name[:40]}'")
     module, attribute = table[name].split(":")
     found: Answer = getattr(import_module(f"lcmtools.gui.{module}"), attribute)
     return found

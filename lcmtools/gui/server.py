@@ -27,7 +27,7 @@ from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, HEADERS, PLAY, Access, Refused
 from lcmtools.gui.page import BrowserPage
-from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, Rubbish
+from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, MalformedRequest
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.pool import StreamPool
 from lcmtools.signals import ENDING, Doubles
@@ -36,7 +36,7 @@ STATIC = Path(__file__).parent / "static"
 _TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 _MOST_PAGES = 100
 _WAITING_BYTES = 1 << 16  # that are passed to the system before a stream waits
-_RUBBISH = 1008  # the close code: policy violation
+_POLICY_VIOLATION = 1008  # WebSocket close code (RFC 6455)
 _CLOSE_TIMEOUT = 1.0  # [s] to wait for a page's answer when the server ends
 
 
@@ -147,10 +147,10 @@ class Server:
             return _response(refused.status, refused.reason.encode(), "text/plain")
 
     def _answer(self, request: Request) -> Response | None:
-        host, path = _one(request, "Host") or "", request.path.partition("?")[0]
+        host, path = _single_header(request, "Host") or "", request.path.partition("?")[0]
         self._access.check_host(host)
         if path == "/socket":
-            self._access.check_origin(host, _one(request, "Origin"))
+            self._access.check_origin(host, _single_header(request, "Origin"))
             self._access.rights(host, request.path)
             if self._pages >= _MOST_PAGES:
                 raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
@@ -160,7 +160,7 @@ class Server:
         file = self._files.get(path)
         if file is None:
             raise Refused(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
-        return _file_response(file, _one(request, "If-None-Match"))
+        return _file_response(file, _single_header(request, "If-None-Match"))
 
     async def _serve_page(self, connection: ServerConnection) -> None:
         request = connection.request
@@ -173,9 +173,9 @@ class Server:
             )
         except ConnectionClosed:
             pass
-        except Rubbish as rubbish:
-            self._say_once(f"a page was closed: {rubbish}")
-            await connection.close(_RUBBISH, str(rubbish)[:100])
+        except MalformedRequest as fault:
+            self._say_once(f"a page was closed: {fault}")
+            await connection.close(_POLICY_VIOLATION, str(fault)[:100])
         except Exception as error:  # noqa: BLE001 - reported; the other pages go on
             self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
@@ -183,7 +183,7 @@ class Server:
 
     def _rights(self, request: Request) -> tuple[str, ...]:
         """Return a page's rights; the right to command a bus is the right to play a log."""
-        rights = self._access.rights(_one(request, "Host") or "", request.path)
+        rights = self._access.rights(_single_header(request, "Host") or "", request.path)
         is_log = self._source.kind == "log"
         return tuple(PLAY if is_log and one == COMMAND else one for one in rights)
 
@@ -237,7 +237,7 @@ def _files() -> list[Path]:
     return [path for path in STATIC.rglob("*") if path.is_file()]
 
 
-def _one(request: Request, name: str) -> str | None:
+def _single_header(request: Request, name: str) -> str | None:
     """Return the value of a header that occurs once."""
     values = request.headers.get_all(name)
     return values[0] if len(values) == 1 else None

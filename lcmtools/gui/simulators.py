@@ -4,7 +4,7 @@ from typing import Protocol, TypeVar
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.page_publisher import Publishers
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
@@ -56,7 +56,7 @@ def simulate(source: Source, parameters: Parameters) -> Json:
         pose = SetPose.Request()
         pose.robot, pose.pose = parameters.text("name"), _pose(parameters)
         return _call(publishers, SetPose, name, pose)
-    raise Rubbish(f"no simulator has a service '{verb[:40]}'")
+    raise MalformedRequest(f"no simulator has a service '{verb[:40]}'")
 
 
 def send_pose(source: Source, parameters: Parameters) -> Json:

@@ -29,11 +29,11 @@ class Steering:
         self._thread: threading.Thread | None = None
         self._is_over = False
 
-    def take(self, page: int, request: PageRequest) -> str:
+    def execute(self, page: int, request: PageRequest) -> str:
         """Execute a page's command, "drive", "release" or "stop"; returns the same as ``drive``.
 
         Raises:
-            Rubbish: It is another command.
+            MalformedRequest: It is another command.
         """
         topic = request.text("topic")
         if request.op == "release":

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.messages.definition import array_type
 from lcmtools.messages.documents import parse_values
@@ -45,7 +45,7 @@ def filled_in(parameters: Parameters) -> MessageTemplate[Message]:
     kind = message_class(parameters.text("type"))
     values = parameters.value("values")
     if not isinstance(values, Mapping):
-        raise Rubbish("'values' is not an object")
+        raise MalformedRequest("'values' is not an object")
     return draft(kind, _read(kind, values))
 
 
@@ -64,7 +64,7 @@ def _read(kind: type[Message], values: Mapping[str, Json]) -> Value:
             if value != "" or (field and field.type == "string"):
                 read[name] = value
         else:
-            raise Rubbish(f"the value of '{name[:40]}' is not a text")
+            raise MalformedRequest(f"the value of '{name[:40]}' is not a text")
     return read
 
 

@@ -72,7 +72,7 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
         if is_own and spelling in nodes:
             return _own(spelling, known, package)
     if not nodes:
-        package_folder(package, folder)  # raises that there is none
+        package_folder(package, folder)  # raises UsageError for an unknown package
     if error := undeclared((package, plain), known, (Path.cwd(), folder)):
         raise error
     listed = f"it has {', '.join(sorted(nodes))}" if nodes else "make its file executable: chmod +x"
@@ -106,7 +106,7 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
 
 
 def find_program(word: str, folder: Path) -> str:
-    """Return a program by its path relative to a folder, or by its name; UsageError for none."""
+    """Find a program by its path relative to a folder, or by its name; else raise UsageError."""
     if "/" not in word:
         if shutil.which(word) is None:
             raise UsageError(f"there is no program '{word}' on the PATH", "write a path: ./name")

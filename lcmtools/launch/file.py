@@ -22,7 +22,7 @@ class File:
 
 
 def read_file(path: Path, place: str = "") -> File:
-    """Read a launch file; ``place`` is where another includes it; InvalidFile for none."""
+    """Read a launch file, which ``place`` includes; InvalidFile if it cannot be read."""
     before = f"{place}: " if place else ""
     what = f"{before}cannot read {_shown(path)}"
     with os_errors_as(what, kind=InvalidFile), path.open("rb") as file:
@@ -32,7 +32,7 @@ def read_file(path: Path, place: str = "") -> File:
 
 
 def read_standard_input() -> File:
-    """Read the launch file from a pipe; InvalidFile for none."""
+    """Read the launch file from a pipe; InvalidFile if standard input is not one."""
     root = _read(sys.stdin.buffer.read(LARGEST + 1), "standard input")
     return File(root, STANDARD_INPUT, Path.cwd())
 

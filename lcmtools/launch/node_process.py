@@ -30,7 +30,7 @@ class NodeProcess:
     starts: int = 0  # number of starts
     started_at: float = 0.0  # monotonic time of the last start
     short_lives: int = 0  # number of latest runs in a row that ended soon
-    due: float = math.inf  # monotonic time of the next start; infinite if there is none
+    due: float = math.inf  # monotonic time of the next start; infinity if none is planned
     is_draining: bool = False  # True if its process has ended, but perhaps not its whole group
     was_asked: bool = False  # True if it was asked to end
     failure: str = ""  # the reason why it could not be started, or ""

@@ -83,7 +83,7 @@ def lab_files() -> list[tuple[str, str]]:
 
 
 def launch_files(package: str) -> list[str]:
-    """Return the names of a package's launch files; none if there is no such package."""
+    """Return the names of a package's launch files; [] if there is no such package."""
     try:
         return [path.name for path in _launch_files(package_folder(package))]
     except UsageError:

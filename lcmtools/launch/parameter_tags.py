@@ -55,7 +55,7 @@ def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
 
 
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
-    """Return the parameters, of those with full names, that a node gets: below or above it.
+    """Return the parameters with full names that a node gets: those below or above it.
 
     A ROS node would find those above by searching in its namespace and its parents.
     """
@@ -73,7 +73,7 @@ def note_on_lost(nodes: Collection[str], everywhere: Mapping[str, str]) -> Itera
 
 
 def _own_name(node: str, parameter: str) -> str:
-    """Return what a node calls a parameter with a full name; "" for one that it does not get."""
+    """Return a node's own name for a parameter with a full name; "" if it does not get it."""
     if parameter.startswith(f"{node}/"):
         return parameter[len(node) + 1 :]
     around = f"{namespace_of(parameter).rstrip('/')}/"

@@ -30,7 +30,7 @@ class NodePlan:
     output: Output = Output.LOG  # the place for its lines
     respawn: bool = False  # True if it is started again when it ends
     respawn_delay: float = 0.0  # seconds until then
-    is_required: bool = False  # True if its end is the end of all
+    is_required: bool = False  # True if its end ends all nodes
     takes_input: bool = False  # True if it reads the launcher's standard input
     takes_terminal: bool = False  # True if it uses the launcher's standard input and output
 
@@ -62,7 +62,7 @@ class Plan:
     notes: tuple[str, ...] = ()  # parts that have no meaning here, each with its place
 
     def find(self, name: str) -> NodePlan:
-        """Return a node by its full name, or by the last part; UsageError for none, or several."""
+        """Find a node by its full name or its last part; UsageError unless there is exactly one."""
         full = [node for node in self.nodes if node.name == f"/{name.strip('/')}"]
         found = full or [node for node in self.nodes if base_name_of(node.name) == name]
         if len(found) == 1:

@@ -99,10 +99,10 @@ class _Reading:
             if self.elements > _MOST_ELEMENTS:
                 raise child.error(f"more than {_MOST_ELEMENTS} tags in total")
             if scope.holds(child):
-                scope = self._take(child, scope)
+                scope = self._read_element(child, scope)
         return scope
 
-    def _take(self, element: Element, scope: Scope) -> Scope:
+    def _read_element(self, element: Element, scope: Scope) -> Scope:
         """Read an element; return the scope after it."""
         if element.tag not in ("group", "node"):  # these are checked with their children's
             self.notes += notes_on(element)

@@ -112,7 +112,7 @@ def _replaced(inside: str, known: Known) -> str:
         return _evaluated(rest, known)
     if command == "optenv":
         name, _, default = rest.partition(" ")
-        return known.environment.get(_one(command, name), default.strip())
+        return known.environment.get(_single_name(command, name), default.strip())
     if command == "dirname":
         return known.folder
     command = {"var": "arg"}.get(command, command)  # as in ROS 2
@@ -122,10 +122,10 @@ def _replaced(inside: str, known: Known) -> str:
         if command in known.arguments:
             hint = f"write $(arg {command})"
         raise UsageError(f"there is no '$({command} ...)'", hint)
-    return functions[command](_one(command, rest))
+    return functions[command](_single_name(command, rest))
 
 
-def _one(command: str, words: str) -> str:
+def _single_name(command: str, words: str) -> str:
     if not words or len(words.split()) > 1:
         form = f"optenv {words}" if command == "env" and words else f"{command} NAME"
         raise UsageError(f"'$({command} {words})' needs one name", f"write $({form})")

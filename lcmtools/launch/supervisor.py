@@ -76,7 +76,7 @@ class Supervisor:
         of = {stream: (node, child) for node, child in children for stream in child.streams}
         for stream in self._signals.wait([*of], self._patience()):
             node, child = of[stream]
-            self._take_lines(node, child.read(stream))
+            self._pass_on_lines(node, child.read(stream))
         self._handle_signals()
         now = time.monotonic()
         for node in self._nodes:
@@ -85,7 +85,7 @@ class Supervisor:
             if node.is_draining:
                 self._drain(node, now)
             if node.child and (number := node.child.tick(now)) is not None:
-                self._tell(f"[{node.label}] does not end: sending {number.name}", is_bad=True)
+                self._notify(f"[{node.label}] does not end: sending {number.name}", is_bad=True)
             if node.due <= now:
                 self._start(node, guard)
 
@@ -99,16 +99,16 @@ class Supervisor:
 
     def _start(self, node: NodeProcess, guard: ProcessGuard) -> None:
         if error := node.open_log():
-            self._tell(f"[{node.label}] {error}", is_bad=True)
+            self._notify(f"[{node.label}] {error}", is_bad=True)
         try:
             child = node.start(self._environment, guard, self._timeouts)
         except OSError as error:
             node.failure = f"cannot be started: {error.strerror}"
-            self._tell(f"[{node.label}] {node.failure}", is_bad=True)
+            self._notify(f"[{node.label}] {node.failure}", is_bad=True)
             self._stop()
             return
         again = " again" if node.starts > 1 else ""
-        self._tell(f"[{node.label}] started{again}, pid {child.pid}")
+        self._notify(f"[{node.label}] started{again}, pid {child.pid}")
 
     def _handle_signals(self) -> None:
         """Handle signals: the first asks all nodes to end, each further one to end sooner."""
@@ -117,7 +117,7 @@ class Supervisor:
                 self._ask_all()
                 continue
             again = " (Ctrl-C again: at once)" if number == signal.SIGINT else ""
-            self._tell(f"asking all nodes to end{again}")
+            self._notify(f"asking all nodes to end{again}")
             self._stop()
 
     def _stop(self) -> None:
@@ -139,16 +139,16 @@ class Supervisor:
         assert child is not None
         node.is_draining = True
         for stream in child.streams:  # its last lines are shown before its end
-            self._take_lines(node, child.read(stream))
+            self._pass_on_lines(node, child.read(stream))
         if node.was_asked:
             return
         if not child.group_is_gone():
             child.ask_to_end(now)
         log = node.log if node.code else ""
         text = f"[{node.label}] {node.end_text()}{f'; its log: {log}' if log else ''}"
-        self._tell(text, is_bad=node.code != 0)
+        self._notify(text, is_bad=node.code != 0)
         if node.plan.is_required and not self._is_stopping:
-            self._tell(f"[{node.label}] is required: asking all nodes to end")
+            self._notify(f"[{node.label}] is required: asking all nodes to end")
             self._stop()
 
     def _drain(self, node: NodeProcess, now: float) -> None:
@@ -157,25 +157,25 @@ class Supervisor:
         if child is None or not child.group_is_gone():
             return
         node.is_draining = False
-        self._take_lines(node, child.rest())
+        self._pass_on_lines(node, child.rest())
         child.release()
         if node.was_asked:
-            self._tell(f"[{node.label}] {node.end_text()}")
+            self._notify(f"[{node.label}] {node.end_text()}")
         elif node.plan.respawn and not self._is_stopping:
             delay = node.start_later(now)
             if delay:
-                self._tell(f"[{node.label}] starts again in {delay:g} s")
+                self._notify(f"[{node.label}] starts again in {delay:g} s")
 
-    def _take_lines(self, node: NodeProcess, lines: Iterable[tuple[bool, str]]) -> None:
+    def _pass_on_lines(self, node: NodeProcess, lines: Iterable[tuple[bool, str]]) -> None:
         for is_error, text in lines:
             if error := node.write(text):
-                self._tell(f"[{node.label}] {error}", is_bad=True)
+                self._notify(f"[{node.label}] {error}", is_bad=True)
             is_wrong = is_error and not text.startswith(_TALK)
             if is_wrong or node.plan.output is not Output.LOG:
                 show = partial(self._watcher.line, node, text, is_error=is_error)
                 self._show(show, is_error=is_error)
 
-    def _tell(self, text: str, *, is_bad: bool = False) -> None:
+    def _notify(self, text: str, *, is_bad: bool = False) -> None:
         self._show(lambda: self._watcher.event(text, is_bad=is_bad), is_error=True)
 
     def _show(self, write: Callable[[], None], *, is_error: bool) -> None:

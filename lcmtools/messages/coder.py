@@ -1,7 +1,7 @@
 """The functions that write and read a type, created once per type.
 
 Belongs here: the encoder, which sets length fields, the fast decoder, and the careful one, which is
-slower and reports what is wrong. Must not know the errors that users see.
+slower and reports the fault. Must not know the errors that users see.
 """
 
 import struct
@@ -36,7 +36,7 @@ class Coder(NamedTuple):
     codecs: Codecs
 
     def read(self, cursor: Cursor) -> Message:
-        """Return the message at a cursor; Malformed reports what is wrong."""
+        """Return the message at a cursor; Malformed describes a fault."""
         made: list[Message] = []
         for part in self.layout.parts:
             made.append(object.__new__(part.cls))
@@ -90,7 +90,7 @@ def _codec(leaf: Leaf) -> ArrayCodec | Array | None:
 
 def _read_numbers(run: list[Leaf], made: list[Message], cursor: Cursor) -> None:
     packer = struct.Struct(">" + "".join(FORMATS[leaf.field.type] for leaf in run))
-    values = packer.unpack_from(cursor.data, cursor.take(packer.size, run[0].where))
+    values = packer.unpack_from(cursor.data, cursor.advance(packer.size, run[0].where))
     for leaf, value in zip(run, values, strict=True):
         kind = leaf.field.type
         named = kind.cls(value) if isinstance(kind, EnumType) else value

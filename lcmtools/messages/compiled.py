@@ -1,9 +1,9 @@
 """Functions that write and read a type, generated as source text from its layout and compiled.
 
-Belongs here: which numbers are packed in one go, and what is checked in passing. Must not know how
-arrays are coded, except arrays of numbers.
+Belongs here: which numbers are packed together, and which checks the fast functions make. Must not
+know how arrays are coded, except arrays of numbers.
 
-Plain assignments, and numbers packed in one go, make the fast functions faster than lcm-gen's own
+Plain assignments, and numbers packed together, make the fast functions faster than lcm-gen's own
 code. That is why source text is generated and compiled, as in ``dataclasses``. For a
 std_msgs/Header:
 
@@ -100,7 +100,7 @@ class _Source:
         return f"m{place} = m{part.owner}.{part.name}" if part.name else f"m{place}"
 
     def leaves(self) -> Iterator[tuple[Leaf, ArrayCodec | Array | None, str, str]]:
-        """Yield each leaf, its codec, its expression and that of its size."""
+        """Yield each leaf with its codec, its expression and the expression of its size."""
         for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
             owner, sizes = f"m{leaf.part}", leaf.field.dimensions
             counts = [f"{owner}.{size}" if isinstance(size, str) else str(size) for size in sizes]
@@ -219,10 +219,10 @@ class _Reading:
         """Add a statement that reads the collected numbers."""
         if self._codes:
             targets = ", ".join(self._targets)
-            self._take(f"{targets},", struct.Struct(f">{self._codes}"))
+            self._add_unpacking(f"{targets},", struct.Struct(f">{self._codes}"))
             self._codes, self._targets = "", []
 
-    def _take(self, targets: str, packer: struct.Struct) -> None:
+    def _add_unpacking(self, targets: str, packer: struct.Struct) -> None:
         unpack = self._source.name("unpack", packer.unpack_from)
         self._lines.append(f"{targets} = {unpack}(data, {self._here()})")
         self._offset += packer.size
@@ -246,7 +246,7 @@ class _Reading:
             return False
         self._unpack()
         if is_short(part.dimensions[0]) and not part.is_bytes:
-            self._take(target, numbers_struct(int(size), FORMATS[part.type]))
+            self._add_unpacking(target, numbers_struct(int(size), FORMATS[part.type]))
             return True
         packer = struct.Struct(f">{FORMATS[part.type]}")
         self._lines += [

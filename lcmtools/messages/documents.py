@@ -37,7 +37,7 @@ class _OpenDocument(ValueMismatch):
 
 
 class Documents:
-    """Takes a text line by line and returns each complete document that is not empty.
+    """Parses a text line by line and returns each complete document that is not empty.
 
     With ``keeps_empty`` also returns empty ones between lines of ``---``, which echo prints for
     messages without fields; such a document has at least a blank line.
@@ -53,8 +53,8 @@ class Documents:
         self._length = 0
         self._has_content = False
 
-    def take(self, line: str) -> Iterator[Document]:
-        """Take the next line, without its end; return the documents that it completes.
+    def add_line(self, line: str) -> Iterator[Document]:
+        """Add the next line, without its end; return the documents that it completes.
 
         ValueMismatch is raised for an invalid document or one that is too long.
         """

@@ -59,7 +59,7 @@ class Field(NamedTuple):
 
 @cache
 def fields(cls: type[Message]) -> tuple[Field, ...]:
-    """All fields of a class, in wire order."""
+    """Return all fields of a class, in wire order."""
     lengths = {size for sizes in cls.__dimensions__ for size in sizes or ()}
     table = zip(cls.__slots__, cls.__typenames__, cls.__dimensions__, strict=True)
     return tuple(_field(name, lcm, sizes, name in lengths) for name, lcm, sizes in table)
@@ -67,7 +67,7 @@ def fields(cls: type[Message]) -> tuple[Field, ...]:
 
 @cache
 def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
-    """The fields that users see and set: all but the length fields."""
+    """Return the fields that users see and set: all except length fields."""
     return tuple(field for field in fields(cls) if not field.is_length)
 
 
@@ -79,7 +79,7 @@ def holds_itself(cls: type[Message]) -> bool:
 
 @cache
 def constants(cls: type[Message]) -> dict[str, int | float | str]:
-    """The constants of a class by name; lcm-gen keeps the values, not the types."""
+    """Return the constants of a class by name; lcm-gen keeps their values, not their types."""
     named = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
     return {name: value for name, value in named.items() if isinstance(value, (int, float, str))}
 
@@ -105,7 +105,7 @@ def field_name(cls: type[Message], name: str) -> str:
 
 
 def stamp(message: Message) -> int | None:
-    """The stamp in a message's ``header`` [ns since 1970]; None if it has no std_msgs/Header."""
+    """Return the stamp in a message's ``header`` [ns since 1970]; None without std_msgs/Header."""
     header = getattr(message, "header", None)
     kind: type = type(header)
     if header is None or not _is_header(kind):
@@ -114,7 +114,7 @@ def stamp(message: Message) -> int | None:
 
 
 def utime(message: Message) -> int | None:
-    """A message's ``utime``, which is in microseconds, as [ns since 1970]; None without one.
+    """Return a message's ``utime``, a field in microseconds, as [ns since 1970]; None without it.
 
     The field is LCM's convention, as in its event logs and examples.
     """

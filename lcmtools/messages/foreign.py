@@ -22,7 +22,7 @@ _FIXED = {1: 8, 5: 4}  # protobuf's wire types of fixed size [byte]
 
 
 def foreign_format(payload: bytes, *, is_whole: bool = True) -> str:
-    """The likely format of a payload whose fingerprint is unknown: "JSON", "protobuf", "text", ...
+    """Guess the format of a payload of unknown fingerprint: "JSON", "protobuf", "text", ...
 
     Returns "" for a payload that may be an LCM message of an unknown type. ``is_whole`` is False
     if the end of the payload is not available.

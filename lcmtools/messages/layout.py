@@ -1,6 +1,6 @@
 """The fields of a type in their order in a payload.
 
-Belongs here: flattening nested messages. A nested message is nothing but its fields, so a type is a
+Belongs here: flattening nested messages. A nested message adds only its fields, so a type is a
 sequence of fields that are not messages, or are arrays: its leaves. Must not know bytes or values.
 """
 

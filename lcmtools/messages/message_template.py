@@ -88,7 +88,7 @@ def drafts_from_lines(
         if line is None:
             yield None
         else:
-            yield from _drafts(cls, documents, documents.take(line))
+            yield from _drafts(cls, documents, documents.add_line(line))
     yield from _drafts(cls, documents, documents.end())
 
 

@@ -39,12 +39,12 @@ class Path(NamedTuple):
     steps: tuple[Step, ...] = ()
 
     def __str__(self) -> str:
-        """The path in ROS 2's notation: ``pose.covariance[0:3]``."""
+        """Return the path in ROS 2's notation: ``pose.covariance[0:3]``."""
         return "".join(map(_written, self.steps)).removeprefix(".")
 
     @property
     def width(self) -> int:
-        """The most elements of the slice at its end, as of [0:5]; 0 for one without such bounds."""
+        """The most elements of a slice at its end, as in [0:5]; 0 if there is no such limit."""
         last = self.steps[-1] if self.steps else ""
         start, stop, step = last if isinstance(last, tuple) else (0, 0, 1)
         if stop is None or min(start or 0, stop, step or 1) < 0 or stop > _WIDEST:
@@ -52,7 +52,7 @@ class Path(NamedTuple):
         return len(range(start or 0, stop, step or 1))
 
     def then(self, other: "Path") -> "Path":
-        """This path followed by another."""
+        """Return this path followed by another."""
         return Path(self.steps + other.steps)
 
 

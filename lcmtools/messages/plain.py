@@ -4,14 +4,12 @@ Belongs here: a message as plain values, and views that only name, cut or shift 
 not know files, nor the layout of plain values as text: see ``text``.
 """
 
-import math
-import re
 from array import array
 from collections.abc import Sequence
-from functools import partial
 from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.clock import NANOSECONDS, join_stamp
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
 from lcmtools.messages.layout import longest_array
@@ -28,10 +26,6 @@ Cell: TypeAlias = "int | float | str"
 
 PLAIN_TYPES = frozenset((bool, int, float, str))
 _TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is already relative
-
-# Legal in JSON, but in YAML forbidden or a line's end; JSON written here must be valid YAML too.
-# Surrogates stand for bytes that are not UTF-8; others change the text direction of terminals.
-_ESCAPED = re.compile("[\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff\ufffe\uffff]")
 
 
 class More(str):
@@ -105,23 +99,8 @@ def plain_scalar(value: object) -> Plain:
 
 
 def to_json(message: Message) -> str:
-    """Return a message as one line of JSON; see ``plain_json``."""
-    return plain_json(to_plain(message))
-
-
-def plain_json(plain: Plain) -> str:
-    """Return a plain value as one line of JSON, which is also YAML that ``fill`` reads back.
-
-    Infinities and NaN are the strings "inf", "-inf" and "nan".
-    """
-    import json
-
-    write = partial(json.dumps, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
-    try:
-        text = write(plain)
-    except ValueError:
-        text = write(finite(plain))
-    return _ESCAPED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+    """Return a message as one line of JSON, which is also YAML that ``fill`` reads back."""
+    return write_json(to_plain(message))
 
 
 def cells(plain: Plain, name: str = "field", joint: str = "") -> dict[str, Cell]:
@@ -197,12 +176,3 @@ def _since(time: dict[str, Plain], origin: int) -> dict[str, Plain]:
     """Return the time since another point in time; its nanoseconds are never negative."""
     since = join_stamp(*cast("dict[str, int]", time).values()) - origin
     return dict(zip(time, divmod(since, NANOSECONDS), strict=True))
-
-
-def finite(plain: object) -> object:
-    """Return a plain value with infinities and NaN as text: JSON does not have these."""
-    if isinstance(plain, dict):
-        return {name: finite(value) for name, value in plain.items()}
-    if isinstance(plain, (list, tuple)):
-        return [finite(value) for value in plain]
-    return plain if not isinstance(plain, float) or math.isfinite(plain) else str(plain)

@@ -64,11 +64,11 @@ class Registry:
         self._warned: set[str] = set()
 
     def type_names(self) -> list[str]:
-        """Names of all message types, sorted."""
+        """Return the names of all message types, sorted."""
         return sorted({name for source in self._all() for name in source.fingerprints})
 
     def service_names(self) -> list[str]:
-        """Names of all service pairs, sorted."""
+        """Return the names of all service pairs, sorted."""
         return sorted({name for source in self._all() for name in source.services})
 
     def message_class(self, name: str, number: int | None = None) -> type[Message]:
@@ -78,13 +78,13 @@ class Registry:
         return cast("type[Message]", _load(source.prefix, found))
 
     def service_class(self, name: str) -> type[ServiceType]:
-        """The message pair of a service, named like a message; UnknownType for none or several."""
+        """Return a service's pair of messages; UnknownType unless exactly one has the name."""
         found = self.service_name(name)
         source = next(one for some in self._tiers() for one in some if found in one.services)
         return cast("type[ServiceType]", _load(source.prefix, found))
 
     def service_name(self, name: str) -> str:
-        """The full name of a service ("std_srvs/Trigger"); UnknownType for none, or several."""
+        """Return a service's full name, "std_srvs/Trigger"; UnknownType unless exactly one fits."""
         for sources in self._tiers():
             if found := _find_service(name, sources):
                 return found
@@ -97,7 +97,7 @@ class Registry:
         raise UnknownType(f"unknown service type '{name}'", hint)
 
     def candidates(self, fingerprint: int) -> list[str]:
-        """Names of the types with this fingerprint (equal fields), the likeliest first."""
+        """Return the names of the types with this fingerprint (equal fields), likeliest first."""
         for sources in self._tiers():
             if having := [one for one in sources if fingerprint in one.fingerprints.values()]:
                 pairs = (pair for one in having for pair in one.fingerprints.items())
@@ -105,29 +105,29 @@ class Registry:
         return []
 
     def file(self, name: str) -> str:
-        """The .lcm file of a user's own type; "" for a shipped one."""
+        """Return the .lcm file of a user's own type; "" for a shipped one."""
         having = (one for some in self._tiers() for one in some if name in one.fingerprints)
         return next((one.files.get(name, "") for one in having), "")
 
     def files(self) -> dict[str, str]:
-        """The .lcm file of each of the user's own types."""
+        """Return the .lcm file of each of the user's own types."""
         return {
             name: file for source in reversed(self._all()) for name, file in source.files.items()
         }
 
     def problems(self) -> Sequence[Problem]:
-        """The problems of the user's own .lcm files."""
+        """Return the problems of the user's own .lcm files."""
         far = self._supply.far() if self._supply else None
         return far.problems if far else ()
 
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
-        """The source of a type, and its full name."""
+        """Return the source of a type, and its full name."""
         problem = other = None
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
             having = [one for one in sources if found in one.fingerprints]
-            if problem:  # an installed package may have what was missing
+            if problem:  # an installed package may have the missing type
                 having = [one for one in having if one not in self._fixed and one.files]
             if found and having:
                 same = (one for one in having if one.fingerprints[found] == number)
@@ -187,7 +187,7 @@ def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
 
 
 def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
-    """The reason why the type of this name is missing, or not the one in use."""
+    """Return the problem because of which a type is missing or an older one is used."""
     for source in sources:
         if name in source.fingerprints:
             return None
@@ -207,7 +207,7 @@ _current: tuple[Supply | None, Registry] | None = None
 
 
 def default_registry() -> Registry:
-    """The registry of the shipped types and of the types supplied by the edge of the program."""
+    """Return the registry of the shipped types and of the user's own types (see ``supply``)."""
     global _current  # noqa: PLW0603 - one registry per process, renewed with its supply
     supply = current_supply()
     if _current is None or _current[0] is not supply:
@@ -217,73 +217,73 @@ def default_registry() -> Registry:
 
 @cache
 def shipped_types() -> TypeSource:
-    """The types that lcmtools ships."""
+    """Return the types that lcmtools ships."""
     from lcmtools.types.fingerprints import FINGERPRINTS, SERVICES
 
     return TypeSource(_SHIPPED[:-1], FINGERPRINTS, SERVICES)
 
 
 def _log(text: str) -> None:
-    """Warn as libraries do: by logging, to standard error unless the program configures it."""
+    """Log a warning; it goes to standard error unless the program configures logging."""
     import logging
 
     logging.getLogger("lcmtools").warning("%s", text)
 
 
 def message_class(name: str, number: int | None = None) -> type[Message]:
-    """The class of a type; see ``Registry.message_class``."""
+    """Return the class of a type; see ``Registry.message_class``."""
     return default_registry().message_class(name, number)
 
 
 def service_class(name: str) -> type[ServiceType]:
-    """The message pair of a service; see ``Registry.service_class``."""
+    """Return a service's pair of messages; see ``Registry.service_class``."""
     return default_registry().service_class(name)
 
 
 def service_name(name: str) -> str:
-    """The full name of a service pair; see ``Registry.service_name``."""
+    """Return a service's full name; see ``Registry.service_name``."""
     return default_registry().service_name(name)
 
 
 def candidates(fingerprint: int) -> list[str]:
-    """Names of the types with this unsigned fingerprint, the likeliest first."""
+    """Return the names of the types with this unsigned fingerprint, likeliest first."""
     return default_registry().candidates(fingerprint)
 
 
 def type_names() -> list[str]:
-    """Names of all message types, sorted."""
+    """Return the names of all message types, sorted."""
     return default_registry().type_names()
 
 
 def service_names() -> list[str]:
-    """Names of all service pairs, sorted."""
+    """Return the names of all service pairs, sorted."""
     return default_registry().service_names()
 
 
 def packages() -> list[str]:
-    """Names of the packages that have message types, sorted."""
+    """Return the names of the packages that have message types, sorted."""
     return sorted({name.partition("/")[0] for name in type_names() if "/" in name})
 
 
 def problems() -> Sequence[Problem]:
-    """The problems of the user's own .lcm files, whose types may be missing."""
+    """Return the problems of the user's own .lcm files, whose types may be missing."""
     return default_registry().problems()
 
 
 def type_name(message: Message | type) -> str:
-    """The name of a message's type, or of a class: "geometry_msgs/Twist"."""
+    """Return the name of a message's type, or of a class: "geometry_msgs/Twist"."""
     return _class_name(message if isinstance(message, type) else type(message))
 
 
 @cache
 def fingerprint(cls: type[Message]) -> int:
-    """The fingerprint of a class, unsigned 64-bit."""
+    """Return the unsigned 64-bit fingerprint of a class."""
     return cls().get_hash()
 
 
 @cache
 def _class_name(cls: type) -> str:
-    """A generated class's name: lcm-gen puts each class into its own module."""
+    """Return a generated class's name: lcm-gen puts each class into its own module."""
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]

@@ -27,7 +27,7 @@ STRING_BYTES = 4
 """The size of an empty string: its length, which counts its NUL."""
 
 # Elements without bytes (empty messages, empty rows) that one payload may contain: without a limit,
-# 4 bytes could claim two thousand million of them.
+# 4 bytes could claim two billion of them.
 _MOST_WEIGHTLESS = 65_536
 _DEEPEST = 100  # levels of arrays of messages; only a type that contains itself could have as many
 _LENGTH = struct.Struct(">I")
@@ -56,7 +56,7 @@ class Cursor:
         self.data, self.offset, self.stray = data, offset, stray
         self.depth, self.weightless = 0, _MOST_WEIGHTLESS
 
-    def take(self, size: int, where: str) -> int:
+    def advance(self, size: int, where: str) -> int:
         """Advance by ``size`` bytes and return their offset."""
         start = self.offset
         end = start + size
@@ -93,14 +93,14 @@ class ArrayCodec(ABC):
 
     @abstractmethod
     def write(self, values: object, count: int) -> bytes:
-        """Return the bytes of all elements, of which there must be ``count``."""
+        """Return the bytes of all elements; there must be ``count``."""
 
     @abstractmethod
     def read(self, count: int, cursor: Cursor) -> object:
         """Return ``count`` elements."""
 
     def scan(self, data: bytes, start: int, count: int) -> tuple[object, int]:
-        """Return elements and their end; after any exception, ``read`` reports what is wrong."""
+        """Return elements and their end; after any exception, ``read`` reports the fault."""
         cursor = Cursor(data, start)
         return self.read(count, cursor), cursor.offset
 
@@ -136,7 +136,7 @@ class _Numbers(ArrayCodec):
         return numbers_struct(count, self._code).pack(*numbers)
 
     def read(self, count: int, cursor: Cursor) -> object:
-        start = cursor.take(count * self.smallest, self._where)
+        start = cursor.advance(count * self.smallest, self._where)
         if self._code != "?" and not self._is_tuple:
             return _swap(NumberArray(self._code, cursor.data[start : cursor.offset]))
         numbers = numbers_struct(count, self._code).unpack_from(cursor.data, start)
@@ -188,7 +188,7 @@ class _Bytes(ArrayCodec):
         return data
 
     def read(self, count: int, cursor: Cursor) -> bytes:
-        start = cursor.take(count, self._where)
+        start = cursor.advance(count, self._where)
         return cursor.data[start : start + count]
 
 
@@ -279,10 +279,10 @@ def string_bytes(value: object) -> bytes:
 def read_string(cursor: Cursor, where: str) -> str:
     """Return a string; bytes that are not UTF-8 become U+FFFD, as with lcm-gen, or are kept."""
     data = cursor.data
-    start = cursor.take(STRING_BYTES, where) + STRING_BYTES
+    start = cursor.advance(STRING_BYTES, where) + STRING_BYTES
     end = start + _LENGTH.unpack_from(data, start - STRING_BYTES)[0]
     if end > len(data):
-        cursor.take(end - start, where)
+        cursor.advance(end - start, where)
     cursor.offset = end
     if start == end:  # no NUL at all, which lcm-gen's decoders accept
         return ""

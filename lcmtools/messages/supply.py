@@ -31,7 +31,7 @@ def set_supply(make: Callable[[], Supply] | None) -> None:
 
 
 def current_supply() -> Supply | None:
-    """The supply of users' types; None if the edge of the program has set none."""
+    """Return the supply of users' types; None if none has been set."""
     global _supply  # noqa: PLW0603
     if _supply is None and _make is not None:
         _supply = _make()

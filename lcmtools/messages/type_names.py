@@ -25,7 +25,7 @@ _NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
 
 
 def find(name: str, known: Iterable[str], kind: str) -> str | None:
-    """Return the known name that ``name`` refers to; None if there is none."""
+    """Return the known name that ``name`` refers to; None if it is unknown."""
     match = _NAME.fullmatch(name)
     if not match:
         return None

@@ -2,17 +2,17 @@
 
 import csv
 import io
-import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
 from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.fields import MessageClass, stamp
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, SelectedValue, select, target
-from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_value
+from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_value
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.text import FREE, Writer, format_message
 from lcmtools.observe.reading.arrivals import SelectedPacket
@@ -133,9 +133,9 @@ class MessageFormatter:
         widths = {str(path): path.width for path in paths} if form == "csv" else {}
         plain = _plain(selected, self._view(found), widths)
         if form == "json" and self._is_one_of_many():
-            return plain_json({"topic": found.packet.channel, "message": plain})
+            return write_json({"topic": found.packet.channel, "message": plain})
         if form == "json":
-            return plain_json(plain)
+            return write_json(plain)
         if form == "csv":
             row = self._row(found, message, plain)
             return self._table.row(row, ", ".join(map(_kind, selected.values())))
@@ -162,7 +162,7 @@ class MessageFormatter:
     def _raw_record(self, packet: Packet, **more: str) -> str:
         topic = {"topic": packet.channel} if self._is_one_of_many() else {}
         content = {"bytes": len(packet.payload), **more, "data": packet.payload.hex()}
-        return json.dumps({**topic, **content})
+        return write_json({**topic, **content})
 
     def _headed(self, found: SelectedPacket, text: str) -> str:
         """A text below its topic's name, a YAML comment, if there may be several topics."""

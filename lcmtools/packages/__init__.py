@@ -1,4 +1,4 @@
-"""Users' own packages: finding them and their nodes, and making their message types usable.
+"""Users' own packages: finding them and their nodes, and importing their message types.
 
 Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of its output, and the
 text of a new package. Must not know the bus, the content of messages, or printing. The environment

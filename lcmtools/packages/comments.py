@@ -36,7 +36,7 @@ def comments(source: str) -> dict[str, Comment]:
 
 
 def _split(line: str) -> tuple[str, str]:
-    """The code and the comment of a line."""
+    """Split a line into its code and its comment."""
     code, mark, comment = line.partition("//")
     if not mark:
         code, mark, comment = line.partition("#")

@@ -128,7 +128,7 @@ def _check_module(name: str, kind: str) -> None:
 
 
 def _write(texts: Mapping[Path, str], folder: Path) -> None:
-    """Write into a temporary folder beside, then move: a full disk leaves no partial package."""
+    """Write into a temporary folder, then move: a full disk leaves no partial package."""
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
@@ -161,7 +161,7 @@ def _template(name: str) -> str:
 
 
 def _words(new: NewPackage) -> dict[str, str]:
-    """The values of the templates' placeholders."""
+    """Return the values of the templates' placeholders."""
     heard = next((one for one in new.dependencies if one in _USUAL_TOPICS), "std_msgs")
     kind, topic = _USUAL_TOPICS[heard]
     own_import = f'{new.message} = lcmtools.message_class("{new.name}/{new.message}")\n'

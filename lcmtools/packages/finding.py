@@ -89,7 +89,7 @@ def undeclared(
     *,
     with_main: bool = False,
 ) -> UsageError | None:
-    """Return the error for a file that exists but is not declared as a node; None for none."""
+    """Return the error for a file that exists but is not declared as a node, else None."""
     space = workspace(*starts)
     packages = {package.folder: package for package in space.packages}
     for folder in package_folders(*starts):

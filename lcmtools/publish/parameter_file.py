@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from lcmtools.errors import InvalidFile, LcmtoolsError, ValueMismatch
+from lcmtools.formats.strict_json import write_json
 from lcmtools.formats.strict_yaml import Node, read_documents
 from lcmtools.formats.yaml_problem import BadYaml
 from lcmtools.messages.fill import Value
-from lcmtools.messages.plain import plain_json
 from lcmtools.messages.setting import read_setting, text_of
 from lcmtools.names import did_you_mean
 from lcmtools.publish.remote_parameters import (
@@ -141,7 +141,7 @@ def _documents(text: str, source: str) -> list[Node]:
     except BadYaml as bad:
         with contextlib.suppress(ValueError, RecursionError, BadYaml):
             # JSON has escapes that YAML does not have
-            return [node for node in read_documents(plain_json(json.loads(text))) if node]
+            return [node for node in read_documents(write_json(json.loads(text))) if node]
         raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import write_setting
 from lcmtools.publish.remote_parameters import Answers, Parameters, value_of
 from lcmtools.types.lcmtools_msgs import Parameter
@@ -24,7 +23,7 @@ def tree(answers: Answers) -> list[str]:
 
 def values(parameters: Parameters) -> dict[str, object]:
     """Return the values of a node's parameters for JSON."""
-    return {name: finite(value_of(parameter)) for name, parameter in parameters.items()}
+    return {name: value_of(parameter) for name, parameter in parameters.items()}
 
 
 def all_values(answers: Answers) -> dict[str, object]:
@@ -38,7 +37,7 @@ def record(node: str, parameter: Parameter) -> dict[str, object]:
         "node": node,
         "name": parameter.name,
         "type": parameter.type,
-        "value": finite(value_of(parameter)),
+        "value": value_of(parameter),
         "description": parameter.description,
         "minimum": parameter.minimum or None,
         "maximum": parameter.maximum or None,
@@ -46,7 +45,7 @@ def record(node: str, parameter: Parameter) -> dict[str, object]:
     }
 
 
-def description(node: str, parameter: Parameter) -> Iterator[str]:
+def rows(node: str, parameter: Parameter) -> Iterator[str]:
     """Yield the lines of ``param describe``."""
     yield f"Parameter: {node}/{parameter.name}"
     yield f"  Type: {parameter.type}"

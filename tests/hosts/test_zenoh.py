@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 _HERE, _NETWORK = "zenoh://", "zenoh://?interface=eth0"
 
@@ -32,7 +33,7 @@ def test_zenoh_stays_on_its_computer_unless_it_is_told_otherwise(
     )
     done = bob.lcmtools("list", LCM_DEFAULT_URL="zenoh://10.76.0.1:7447")
     assert (done.returncode, done.stdout) == (1, "")
-    assert "no Zenoh router or program at 10.76.0.1:7447 (Connection refused)" in done.stderr
+    assert_says(done.stderr, "Zenoh", "10.76.0.1:7447", "Connection refused")
 
 
 def test_a_cut_line_is_told_once_and_comes_back_by_itself(
@@ -82,7 +83,7 @@ def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
     assert as_ada().stdout == "/talker\n"
     refused = as_ada("secret", "wrong")
     assert refused.returncode == 1
-    assert "10.76.0.1:7447 rejects the user 'ada' or the password" in refused.stderr
+    assert_says(refused.stderr, "10.76.0.1:7447", "user 'ada'", "password")
     assert "is not trusted" in as_ada("authority.pem", "other.pem").stderr
     assert "cannot read the certificate" in as_ada("authority.pem", "missing.pem").stderr
     plain = bob.lcmtools("list", LCM_DEFAULT_URL=f"zenoh://{ada.address}:7447")

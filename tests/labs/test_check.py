@@ -12,7 +12,7 @@ import pytest
 from fixtures.command import Result
 from fixtures.typist import Typist
 
-from lcmtools.labs.checks import dolly, programs, test_bench
+from lcmtools.labs.checks import checked_programs, dolly, test_bench
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
@@ -230,7 +230,7 @@ def test_a_program_that_is_silent_and_ignores_signals_is_ended(
     check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
-    monkeypatch.setattr(programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
+    monkeypatch.setattr(checked_programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
         "import signal, subprocess, time\n"
         "for number in (signal.SIGINT, signal.SIGTERM): signal.signal(number, signal.SIG_IGN)\n"

@@ -1,7 +1,6 @@
 """A new kind of sensor is a class and an entry in the table: here a sonar. Metres."""
 
 import math
-import socket
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import cast
@@ -167,29 +166,26 @@ def test_its_settings_may_disturb_the_encoders(
 
 
 @pytest.fixture
-def node() -> Iterator[lcmtools.Node]:
+def node(bus_url: str) -> Iterator[lcmtools.Node]:
     """A node on a bus of its own."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("", 0))
-        port = free.getsockname()[1]
-    lcmtools.init([], url=f"udpm://239.255.76.67:{port}?ttl=0")
+    lcmtools.init([], url=bus_url)
     with lcmtools.Node("yard") as node:
         yield node
     lcmtools.shutdown()
 
 
 def test_its_messages_are_published(
-    simulate: Callable[..., Simulation], node: lcmtools.Node
+    simulate: Callable[..., Simulation], node: lcmtools.Node, wait_until: Callable[..., None]
 ) -> None:
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar}}]", "yard.yaml"))
     heard: list[Range] = []
     node.create_subscription(Range, "/husky0/sonar", heard.append)
     bridge = Bridge(node, simulation)
 
-    for _ in range(10 * round(1 / simulation.scene.dt)):
+    def hears() -> bool:
         bridge.receive()
         bridge.publish(simulation.step())
-        if heard:
-            break
+        return bool(heard)
 
+    wait_until(hears)
     assert heard[0].range == pytest.approx(1.9, abs=TOLERANCE)

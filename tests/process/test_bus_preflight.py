@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.kernel import receive_buffer_bytes
 from lcmtools.bus.lcm_bus import LcmBus
@@ -89,7 +90,7 @@ def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second(
     ):
         deaf.bind(("127.0.0.1", 0))
         watch, before = stopwatch(), time.monotonic()
-        with pytest.raises(BusError, match="does not come back to this host") as caught:
+        with pytest.raises(BusError, match="not come back") as caught:
             check_loopback(_URL, sender, deaf)
         assert time.monotonic() - before > 0.3
         assert watch.seconds() < 0.6
@@ -109,7 +110,7 @@ def test_the_check_finds_its_own_datagram_among_others() -> None:
 def test_a_port_that_a_program_keeps_for_itself_is_named() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as selfish:
         selfish.bind(("", _URL.port))
-        with pytest.raises(BusError, match="used by a program that does not share it") as caught:
+        with pytest.raises(BusError, match="not share it") as caught:
             check_multicast(_URL)
     assert "ss -ulnp 'sport = :7667'" in caught.value.hint
 
@@ -173,4 +174,4 @@ except BusError as error:
         "1100",
     )
     assert program.wait() == 0
-    assert "open files, and liblcm cannot wait" in program.output
+    assert_says(program.output, "open files", "liblcm")

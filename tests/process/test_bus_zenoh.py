@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh.bus import ZenohBus
@@ -172,10 +173,8 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
         monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh.{name}", raising=False)
     done = cli("list", "--lcm-url", "zenoh://")
     assert (done.code, done.out) == (3, "")
-    assert done.err == (
-        "lcmtools list: a Zenoh bus needs the extra 'zenoh' (import of zenoh halted; None in"
-        " sys.modules); type: pip install 'lcmtools-robotics[zenoh]'\n"
-    )
+    install = "; type: pip install 'lcmtools-robotics[zenoh]'\n"
+    assert_line(done.err, "lcmtools list: ", "extra 'zenoh'", "sys.modules", install)
 
 
 @pytest.mark.parametrize(
@@ -236,7 +235,7 @@ def test_lost_connection_is_told_once_and_comes_back(
 def test_a_forked_process_leaves_zenoh_to_its_parent(bus_url: str, start_python: Any) -> None:
     program = start_python(_FORKING, LCM_DEFAULT_URL=bus_url)
     assert program.wait() == 0
-    assert "Zenoh does not work in a process that was forked" in program.output
+    assert_says(program.output, "Zenoh", "fork")
     assert program.output.splitlines()[-1] == "parent goes on"
 
 

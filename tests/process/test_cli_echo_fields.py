@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 Run = Callable[..., Result]
 
@@ -98,9 +99,7 @@ def test_filter_shows_the_messages_that_meet_it(cli: Run) -> None:
 def test_timeout_is_for_messages_that_meet_the_filter(cli: Run) -> None:
     result = cli("echo", "NUMBER", "--filter", "data > 99", "--timeout", "500ms")
     assert (result.code, result.out) == (4, "")
-    assert result.err.startswith(
-        "lcmtools echo: nothing that can be shown came on NUMBER within 0.5 s; "
-    )
+    assert_says(result.err, "lcmtools echo: nothing", "NUMBER", "0.5 s; ")
 
 
 @pytest.mark.parametrize(
@@ -185,12 +184,8 @@ def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(cli: Run) -> None
     result = cli("echo", "NOISE/x", "--timeout", "400ms")
     assert (result.code, result.out) == (4, "")
     first, second = result.err.splitlines()
-    assert first == (
-        "lcmtools echo: a message on NOISE has no known fields:"
-        " unknown type, fingerprint 0x0001020304050607;"
-        " LCMTOOLS_TYPE_PATH=FOLDER adds the folder of your .lcm files"
-    )
-    assert second.startswith("lcmtools echo: nothing that can be shown came on NOISE")
+    assert_says(first, "lcmtools echo: ", "NOISE", "0x0001020304050607; ", "LCMTOOLS_TYPE_PATH=")
+    assert_says(second, "lcmtools echo: nothing", "NOISE")
 
 
 def test_a_topic_that_comes_later_is_told_from_its_path(

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import yaml
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 
@@ -105,10 +106,8 @@ def test_csv_of_several_topics_has_a_column_for_them(cli: Run) -> None:
 def test_topics_without_the_field_are_passed_over_and_that_is_said_once(cli: Run) -> None:
     result = cli("echo", "/husky1/*", "--field", "header.frame_id", "-n", "20")
     assert set(result.out.split("---\n")) == {'# /husky1/where\n"odom"\n', ""}
-    assert result.err == (
-        "lcmtools echo: a message on /husky1/name is left out:"
-        " header: std_msgs/String has no field 'header' (fields: data)\n"
-    )
+    parts = ("/husky1/name", "left out", "std_msgs/String", "'header'", "fields: data")
+    assert_line(result.err, "lcmtools echo: ", *parts)
 
 
 def test_two_stars_match_all_topics_but_hidden_ones(cli: Run) -> None:
@@ -178,7 +177,7 @@ def test_topics_that_come_later_are_taken_too(
     later.write_text(_LATER)
     echo = start(lcmtools_path, "echo", "/later/*", "-1", LCM_DEFAULT_URL=module_bus_url)
     line = echo.wait_for("no message")
-    assert line.startswith("lcmtools echo: no message on /later/* yet; on the bus: ")
+    assert_says(line, "lcmtools echo: ", "no message", "/later/*", "; on the bus: ")
     start(sys.executable, str(later), LCM_DEFAULT_URL=module_bus_url)
     assert echo.wait() == 0
     assert echo.lines[-3:] == ["# /later/number", "data: 0", "---"]
@@ -196,9 +195,7 @@ def test_a_pattern_is_announced_as_a_subscription_to_what_it_matches(
 def test_nothing_within_the_timeout_names_all_that_was_waited_for(cli: Run) -> None:
     result = cli("echo", "/nope/*", "/nothing", "--timeout", "300ms")
     assert (result.code, result.out) == (4, "")
-    assert result.err.startswith(
-        "lcmtools echo: nothing came on /nope/*, /nothing within 0.3 s; on the bus: "
-    )
+    assert_says(result.err, "lcmtools echo: ", "/nope/*, /nothing", "0.3 s; on the bus: ")
 
 
 def test_messages_of_two_types_on_one_topic_are_both_shown(cli: Run) -> None:
@@ -216,22 +213,19 @@ def test_csv_keeps_to_the_type_of_the_first_message(cli: Run) -> None:
     is_number = rows[0][1].isdigit()
     assert [row[1].isdigit() for row in rows] == [is_number] * 5
     kept, left = ("Int32", "String") if is_number else ("String", "Int32")
-    assert result.err == (
-        f"lcmtools echo: messages of std_msgs/{left} are left out:"
-        f" the columns are those of std_msgs/{kept}\n"
-    )
+    parts = (f"std_msgs/{left}", "left out", f"std_msgs/{kept}")
+    assert_line(result.err, "lcmtools echo: ", *parts)
 
 
 def test_the_type_that_is_said_settles_which_of_two_equal_types_is_meant(cli: Run) -> None:
     nested = output(cli("echo", "POINT", "geometry_msgs/msg/Point", "-1", "--json"))
     assert json.loads(nested) == {"x": 0.0, "y": 0.0, "z": 0.0}
     shown = output(cli("echo", "POINT", "std_msgs/Int32", "-1")).splitlines()
-    assert shown[0] == "# the type is not std_msgs/Int32 but geometry_msgs/Vector3"
+    assert_says(shown[0], "# ", "not std_msgs/Int32", "geometry_msgs/Vector3")
 
 
 def test_the_type_that_is_said_tells_wrong_fields_before_a_message_comes(cli: Run) -> None:
     result = cli("echo", "/nobody", "geometry_msgs/Point", "--field", "w")
     assert (result.code, result.out) == (2, "")
-    assert result.err == (
-        "lcmtools echo: w: geometry_msgs/Point has no field 'w' (fields: x, y, z)\n"
-    )
+    parts = ("geometry_msgs/Point", "no field 'w'", "fields: x, y, z")
+    assert_line(result.err, "lcmtools echo: ", *parts)

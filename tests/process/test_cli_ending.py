@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]
@@ -174,9 +175,8 @@ def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
     ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.out) == (128 + number, "")
     assert ending.seconds < 1.0
-    assert set(ending.error.splitlines()) <= {
-        "lcmtools pub: no node subscribes to /a yet; publishing anyway"
-    }
+    for line in ending.error.splitlines():
+        assert_says(line, "lcmtools pub: no node", "/a", "; publishing anyway")
 
 
 @pytest.mark.parametrize("number", SIGNALS)
@@ -291,9 +291,8 @@ def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(
     result = shell(f"lcmtools {command} > /dev/full")
     name = command.removesuffix(" chatter").removesuffix(" talker")
     assert result.returncode == (64 if command == "wtf" else 1)  # wtf's 1 means warnings
-    assert result.stderr.splitlines()[-1] == (
-        f"lcmtools {name}: cannot write to standard output: No space left on device"
-    )
+    last = result.stderr.splitlines()[-1]
+    assert_says(last, f"lcmtools {name}: ", "standard output: No space left on device")
     assert set(result.stderr.splitlines()[:-1]) <= {"subscribed to [/chatter]"}
 
 
@@ -364,8 +363,6 @@ def test_an_lcm_package_without_its_library_is_told_with_a_remedy(
     )
     result = lcmtools_process("run", "talker", PYTHONPATH=str(tmp_path))
     assert result.returncode == 3
-    assert result.stderr.startswith(
-        "lcmtools run talker: the Python package lcm cannot be loaded: libglib-2.0.so.0: cannot"
-    )
+    assert_says(result.stderr, "lcmtools run talker: ", "package lcm", "libglib-2.0.so.0: cannot")
     assert result.stderr.count("\n") == 1
     assert "apt install libglib2.0-0" in result.stderr

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.wire.datagram import short_message
 
@@ -93,10 +94,8 @@ def test_text_shows_who_feeds_whom(cli: Run, on_bus: dict[str, Any]) -> None:
         result.out,
         re.MULTILINE,
     )
-    assert result.err == (
-        "not drawn: 1 unused topic, without a publisher or without a subscriber (add"
-        " --leaf-topics); /rosout, which nearly all nodes use (add --all)\n"
-    )
+    parts = ("1 unused topic", "--leaf-topics", "/rosout", "--all")
+    assert_line(result.err, "not drawn: ", *parts)
 
 
 def test_in_the_c_locale_text_is_ascii(cli: Run, on_bus: dict[str, Any]) -> None:
@@ -145,7 +144,7 @@ def test_a_looking_command_is_shown_by_tools(
     echo.wait_for("data:")
     try:
         assert "_lcmtools_echo" not in cli("graph").out
-        assert "1 command that observes the bus (add --tools)" in cli("graph").err
+        assert_says(cli("graph").err, "1 command", "--tools")
         assert f"/_lcmtools_echo_{echo.pid} (observes)" in cli("graph", "--tools").out
     finally:
         echo.end()
@@ -194,7 +193,7 @@ def test_what_is_nowhere_is_said(cli: Run, on_bus: dict[str, Any], bus_url: str)
     del on_bus
     result = cli("graph", "/nowhere")
     assert (result.code, result.out) == (0, "")
-    assert result.err.startswith("nothing of /nowhere to draw on udpm://")
+    assert_says(result.err, "nothing of /nowhere", "udpm://")
     empty = cli("graph", "--format", "dot", env={"LCM_DEFAULT_URL": bus_url})
     assert empty.out.startswith("digraph lcmtools {")
     assert empty.err == f"nothing to draw on {bus_url}\n"

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs
@@ -188,9 +189,7 @@ def test_wrong_types_and_truncated_payloads_are_warnings_of_the_node(
     attack([short(b"/chatter", payload) for payload in payloads()])
     attack([short(b"/chatter", encode(good))])
     listener.wait_for("I heard: [still here]")
-    assert re.search(
-        r"\[WARN\] .*: /chatter: message ignored: expected std_msgs/String, got", listener.output
-    )
+    assert re.search(r"\[WARN\] .*: /chatter: .*expected std_msgs/String, got", listener.output)
 
 
 _SENDER = """
@@ -218,9 +217,8 @@ def test_wtf_names_the_sender_of_malformed_datagrams(
     assert set(findings) <= {"malformed", "irregular"}  # what the nodes' filters drop is no fault
     (item,) = findings["malformed"]["items"]
     assert item.startswith(f"0.0.0.0:{port}, ")
-    assert Path(sys.executable).name in item
-    assert f"(pid {sender.pid})" in item
-    assert item.endswith(": short message: channel name not ended within 63 bytes")
+    assert f"script_0.py (pid {sender.pid})" in item
+    assert_says(item, ": short message", "channel name", "63 bytes")
 
 
 @pytest.mark.parametrize(
@@ -230,7 +228,7 @@ def test_commands_look_at_a_hostile_bus(
     command: str, cli: Run, start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     start(lcmtools_path, "pub", "-r", "50", "/a", "std_msgs/String", "x").wait_for("no node")
-    flood = start(sys.executable, __file__)
+    flood = start(sys.executable, __file__, PYTHONPATH=str(Path(__file__).parents[1]))
     flood.wait_for("round 1")
     result = cli(*command.split())
     assert result.code in ((0, 1, 2) if "wtf" in command else (0,))

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_says
 
 Run = Callable[..., Result]
 Launch = Callable[..., Any]
@@ -170,14 +171,11 @@ def test_node_is_started_again_after_its_delay(launched: Launched, tmp_path: Pat
     program = launched(text, until="starts again in 1 s")
     assert program.code == 0
     events = [line for line in program.lines if " again" in line and "log" not in line]
-    assert [line.partition(", pid")[0] for line in events] == [
-        "[n-1] starts again in 0.2 s",
-        "[n-1] started again",
-        "[n-1] starts again in 0.5 s",  # one that keeps dying is given ever more time
-        "[n-1] started again",
-        "[n-1] starts again in 1 s",
-        "asking all nodes to end (Ctrl-C again: at once)",
-    ]
+    # one that keeps dying is given ever more time
+    parts = ("0.2 s", ", pid", "0.5 s", ", pid", "1 s", "Ctrl-C")
+    for event, part in zip(events, parts, strict=True):
+        assert_says(event, part)
+    assert all(event.startswith("[n-1]") for event in events[:-1])
     assert table(program)["/n"][:2] == ["died with exit code 1", "2"]
     assert (tmp_path / "runs").read_text() == "run\n" * 3
 
@@ -190,7 +188,7 @@ def test_end_of_a_required_node_ends_all(launched: Launched, code: int, result: 
             shell(f"sleep 0.2; exit {code}", "must", ", required: true"),
         )
     )
-    assert "[must-2] is required: asking all nodes to end" in program.lines
+    assert_says(program.output, "[must-2]", "required", "all nodes")
     assert program.code == result
     assert table(program)["/other"][0] == "ended by SIGINT"
 
@@ -255,9 +253,8 @@ def test_nothing_outlives_a_launcher_that_is_killed(
 def test_nothing_is_started_where_a_program_is_missing(launched: Launched, tmp_path: Path) -> None:
     program = launched(nodes(shell("touch started", "a"), "  - run: talkr\n"))
     assert program.code == 2
-    assert program.lines == [
-        "lcmtools launch: a.yaml:3: there is no node 'talkr'; did you mean talker?"
-    ]
+    (line,) = program.lines
+    assert_says(line, "lcmtools launch: a.yaml:3: ", "'talkr'", "did you mean talker?")
     assert not (tmp_path / "started").exists()
     assert not (tmp_path / "state").exists()
 
@@ -271,7 +268,7 @@ def test_program_that_the_system_refuses_ends_what_was_started(
     assert program.code == 1
     rows = table(program)
     assert rows["/a"][0] == "ended by SIGINT"
-    assert rows["/b"][0].startswith("cannot be started: Exec format error")
+    assert_says(rows["/b"][0], "cannot", "Exec format error")
 
 
 @pytest.mark.parametrize(("more", "expected"), [("", ""), (", stdin: true", "hello\n")])
@@ -414,9 +411,8 @@ def test_notes_are_told_and_the_rest_is_run(cli: Run, tmp_path: Path) -> None:
     )
     result = cli("launch", "a.launch", "--nodes")
     assert (result.code, result.out) == (0, "/t\n")
-    assert result.err == (
-        "lcmtools launch: a.launch:2: there is no tag 'nodde' in launch; did you mean node?\n"
-    )
+    (line,) = result.err.splitlines()
+    assert_says(line, "lcmtools launch: a.launch:2: ", "'nodde'", "did you mean node?")
 
 
 def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
@@ -427,7 +423,7 @@ def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
         nodes(shell("touch started")), env={"XDG_STATE_HOME": str(tmp_path / "file")}
     )
     assert program.code == 1
-    assert "cannot make the folder for log files" in program.output
+    assert_says(program.output, "cannot", "folder", "log files")
     assert not (tmp_path / "started").exists()
 
 

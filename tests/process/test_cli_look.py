@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 
@@ -116,7 +117,7 @@ def test_list_of_a_namespace_where_nothing_is_says_so_on_standard_error(
 ) -> None:
     result = cli("list", "/chat")
     assert (result.code, result.out) == (0, "")
-    assert result.err == f"no topics in /chat on {module_bus_url}\n"
+    assert_line(result.err, "no topics", "/chat", f"{module_bus_url}\n")
 
 
 def test_list_all_shows_hidden_topics_too(
@@ -189,7 +190,7 @@ def test_info_json_has_the_endpoints_with_their_counters(cli: Run, nodes: dict[s
 def test_unknown_topic_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
     result = cli(command, "chater")
     assert (result.code, result.out) == (1, "")
-    assert result.err == (f"lcmtools {command}: unknown topic /chater; did you mean /chatter?\n")
+    assert_line(result.err, f"lcmtools {command}: ", "topic /chater; did you mean /chatter?\n")
 
 
 def test_topic_of_another_namespace_is_a_near_miss(cli: Run) -> None:
@@ -198,7 +199,7 @@ def test_topic_of_another_namespace_is_a_near_miss(cli: Run) -> None:
 
 def test_topic_like_no_other_leads_to_list(cli: Run) -> None:
     result = cli("info", "zzz")
-    assert result.err == "lcmtools info: unknown topic /zzz; lcmtools list shows the topics\n"
+    assert_line(result.err, "lcmtools info: ", "topic /zzz; lcmtools list")
 
 
 def test_type_prints_the_type_alone(cli: Run) -> None:
@@ -226,10 +227,8 @@ def test_type_of_a_field_is_told_as_rostopic_does(cli: Run) -> None:
 def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(cli: Run) -> None:
     result = cli("type", "/chatter/dota")
     assert (result.code, result.out) == (1, "")
-    assert result.err == (
-        "lcmtools type: dota: std_msgs/String has no field 'dota' (fields: data);"
-        " did you mean data?\n"
-    )
+    parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
+    assert_line(result.err, "lcmtools type: ", *parts)
 
 
 @pytest.mark.parametrize("argument", [[], ["-"]])
@@ -252,10 +251,8 @@ def test_show_says_what_a_pipe_lacks(
 ) -> None:
     result = cli(group, "show", input=said)
     assert (result.code, result.out) == (2, "")
-    assert result.err == (
-        f"lcmtools {group} show: standard input has {what};"
-        f" for example lcmtools {group} show {example}\n"
-    )
+    parts = ("standard input", what, f"lcmtools {group} show {example}\n")
+    assert_line(result.err, f"lcmtools {group} show: ", *parts)
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter"])
@@ -282,9 +279,7 @@ def test_echo_once_is_one_message(option: str, cli: Run) -> None:
 def test_echo_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
     result = cli("echo", "chater", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
-    assert result.err == (
-        "lcmtools echo: nothing came on chater within 0.2 s; did you mean /chatter?\n"
-    )
+    assert_line(result.err, "lcmtools echo: ", "chater", "0.2 s; did you mean /chatter?\n")
 
 
 def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
@@ -292,7 +287,7 @@ def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
 ) -> None:
     echo = start(lcmtools_path, "echo", "/zzz")
     line = echo.wait_for("no message on /zzz yet")
-    assert line == "lcmtools echo: no message on /zzz yet; on the bus: /chatter, /rosout"
+    assert_says(line, "lcmtools echo: ", "no message", "/zzz", "; on the bus: /chatter, /rosout")
 
 
 def test_echo_is_seen_as_a_subscriber_while_it_runs(
@@ -329,7 +324,7 @@ def test_hz_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: s
 def test_hz_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
     result = cli("hz", "/zzz", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
-    assert result.err.endswith("lcmtools hz: nothing came on /zzz within 0.2 s\n")
+    assert_says(result.err, "lcmtools hz: ", "/zzz", "0.2 s\n")
 
 
 def test_node_list_prints_the_nodes_sorted(cli: Run) -> None:
@@ -368,7 +363,7 @@ def test_node_info_json_has_publications_and_subscriptions(cli: Run) -> None:
 def test_unknown_node_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
     result = cli("node", command, "talkr")
     assert (result.code, result.out) == (1, "")
-    assert result.err == (f"lcmtools node {command}: unknown node talkr; did you mean /talker?\n")
+    assert_line(result.err, f"lcmtools node {command}: ", "talkr; did you mean /talker?\n")
 
 
 def test_node_ping_times_the_answers(cli: Run) -> None:
@@ -413,7 +408,7 @@ def test_bus_can_be_said_before_and_after_the_commands_name(
 
 def test_topic_names_resolve_in_the_shells_namespace(cli: Run) -> None:
     result = cli("info", "chatter", env={"LCMTOOLS_NAMESPACE": "/husky0"})
-    assert result.err == ("lcmtools info: unknown topic /husky0/chatter; did you mean /chatter?\n")
+    assert_line(result.err, "lcmtools info: ", "/husky0/chatter; did you mean /chatter?\n")
 
 
 def test_commands_leave_no_trace_on_the_bus(cli: Run) -> None:

@@ -19,11 +19,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-import click
 import pytest
-from man_pages import commands
-
-from lcmtools.cli.main import root
+from fixtures.commands import COMMANDS, command_of, has_json
+from fixtures.says import assert_says
 
 _ROBOT = """
 import lcmtools
@@ -80,35 +78,10 @@ _NO_DATA = {
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f]")
 
 
-def command_of(path: tuple[str, ...]) -> click.Command:
-    command: click.Command = root
-    for word in path[1:]:
-        assert isinstance(command, click.Group)
-        below = command.get_command(click.Context(command), word)
-        assert below is not None
-        command = below
-    return command
-
-
-def distinct_commands() -> list[tuple[str, ...]]:
-    """The first path of each command: topic list is the same command as list."""
-    paths: dict[click.Command, tuple[str, ...]] = {}
-    for path in commands():
-        paths.setdefault(command_of(path), path)
-    return [path for command, path in paths.items() if not isinstance(command, click.Group)]
-
-
-COMMANDS = distinct_commands()
-
-
 def examples(path: tuple[str, ...]) -> list[str]:
     """The lines of the examples in a command's help."""
     _, _, rest = (command_of(path).help or "").partition("Examples:\n")
     return [line.strip() for line in rest.split("\n\n")[0].splitlines()]
-
-
-def has_json(path: tuple[str, ...]) -> bool:
-    return any("--json" in parameter.opts for parameter in command_of(path).params)
 
 
 @dataclass(frozen=True)
@@ -300,9 +273,8 @@ def check_full(outcome: Outcome, path: tuple[str, ...]) -> None:
     if not outcome.signal and "No space left" in outcome.error:
         assert outcome.code == (64 if path == ("lcmtools", "wtf") else 1)  # there 1 is a warning
         said = [line for line in outcome.error.splitlines() if "cannot write" in line]
-        assert said == [
-            f"{' '.join(path)}: cannot write to standard output: No space left on device"
-        ]
+        (line,) = said
+        assert_says(line, f"{' '.join(path)}: ", "standard output: No space left on device")
     elif not outcome.signal and path not in _NO_DATA:
         assert outcome.error, "what cannot be written must be told"
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
@@ -83,15 +84,14 @@ def test_find_of_a_type_that_no_topic_has_says_so_on_standard_error(
 ) -> None:
     result = cli("find", "sensor_msgs/Image")
     assert (result.code, result.out) == (0, "")
-    assert result.err == f"no topics of type sensor_msgs/Image on {module_bus_url}\n"
+    assert_line(result.err, "no topics", "sensor_msgs/Image", f"{module_bus_url}\n")
 
 
 def test_find_of_an_unknown_type_is_exit_code_2_with_a_near_miss(cli: Run) -> None:
     result = cli("find", "std_msgs/Strin")
     assert (result.code, result.out) == (2, "")
-    assert result.err == (
-        "lcmtools find: unknown type 'std_msgs/Strin'; did you mean std_msgs/String?\n"
-    )
+    hint = "; did you mean std_msgs/String?\n"
+    assert_line(result.err, "lcmtools find: ", "'std_msgs/Strin'", hint)
 
 
 def test_bw_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
@@ -168,18 +168,14 @@ def test_hz_counts_what_a_filter_lets_through(cli: Run) -> None:
     assert float(result.out.split()[2]) == pytest.approx(20, abs=5)
     none = cli("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
     assert none.code == 4
-    assert none.err.endswith(
-        "lcmtools hz: nothing came on /chatter, with data == 'x', within 0.3 s\n"
-    )
+    assert_says(none.err, "lcmtools hz: ", "/chatter", "data == 'x'", "0.3 s\n")
 
 
 def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(cli: Run) -> None:
     result = cli("hz", "/chatter", "--filter", "dota == 'x'")
     assert (result.code, result.out) == (2, "")
-    assert result.err == (
-        "lcmtools hz: dota: std_msgs/String has no field 'dota' (fields: data);"
-        " did you mean data?\n"
-    )
+    parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
+    assert_line(result.err, "lcmtools hz: ", *parts)
 
 
 def test_find_c_is_how_many_topics_there_are(cli: Run) -> None:
@@ -203,11 +199,10 @@ def test_delay_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path
 def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(cli: Run) -> None:
     result = cli("delay", "/chatter")
     assert (result.code, result.out) == (1, "")
-    assert result.err == (
-        "subscribed to [/chatter]\n"
-        "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp, and no"
-        " utime; lcmtools msg find-field header lists the types that have one\n"
-    )
+    subscribed, error = result.err.splitlines()
+    assert subscribed == "subscribed to [/chatter]"
+    parts = ("std_msgs/String", "/chatter", "no header", "utime; lcmtools msg find-field header")
+    assert_says(error, "lcmtools delay: ", *parts)
 
 
 def test_delay_ends_where_no_stamp_is_a_time(
@@ -218,17 +213,14 @@ def test_delay_ends_where_no_stamp_is_a_time(
     )
     result = cli("delay", "/zero", "--timeout", "1s")
     assert result.code == 4
-    assert "the stamp of a message on /zero is 0, which is not a time\n" in result.err
+    assert_says(result.err, "stamp", "/zero", "0")
 
 
 def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(cli: Run) -> None:
     result = cli("delay", "NOISE")
     assert (result.code, result.out) == (1, "")
     _, _, error = result.err.partition("\n")
-    assert error == (
-        "lcmtools delay: the type of the messages on NOISE is not known; "
-        "lcmtools echo NOISE shows their bytes\n"
-    )
+    assert_line(error, "lcmtools delay: ", "type", "NOISE", "not known; lcmtools echo NOISE")
 
 
 def test_hz_of_several_topics_is_rostopics_table(
@@ -251,7 +243,7 @@ def test_hz_tells_which_of_several_topics_is_silent(
 ) -> None:
     hz = start(lcmtools_path, "hz", "/chatter", "/POINTS")
     line = hz.wait_for("no message on")
-    assert line == "lcmtools hz: no message on /POINTS yet; did you mean POINT?"
+    assert_says(line, "lcmtools hz: ", "no message", "/POINTS", "; did you mean POINT?")
 
 
 def test_hz_measures_a_topic_under_two_spellings_twice(
@@ -267,13 +259,13 @@ def test_hz_measures_a_topic_under_two_spellings_twice(
 def test_nothing_within_the_timeout_is_exit_code_4(verb: str, cli: Run) -> None:
     result = cli(verb, "/zzz", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
-    assert result.err.endswith(f"lcmtools {verb}: nothing came on /zzz within 0.2 s\n")
+    assert_says(result.err, f"lcmtools {verb}: ", "/zzz", "0.2 s\n")
 
 
 def test_timeout_of_several_topics_is_about_all_of_them(cli: Run) -> None:
     result = cli("hz", "/zzz", "/yyy", "--timeout", "200ms")
     assert result.code == 4
-    assert result.err.endswith("nothing came on /zzz, /yyy within 0.2 s\n")
+    assert_says(result.err, "/zzz, /yyy", "0.2 s\n")
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Namespaces, remaps and patterns mean the same to commands that look as to nodes."""
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -36,7 +37,7 @@ def test_a_relative_name_is_read_in_the_namespace(cli: Run, namespace: str) -> N
 @pytest.mark.parametrize("remap", ["news:=/a/chatter", "--remap=/news:=a/chatter"])
 def test_a_remapped_name_is_looked_at_in_place_of_another(cli: Run, remap: str) -> None:
     assert "hello" in cli("echo", "news/data", remap, "-n", "1", "--timeout", "10s").ok()
-    assert '"topic": "news"' in cli("hz", "news", remap, "-n", "1", "--json").out
+    assert json.loads(cli("hz", "news", remap, "-n", "1", "--json").out)["topic"] == "news"
     assert cli("type", "/news", remap).ok() == "std_msgs/String\n"
     assert cli("list", "news", remap).ok() == "/a/chatter\n"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 import lcmtools
 from lcmtools import Node, SetParametersResult
@@ -130,7 +131,9 @@ def test_what_a_node_refuses_is_said_and_changes_nothing(
 @pytest.mark.usefixtures("driver")
 def test_set_takes_nested_names_as_load_does(cli: Cli) -> None:
     said = cli("param", "set", "driver", "{gain: 2, pid: {kp: 3}}").err
-    assert said == "/husky0/driver/gain is now 2.0\n/husky0/driver/pid.kp is now 3.0\n"
+    gain, kp = said.splitlines()
+    assert_says(gain, "/husky0/driver/gain", "2.0")
+    assert_says(kp, "/husky0/driver/pid.kp", "3.0")
 
 
 @pytest.mark.usefixtures("driver")
@@ -164,7 +167,8 @@ def test_load_takes_the_files_of_rosparam_and_ros2(
     file = tmp_path / "gains.yaml"
     file.write_text(text)
     done = cli("param", "load", str(file), *words)
-    assert (done.code, done.err) == (0, "/husky0/driver: gain, pid.kp set\n")
+    assert done.code == 0
+    assert_line(done.err, "/husky0/driver: ", "gain, pid.kp", "set")
     assert cli("param", "get", "driver", "gain").out == "4.0\n"
     assert cli("param", "get", "driver", "pid.kp").out == "2.0\n"
 
@@ -268,7 +272,7 @@ def test_the_controller_follows_a_changed_gain(
     assert cli("param", "set", "simple_controller", "kp", "0.25").code == 0
     wait_until(lambda: [0.125, 0.125] in efforts)
     done = cli("param", "set", "simple_controller", "kp", "-1")
-    assert "parameter kp: -1.0 is less than 0.0" in done.err
+    assert_says(done.err, "parameter kp: -1.0", "0.0")
 
 
 @pytest.mark.usefixtures("driver")
@@ -294,4 +298,4 @@ def test_node_info_shows_parameters_and_says_who_did_not_answer(
     finally:
         is_over.set()
     assert (done.code, done.out) == (4, "")
-    assert done.err.startswith("lcmtools param get: /busy did not answer within 0.2 s")
+    assert_says(done.err, "lcmtools param get: /busy", "not answer", "0.2 s")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Any]
 
@@ -28,7 +29,8 @@ def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Run) -> Path:
     folder.mkdir()
     monkeypatch.chdir(folder)
     made = cli(*CREATE, *NAMES)
-    assert (made.code, made.err) == (0, "next: lcmtools run air_lab0 simple_controller\n")
+    assert made.code == 0
+    assert_line(made.err, "lcmtools run air_lab0 simple_controller\n")
     assert all((folder / line).is_file() for line in made.out.splitlines())
     return folder
 
@@ -178,10 +180,8 @@ def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
     node.write_text("mine\n")
     again = cli(*CREATE)
     assert (again.code, again.out) == (1, "")
-    assert again.err == (
-        "lcmtools pkg create: air_lab0/pyproject.toml already exists;"
-        " --force overwrites existing files\n"
-    )
+    parts = ("air_lab0/pyproject.toml", "exists; --force")
+    assert_line(again.err, "lcmtools pkg create: ", *parts)
     assert node.read_text() == "mine\n"
     assert cli(*CREATE, "--force").code == 0
     assert node.read_text() != "mine\n"
@@ -218,7 +218,7 @@ def test_a_broken_package_beside_does_not_matter_until_it_is_meant(space: Path, 
     assert cli("run", "air_lab0").out.startswith("simple_controller ")
     wrong = cli("run", "other", "go")
     assert (wrong.code, wrong.err.count("\n")) == (2, 1)
-    assert f"{space}/other/pyproject.toml:2: this is not TOML" in wrong.err
+    assert_says(wrong.err, f"{space}/other/pyproject.toml:2: ", "not TOML")
 
 
 def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(
@@ -264,7 +264,8 @@ def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(
 
 def test_a_second_node_is_added_and_runs(space: Path, cli: Run) -> None:
     done = cli("pkg", "add-node", "evaluator", "--skeleton", "evaluate_controller")
-    assert (done.code, done.err) == (0, "next: lcmtools run air_lab0 evaluator\n")
+    assert done.code == 0
+    assert_line(done.err, "lcmtools run air_lab0 evaluator\n")
     assert done.out.splitlines() == [
         "air_lab0/air_lab0/evaluator.py",
         "air_lab0/pyproject.toml",

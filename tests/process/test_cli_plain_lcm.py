@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Result]
 
@@ -117,7 +118,7 @@ def test_type_tells_what_the_fingerprint_tells(cli: Run) -> None:
     assert cli("type", "POSE").out == "geometry_msgs/Vector3\n"
     result = cli("type", "EMPTY")
     assert (result.code, result.out) == (1, "")
-    assert result.err == "lcmtools type: the type of EMPTY is not known\n"
+    assert_line(result.err, "lcmtools type: ", "EMPTY", "not known")
 
 
 @on_the_modules_bus
@@ -140,10 +141,10 @@ def test_echo_shows_other_payloads_in_hexadecimal(cli: Run) -> None:
 def test_echo_says_once_where_types_are_looked_for(cli: Run, tmp_path: Path) -> None:
     before = "lcmtools echo: no type is known for NOISE; "
     result = cli("echo", "-n", "2", "NOISE")
-    assert result.err == f"{before}LCMTOOLS_TYPE_PATH=FOLDER adds the folder of your .lcm files\n"
+    assert_line(result.err, f"{before}LCMTOOLS_TYPE_PATH=FOLDER", ".lcm files\n")
     result = cli("echo", "-n", "2", "NOISE", env={"LCMTOOLS_TYPE_PATH": str(tmp_path / "nope")})
     assert result.err.startswith(before)
-    assert result.err.endswith("/nope: there is no such folder; see LCMTOOLS_TYPE_PATH\n")
+    assert_says(result.err, "/nope: ", "no such folder; ", "LCMTOOLS_TYPE_PATH\n")
     assert cli("echo", "-1", "EMPTY").err == ""
 
 
@@ -177,7 +178,7 @@ def test_wtf_does_not_take_them_for_a_fault(cli: Run) -> None:
 @on_the_modules_bus
 def test_near_miss_of_a_literal_channel_is_found(cli: Run) -> None:
     result = cli("info", "EXAMPEL")
-    assert result.err == "lcmtools info: unknown topic /EXAMPEL; did you mean EXAMPLE?\n"
+    assert_line(result.err, "lcmtools info: ", "topic /EXAMPEL; did you mean EXAMPLE?\n")
 
 
 @pytest.mark.parametrize("_time", range(2))

@@ -6,6 +6,7 @@ from pathlib import Path
 import lcm
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
@@ -87,7 +88,5 @@ def test_curves_are_drawn_on_a_terminal_again_and_again(on_terminal: Callable[..
 
 def test_what_is_no_terminal_needs_a_file(cli: Run) -> None:
     result = cli("plot", "/cmd/linear.x")
-    assert result.err == (
-        "lcmtools plot: plot draws on a terminal; or into a picture: -o FILE.png\n"
-    )
+    assert_line(result.err, "lcmtools plot: ", "terminal", "-o FILE.png\n")
     assert result.code == 2

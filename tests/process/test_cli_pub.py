@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line
 
 Cli = Callable[..., Any]
 
@@ -165,10 +166,8 @@ def test_once_does_not_wait_for_a_subscriber_of_another_type(
     receiver.subscribe(topic)
     result = cli("pub", "-1", topic, "std_msgs/Int32", "3")
     assert result.code == 0
-    assert result.err == (
-        f"lcmtools pub: no node subscribes to {topic} as std_msgs/Int32"
-        " (/receiver does as std_msgs/String) yet; publishing anyway\n"
-    )
+    parts = (topic, "std_msgs/Int32", "/receiver", "std_msgs/String", "; publishing anyway\n")
+    assert_line(result.err, "lcmtools pub: no node", *parts)
 
 
 @pytest.mark.parametrize(
@@ -215,6 +214,6 @@ def test_literal_takes_the_channel_to_the_letter(
 def test_domain_chooses_the_bus(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("LCM_DEFAULT_URL")
     result = cli("list", env={"LCMTOOLS_DOMAIN": "231"})
-    assert result.err == "no topics on udpm://239.255.76.67:7898?ttl=0\n"
+    assert_line(result.err, "no topics", "udpm://239.255.76.67:7898?ttl=0\n")
     for line in (["--domain", "231", "list"], ["list", "--domain", "231"]):
         assert cli(*line, env={"LCMTOOLS_DOMAIN": "5"}).err == result.err

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools.messages.text import format_message
 from lcmtools.publish import incoming
@@ -186,9 +187,7 @@ def test_an_error_in_a_stream_says_where_it_is_and_what_has_been_sent(
 def test_a_stream_that_is_no_utf_8_is_refused(topic: str, cli: Cli) -> None:
     result = cli("pub", "-w", "0", topic, STRING, "-", input=b"data: a\n---\ndata: caf\xe9\n")
     assert result.code == 1
-    assert result.err == (
-        "lcmtools pub: cannot read standard input: it is not UTF-8 text; 1 message has been sent\n"
-    )
+    assert_line(result.err, "lcmtools pub: ", "standard input: ", "UTF-8", "; 1 message")
 
 
 def test_waiting_for_a_stream_is_announced(
@@ -210,9 +209,7 @@ def test_one_message_in_a_file_is_repeated(topic: str, cli: Cli, tmp_path: Path)
     words = ("-v", "-w", "0", "-f", str(file), topic, STRING)
     result = cli("pub", *words, until="publishing #3: ")
     assert result.code == 130
-    assert result.err.startswith(
-        "publishing the single message 10 times a second, until Ctrl-C\npublishing #1: "
-    )
+    assert_says(result.err, "single message", "10 times a second", "Ctrl-C\npublishing #1: ")
 
 
 def test_the_last_of_a_stream_is_latched(topic: str, receiver: Any, cli: Cli) -> None:

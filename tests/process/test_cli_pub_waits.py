@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 from lcmtools import Node
 from lcmtools.bus.records import NodeRecords
@@ -60,10 +61,8 @@ def test_subscribers_that_do_not_come_in_time_are_exit_code_4(
 ) -> None:
     result = cli("pub", *words, "--timeout", "100ms", topic, STRING, "x")
     assert (result.code, result.out) == (4, "")
-    assert result.err == (
-        f"lcmtools pub: not within 0.1 s: 1 subscriber of {topic}; 0 so far;"
-        f" lcmtools info {topic} shows the subscribers\n"
-    )
+    parts = ("0.1 s: ", f"1 subscriber of {topic}; 0 so far; ", f"lcmtools info {topic}")
+    assert_line(result.err, "lcmtools pub: ", *parts)
 
 
 _PLAIN_LISTENER = """
@@ -82,7 +81,7 @@ def test_plain_lcm_programs_are_not_waited_for(
     words = ("pub", "-1", "--literal", "PLAIN", STRING, "x")
     bus = {"LCM_DEFAULT_URL": bus_url}
     alone = cli(*words, env=bus)
-    assert alone.err.startswith("lcmtools pub: no node subscribes to PLAIN yet")
+    assert_says(alone.err, "lcmtools pub: no node", "PLAIN")
 
     monkeypatch.setattr(subscriber_wait, "_LONGEST", 2000.0)
     monkeypatch.setattr(subscriber_wait, "_ANSWERED", 1000.0)  # every node here has answered
@@ -146,10 +145,8 @@ def test_stamps_may_be_simulated_time(
     assert published(result) == [{"seq": 0, "stamp": {"sec": 12, "nsec": 34}, "frame_id": ""}]
     running.end()
     result = cli(*words, "--timeout", "100ms", env=bus)
-    assert (result.code, result.err) == (
-        4,
-        "lcmtools pub: nothing came on /clock within 0.1 s; is the simulator running?\n",
-    )
+    assert result.code == 4
+    assert_line(result.err, "lcmtools pub: ", "/clock", "0.1 s; ", "simulator")
 
 
 @pytest.mark.parametrize("words", [["-1", "--keep-alive", "50s"], ["-l", "-r", "0.05"]])

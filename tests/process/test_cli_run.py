@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line, assert_says
 
 Run = Callable[..., Any]
 
@@ -98,7 +99,7 @@ def test_a_domain_that_has_no_effect_is_told(
 ) -> None:
     talker = start(lcmtools_path, "run", "talker", "--domain", "3", "--lcm-url", bus_url)
     talker.wait_for("[WARN]")
-    assert talker.lines[0].endswith("--domain 3 has no effect: --lcm-url takes precedence")
+    assert_says(talker.lines[0], "--domain 3", "no effect", "--lcm-url")
 
 
 def test_exit_code_is_the_nodes_and_its_files_are_written(
@@ -128,9 +129,7 @@ def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
     result = lcmtools_process("run", "sim", PYTHONPATH=str(tmp_path), LCMTOOLS_ENGINE="bullet")
     assert (result.returncode, result.stdout) == (3, "")
     assert result.stderr.count("\n") == 1
-    assert result.stderr.startswith(
-        "lcmtools run sim: the engine bullet cannot be imported: No module"
-    )
+    assert_says(result.stderr, "lcmtools run sim: ", "engine bullet", "No module")
     assert "pip install" in result.stderr
 
 
@@ -172,10 +171,8 @@ def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = own:main\n")
     result = lcmtools_process("run", "mine", PYTHONPATH=str(tmp_path))
     assert (result.returncode, result.stdout) == (3, "")
-    assert result.stderr == (
-        "lcmtools run: mine needs the Python package 'cv2', which is not installed;"
-        " type: pip install opencv-python\n"
-    )
+    install = "; type: pip install opencv-python\n"
+    assert_line(result.stderr, "lcmtools run: mine", "'cv2'", install)
 
 
 def test_msg_list_and_show_agree_in_all_spellings(cli: Run) -> None:

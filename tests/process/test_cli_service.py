@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools import Node
 from lcmtools.publish import subscriber_wait
@@ -177,7 +178,7 @@ def test_a_bad_request_in_a_file_sends_none(cli: Cli) -> None:
     before = cli("service", "info", "/switch").out
     done = cli("service", "call", "/switch", "-f", "-", input="data: true\n---\ndata: 7\n")
     assert (done.code, done.out) == (2, "")
-    assert "standard input: document 2, line 3: data: expected true or false" in done.err
+    assert_says(done.err, "standard input: document 2, line 3: data: ", "true", "false")
     assert cli("service", "info", "/switch").out == before
 
 
@@ -194,8 +195,8 @@ def test_a_slow_service_with_a_large_response_is_called_once(cli: Cli) -> None:
 def test_no_answer_in_time_exits_with_4_and_names_the_node(cli: Cli) -> None:
     done = cli("service", "call", "/server/slow", "--timeout", "200ms")
     assert (done.code, done.out) == (4, "")
-    assert "/server/slow did not answer within 0.2 s" in done.err
-    assert f"its node /server (pid {os.getpid()}) is running" in done.err
+    assert_says(done.err, "/server/slow", "not answer", "0.2 s")
+    assert_says(done.err, f"/server (pid {os.getpid()})", "running")
 
 
 _MORTAL_SERVER = """
@@ -228,7 +229,7 @@ def test_a_server_that_is_killed_in_the_middle_is_named(cli: Cli, start_python: 
 
     done = cli("service", "call", "/server/slow", "--timeout", "500ms", until=kill)
     assert done.code == 4
-    assert "its node /server ended without saying goodbye" in done.err
+    assert_says(done.err, "/server ended without saying goodbye")
     assert cli("service", "call", "/server/slow").code == 1
 
 
@@ -254,7 +255,7 @@ def test_wait_says_what_it_waits_for_and_calls_when_the_service_is_there(
 def test_wait_with_a_duration_gives_up_with_exit_code_4(cli: Cli) -> None:
     done = cli("service", "call", "--wait=200ms", "/switch", "true")
     assert done.code == 4
-    assert done.err.startswith("lcmtools service call: no node offers /switch within 0.2 s")
+    assert_says(done.err, "lcmtools service call: no node", "/switch", "0.2 s")
 
 
 @pytest.mark.usefixtures("on_bus")

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from fixtures.command import Result
 from fixtures.programs import Program
+from fixtures.says import assert_line, assert_says
 from fixtures.window import LivePage, LiveWindow
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -152,12 +153,9 @@ def test_a_token_gives_the_right_to_watch_or_to_command(open_window: Open) -> No
     with window.page("watch") as page:
         assert page.hello["rights"] == ["watch"]
         page.open(1, "topics")
-        assert (
-            page.request("do", "publish", **form)["error"]["what"]
-            == "this page may only watch, not command"
-        )
+        assert_says(page.request("do", "publish", **form)["error"]["what"], "only watch")
         page.open(2, "publishing", rate=10, **form)
-        assert page.problem(2) == "this page may only watch, not command"
+        assert_says(page.problem(2), "only watch")
     with window.page("command") as page:
         assert page.request("do", "publish", **form)["answer"] is None
 
@@ -235,7 +233,7 @@ def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window: Open
             page.open(number, "newest", topic=f"/robot{number}/odometry")
         assert page.problem(299).startswith("there is no topic")
         page.open(300, "newest", topic="/robot300/odometry")
-        assert page.problem(300) == "too much is shown on this page; close or hide some of it"
+        assert_says(page.problem(300), "too much", "; close")
 
 
 def test_a_message_that_is_too_long_closes_its_page(open_window: Open) -> None:
@@ -252,17 +250,17 @@ def test_topics_come_and_go_with_their_rates(open_window: Open, bus: LcmBus) -> 
     window = open_window()
     with window.page() as page:
         page.open(1, "topics")
-        assert page.problem(1) == "there are no topics on the bus"
+        assert_says(page.problem(1), "no topics")
         with repeated(bus, "/chatter", lambda number: filled(String, data=f"{number}")):
             (row,) = page.data(1, lambda data: any(row["rate"] for row in data["rows"]))["rows"]
-        assert (row["topic"], row["types"]) == ("/chatter", ["std_msgs/String"])
+        assert (row["channel"], row["types"]) == ("/chatter", ["std_msgs/String"])
 
 
 def test_a_message_is_decoded_with_its_lines(open_window: Open, bus: LcmBus) -> None:
     window = open_window()
     with window.page() as page:
         page.open(3, "message", topic="/twist", toggled=["linear"])
-        assert page.problem(3) == "there is no topic /twist; waiting for it"
+        assert_says(page.problem(3), "no topic /twist; waiting")
         with repeated(bus, "/twist", lambda _: Twist()):
             data = page.data(3)
         assert data["type"] == "geometry_msgs/Twist"
@@ -456,10 +454,8 @@ def test_a_port_in_use_is_an_error_with_the_next_step(
         port = taken.getsockname()[1]
         result = cli("gui", "--port", str(port), "--no-open", "--lcm-url", bus_url)
     assert (result.code, result.out) == (1, "")
-    assert result.err == (
-        f"lcmtools gui all: port {port} is in use; another window may be open at"
-        f" http://127.0.0.1:{port}; else choose: --port {port + 1}\n"
-    )
+    parts = (f"port {port}", "in use; ", f"http://127.0.0.1:{port}; ", f"--port {port + 1}\n")
+    assert_line(result.err, "lcmtools gui all: ", *parts)
 
 
 def test_an_address_of_another_computer_is_an_error(
@@ -467,7 +463,7 @@ def test_an_address_of_another_computer_is_an_error(
 ) -> None:
     result = cli("gui", "--host", "192.0.2.1", "--port", "0", "--no-open", "--lcm-url", bus_url)
     assert (result.code, result.err.count("\n")) == (1, 1)
-    assert result.err.startswith("lcmtools gui all: cannot listen on 192.0.2.1: ")
+    assert_says(result.err, "lcmtools gui all: ", "cannot listen", "192.0.2.1: ")
 
 
 def test_the_extra_is_named_where_it_is_missing(

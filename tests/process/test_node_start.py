@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
@@ -39,7 +40,7 @@ def run(start_python: Start, bus_url: str) -> Start:
 def test_a_program_says_which_of_its_words_names_nothing(run: Start) -> None:
     node = run("__ns=/husky0", "file=1", "--", ":=b")
     line = node.wait_for("names nothing")
-    assert line.endswith("'__ns=/husky0' names nothing; did you mean __ns:=/husky0?")
+    assert_says(line, "'__ns=/husky0'", "; did you mean __ns:=/husky0?")
     node.wait_for("ready")
     assert "file=1" not in node.output
     assert ":=b" not in node.output
@@ -55,7 +56,7 @@ def test_the_second_node_of_a_name_says_so(run: Start) -> None:
     first.wait_for("ready")
     line = run().wait_for("of this name too")
     assert f"pid {first.pid} is" in line
-    assert line.endswith("or start this one with __name:=own2")
+    assert_says(line, "[/own]: ", "__name:=own2")
     other = run("__name:=own2")
     other.wait_for("ready")
     assert "too" not in other.output

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from fixtures.command import Result
+from fixtures.says import assert_line
 
 from lcmtools.labs.skeletons import NAMES
 
@@ -41,6 +42,6 @@ def test_skeleton_is_overwritten_only_by_force(cli: Run, tmp_path: Path) -> None
     words = ("lab", "skeleton", "moving_robot", str(tmp_path))
     refused = cli(*words)
     assert (refused.code, mine.read_text()) == (2, "mine")
-    assert refused.err == (f"lcmtools lab skeleton: {mine} already exists; --force overwrites it\n")
+    assert_line(refused.err, f"lcmtools lab skeleton: {mine}", "exists; --force")
     assert cli(*words, "--force").code == 0
     assert mine.read_text().startswith('"""Drive the Dolly in a circle (skeleton).')

@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from fixtures import other_version
 
+from lcmtools.graph.model import VERSION
+
 Run = Callable[..., Any]
 
 _KINDS = ("newer", "older", "unreadable", "before")
@@ -45,6 +47,10 @@ def test_nodes_of_other_versions_are_seen_and_answer(any_bus: str, start: Run, c
     assert names - _publishers(cli, "/chatter") == unseen
     newer = json.loads(cli("node", "info", "newer_talker", "--json").out)[0]
     assert [one["topic"] for one in newer["subscriptions"]] == ["/cmd"]
+    assert (newer["protocol_version"], newer["has_details"]) == (VERSION + 1, True)
+    shown = cli("node", "info", "unreadable_talker").out
+    assert f"Protocol: version {VERSION + 2} (lcmtools {VERSION + 2}.0.0)" in shown
+    assert "In callbacks" not in shown
     drawn = cli("graph", "--all").out
     assert {name for name in names if name not in drawn} == set()
     for name in names:

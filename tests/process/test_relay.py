@@ -11,6 +11,7 @@ from contextlib import ExitStack, closing
 from typing import Any
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.typist import Typist
 
 from lcmtools.bus.lcm_bus import LcmBus
@@ -155,7 +156,7 @@ def test_of_two_relays_one_carries_and_the_other_takes_over(
     one, other = urls(), urls()
     first, second = relay(one, other), relay(other, one)
     assert (first.carries, second.stands_by) == (True, True)
-    assert second.said[0].startswith("stands by: /relay_0 joins udpm://")
+    assert_says(second.said[0], "stands by", "/relay_0", "udpm://")
     here, there = join(one), join(other)
     heard, own = _hears(there, "/a"), _hears(here, "/a")
     for payload in _numbers(100):
@@ -287,7 +288,7 @@ def test_parameters_and_services_work_through_a_relay(
     get = ("param", "get", "talker", "use_sim_time")
     wait_until(lambda: cli(*get, env=env).out == "false\n")
     refused = cli("param", "set", "talker", "use_sim_time", "true", env=env)
-    assert "/talker rejects the change: parameter use_sim_time cannot change" in refused.err
+    assert_says(refused.err, "/talker", "use_sim_time", "cannot change")
 
 
 def test_commands_pass_only_where_they_are_named(
@@ -412,7 +413,7 @@ def test_relays_are_shown_by_status(
     assert "carries, none lost" in rows[1]
     none = cli("relay", "--status", env={"LCM_DEFAULT_URL": urls()})
     assert (none.code, none.out) == (0, "")
-    assert none.err.startswith("there is no relay on udpm://")
+    assert_says(none.err, "no relay", "udpm://")
 
 
 def test_two_groups_are_joined_by_zenoh_and_two_relays(

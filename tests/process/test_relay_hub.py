@@ -10,6 +10,7 @@ from typing import Any
 
 import lcm
 import pytest
+from fixtures.says import assert_says, raises_saying
 from fixtures.wire import subscribe_frame
 
 from lcmtools.bus.url import parse_url
@@ -145,8 +146,8 @@ def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(
     assert received == sorted(received)
     assert len(received) == 60 - hub.counts.dropped
     wait_until(lambda: len(hub.said) == 2)
-    assert "reads too slowly; its oldest messages are dropped" in hub.said[0]
-    assert f"lost {hub.counts.dropped} messages by reading too slowly" in hub.said[1]
+    assert_says(hub.said[0], "too slowly", "dropped")
+    assert_says(hub.said[1], f"lost {hub.counts.dropped} messages", "too slowly")
 
 
 def test_messages_that_waited_for_a_client_for_a_second_are_dropped(
@@ -203,7 +204,7 @@ def test_a_pattern_that_cannot_be_read_leaves_the_others(hub: RunningHub) -> Non
         client.sendall(CLIENT_GREETING + subscribe_frame("(?<=a)b") + subscribe_frame("A"))
         client.sendall(publish_frame("A", bytes(4)))
         assert _frames(client, last=0) == [0]
-    assert "receives nothing: the pattern '(?<=a)b' is not supported" in hub.said[0]
+    assert_says(hub.said[0], "receives nothing", "'(?<=a)b'", "not supported")
 
 
 def test_half_a_frame_and_a_sudden_end_harm_nobody(hub: RunningHub) -> None:
@@ -218,9 +219,7 @@ def test_half_a_frame_and_a_sudden_end_harm_nobody(hub: RunningHub) -> None:
 
 
 def test_a_taken_port_is_one_line(hub: RunningHub) -> None:
-    with pytest.raises(
-        BusError, match=r"cannot serve tcpq://127.0.0.1:\d+: Address already in use"
-    ):
+    with raises_saying(BusError, "tcpq://127.0.0.1:", "Address already in use"):
         Hub(parse_url(hub.url), print)
 
 

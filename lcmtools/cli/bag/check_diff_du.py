@@ -5,9 +5,10 @@ from lcmtools.bag.contract import breaches, read_contract
 from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, document, lines, show
+from lcmtools.cli.output import write_document, write_lines, write_result
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
+from lcmtools.text_table import text_table
 
 
 @subcommand("check", json_option)
@@ -31,7 +32,9 @@ def check(file: str, *, against: str, as_json: bool) -> int:
         f"FAIL {one.topic + ': ' if one.topic else ''}{one.text}{where}"
         for one, where in zip(found, place, strict=True)
     ]
-    show([one.record() for one in found], rows or [f"{file} meets {against}"], as_json=as_json)
+    write_result(
+        [one.record() for one in found], rows or [f"{file} meets {against}"], as_json=as_json
+    )
     return 1 if found else 0
 
 
@@ -49,7 +52,7 @@ def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
         found = [d for d in differences(one, other, times=not ignore_times) if not d.is_equal]
     names = ("topic", "first", "second", "only_first", "only_second")
     records = [{name: getattr(one, name) for name in names} for one in found]
-    show(records, map(str, found), as_json=as_json)
+    write_result(records, map(str, found), as_json=as_json)
     return 1 if found else 0
 
 
@@ -61,10 +64,10 @@ def du(file: str, *, as_json: bool) -> None:
     summary = summary_of(file)
     topics = sorted(summary.topics, key=lambda topic: (-topic.bytes, topic.name))
     if as_json:
-        document([{"topic": one.name, "bytes": one.bytes} for one in topics])
+        write_document([{"topic": one.name, "bytes": one.bytes} for one in topics])
         return
     rows = [
         (size_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
         for one in topics
     ]
-    lines(columns(rows) if rows else [])
+    write_lines(text_table(rows))

@@ -1,4 +1,4 @@
-"""The options, arguments and the answer of the commands that make a log of another."""
+"""Options, arguments and results of the commands that write a log from another one."""
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -10,7 +10,7 @@ from lcmtools.bag.surgery import write_log
 from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import progress, show
+from lcmtools.cli.output import progress, write_result
 from lcmtools.errors import UsageError
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
@@ -58,13 +58,13 @@ window_options = together(
 
 
 def summary_of(file: str) -> LogSummary:
-    """Return the summary of a log; progress is shown of one that is read for it."""
+    """Return the summary of a log. Show progress if the log must be read."""
     with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
         return summarize(log, report)
 
 
 def topic_choice(log: LogFile, wanted: tuple[str, ...], excluded: tuple[str, ...]) -> TopicChoice:
-    """Return the topics that are meant; an error names one that the log does not have."""
+    """Return the choice of topics. Raise an error for a topic that is not in the log."""
     choice = TopicChoice(wanted, excluded)
     if wanted or excluded:
         choice.check({name for block in log.blocks() for name in block.channels})
@@ -80,7 +80,7 @@ def write(
     more: Mapping[str, object] | None = None,
     **change: Any,  # noqa: ANN401 - of write_log
 ) -> None:
-    """Write a log, and say how many messages it has; in JSON also ``more``."""
+    """Write a log, and print how many messages it has. JSON also has ``more``."""
     total = sum(source.size for source in sources)
     with progress(f"writing {target}", total) as report:
         messages = write_log(target, packets, sources, force=force, progress=report, **change)
@@ -91,11 +91,11 @@ def write(
         "bytes": size,
         **(more or {}),
     }
-    show(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
+    write_result(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
 
 
 def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:
-    """Raise UsageError for a word that is meant as a remap, or as one more topic of ``-t``."""
+    """Raise UsageError for a file name that is a remap, or another topic for ``-t``."""
     for word in (word for word in words if not Path(word).exists()):
         if ":=" in word:
             what = f"'{word}' is no remap, as its names are no names of ROS"

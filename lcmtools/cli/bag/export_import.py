@@ -20,7 +20,7 @@ from lcmtools.cli.bag.common import (
     write,
 )
 from lcmtools.cli.declare import examples, option, subcommand
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -76,9 +76,9 @@ def export_(
         decoder = Decoder(known_nodes(log).types_of)
         done = export(found, decoder, Path(target), meant, compression=compress, force=force)
     for text in done.left_out.values():
-        talk(text)
+        write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
-    show(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+    write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
 
 
 @subcommand("import", made_options)
@@ -95,4 +95,4 @@ def import_(source: str, target: str, *, force: bool, as_json: bool) -> None:
     )
     write(target, packets, force=force, as_json=as_json, types=reading.types.values())
     for reason, count in reading.left_out.items():
-        talk(f"{count} messages are left out: {reason}")
+        write_note(f"{count} messages are left out: {reason}")

@@ -1,11 +1,11 @@
 """``lcmtools bag info`` and ``reindex``."""
 
+from lcmtools.bag import summary_report
 from lcmtools.bag.reindex import reindex_log
-from lcmtools.bag.summary_report import summary_record, summary_rows, topic_table
 from lcmtools.cli.bag.common import summary_of
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.cli.output import progress, write_document, write_lines, write_result
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
 
@@ -23,12 +23,11 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
     """
     found = list(map(summary_of, files))
     if as_json:
-        document(list(map(summary_record, found)))
+        write_document(list(map(summary_report.record, found)))
         return
     for number, summary in enumerate(found):
-        lines([""] if number else [])
-        lines(columns([*summary_rows(summary)]))
-        lines(["", *columns(topic_table(summary.topics))] if summary.topics else [])
+        write_lines([""] if number else [])
+        write_lines(summary_report.rows(summary))
 
 
 @subcommand("reindex", json_option)
@@ -45,4 +44,4 @@ def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
             sizes[file] = reindex_log(log, report)
     records = [{"path": file, "indexed_bytes": size} for file, size in sizes.items()]
     rows = [f"{file}: {size_text(size)} indexed" for file, size in sizes.items()]
-    show(records, rows, as_json=as_json)
+    write_result(records, rows, as_json=as_json)

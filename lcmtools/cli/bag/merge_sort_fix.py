@@ -6,7 +6,7 @@ from lcmtools.bag import edits
 from lcmtools.bag.repair import damage_rows, find_damage
 from lcmtools.cli.bag.common import made_options, places, write
 from lcmtools.cli.declare import argument, examples, option, subcommand
-from lcmtools.cli.output import lines, talk
+from lcmtools.cli.output import write_lines, write_note
 from lcmtools.observe.reading.log_file import LogFile
 
 
@@ -46,6 +46,6 @@ def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
         damage = find_damage(log)
         record = [part.record() for part in damage]
         write(target, log.packets(), log, force=force, as_json=as_json, more={"left_out": record})
-    lines([] if as_json else damage_rows(damage))
+    write_lines([] if as_json else damage_rows(damage))
     if not damage:
-        talk("nothing is damaged")
+        write_note("nothing is damaged")

@@ -14,7 +14,7 @@ from lcmtools.cli.bag.common import exclude_option, refuse_no_files, topics_opti
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, names_options
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
@@ -110,24 +110,24 @@ def command(
     )
     with StatusLine("lcmtools bag play", is_quiet=quiet) as line:
         show = _position_shower(line)
-        result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=show)
-        line.talk_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
+        result = play(files, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
+        line.write_note_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
 
 
 def _position_shower(line: StatusLine) -> Callable[[Position], None]:
-    """Return a function that shows where the player is; the first time the keys, too."""
+    """Return a function that shows the player's position. Its first call also shows the keys."""
     untold = [KEYS_HELP] if line.shows and has_keys() else []
 
     def show(position: Position) -> None:
         if untold:
-            talk(untold.pop())
+            write_note(untold.pop())
         line.write(_position_text(position))
 
     return show
 
 
 def _position_text(position: Position) -> str:
-    """Return "45.2 / 75.8 s", with the rate where it is not 1."""
+    """Return "45.2 / 75.8 s", with the rate unless it is 1."""
     rate = "" if position.rate == 1 else f"  x{position.rate:g}" if position.rate else "  at once"
     paused = "  paused" if position.is_paused else ""
     return f"{position.seconds:.1f} / {position.length:.1f} s{rate}{paused}"

@@ -12,7 +12,7 @@ from lcmtools.bag.recorder import BagRecorder, Limits, open_bus
 from lcmtools.bag.ring import SnapshotPlan, Trigger
 from lcmtools.bag.series import USUAL_NAME, LogSeries
 from lcmtools.bag.services import recorder_node
-from lcmtools.cli.bag.recording import attend, reported
+from lcmtools.cli.bag.recording import recording, run_recording
 from lcmtools.cli.bus import chosen_url, looking_names, notify
 from lcmtools.cli.declare import (
     argument,
@@ -162,17 +162,17 @@ def command(
         trigger = Trigger(when, names, monitor.types_of) if when else None
         kept = SnapshotPlan(snapshot, after or 0.0, max_size, trigger) if snapshot else None
         recorder = BagRecorder(monitor, choice, series, limits, kept, paused=paused)
-        stack.enter_context(reported(recorder, series, as_json=as_json))
+        stack.enter_context(recording(recorder, series, as_json=as_json))
         node = None
         if services:
             node = stack.enter_context(recorder_node(names.resolve(services), url, recorder))
-        attend(recorder, series, node)
+        run_recording(recorder, series, node)
 
 
 def check_options(
     *, snapshot: float | None, after: float | None, when: str | None, split: str | None
 ) -> None:
-    """Refuse options that exclude each other."""
+    """Raise UsageError for options that exclude each other."""
     if snapshot is None and (after is not None or when is not None):
         raise UsageError("--after and --when are for snapshots", "add --snapshot 30s")
     if snapshot is not None and split is not None:
@@ -180,7 +180,7 @@ def check_options(
 
 
 def split_limits(text: str | None) -> Limits:
-    """Return the bounds of a file, as --split has them."""
+    """Return the limits of a file, from the value of --split."""
     if text is None:
         return Limits()
     try:

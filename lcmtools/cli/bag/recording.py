@@ -1,4 +1,4 @@
-"""A recording as a person attends it: keys, services, one line of progress, the last word."""
+"""The interactive side of ``bag record``: keys, services, progress line, closing summary."""
 
 import shutil
 import sys
@@ -9,7 +9,7 @@ from pathlib import Path
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
-from lcmtools.cli.output import document
+from lcmtools.cli.output import write_document
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
@@ -22,8 +22,8 @@ _TURN = 0.1  # [s] between looks at keys and requests
 _PAUSE, _SAVE, _END = " ", "s", "q"
 
 
-def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
-    """Show a recording in a line, take keys and requests, until it ends by itself."""
+def run_recording(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
+    """Show the progress of a recording, and handle keys and requests, until it ends."""
     with ExitStack() as stack:
         line = stack.enter_context(StatusLine("lcmtools bag record"))
         trouble = recorder.progress().trouble
@@ -37,24 +37,24 @@ def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
                 if key == _END:
                     return
                 _press(key, recorder)
-            _tell(line, recorder.silence())
+            _write_notes(line, recorder.silence())
             progress = recorder.progress()
             if progress.trouble != trouble:
                 trouble = progress.trouble
-                line.talk(trouble or "the bus is back")
+                line.write_note(trouble or "the bus is back")
             if rates := line.rates(progress.messages, progress.bytes):
                 line.write(_status(progress, rates, series))
-        _tell(line, recorder.silence())
+        _write_notes(line, recorder.silence())
 
 
-def _tell(line: StatusLine, sentences: Sequence[str]) -> None:
+def _write_notes(line: StatusLine, sentences: Sequence[str]) -> None:
     for sentence in sentences:
-        line.talk(sentence)
+        line.write_note(sentence)
 
 
 @contextmanager
-def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
-    """Record, and report in the end what was recorded; in one line, also where it failed."""
+def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iterator[None]:
+    """Record, and report what was recorded in one line at the end, even after an error."""
     try:
         with recorder:
             yield
@@ -66,13 +66,13 @@ def reported(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Iter
         raise
     finally:
         if recorder.has_ended and as_json:
-            document(_record(recorder.progress(), series))
+            write_document(_record(recorder.progress(), series))
         elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
-            notify(last_word(recorder.progress(), series))
+            notify(summary(recorder.progress(), series))
 
 
-def last_word(progress: Progress, series: LogSeries) -> str:
-    """Return what was recorded, in one sentence, with all that is known to be lost."""
+def summary(progress: Progress, series: LogSeries) -> str:
+    """Return a sentence with what was recorded and what is known to be lost."""
     paths = series.paths
     where = (
         f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
@@ -83,7 +83,7 @@ def last_word(progress: Progress, series: LogSeries) -> str:
 
 
 def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
-    """Return the same for JSON."""
+    """Return the summary for JSON."""
     return {
         "files": [*map(str, series.paths)],
         "messages": progress.messages,
@@ -96,7 +96,7 @@ def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
 
 
 def losses_text(losses: Mapping[str, Loss]) -> str:
-    """Return the losses of all senders for people."""
+    """Return the losses of all senders as text."""
     if not losses:
         return "no losses"
     by_size = sorted(losses.items(), key=lambda item: -item[1].lost)

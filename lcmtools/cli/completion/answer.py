@@ -33,7 +33,7 @@ def run() -> None:
 
 
 def answer(shell: str, arguments: Sequence[str]) -> list[str]:
-    """Return the lines for a shell; none for one that is unknown. See ``shells``."""
+    """Return the lines for a shell, or [] for an unknown one. See ``shells``."""
     if shell not in SHELLS:
         return []
     request = SHELLS[shell].read(arguments)
@@ -45,7 +45,7 @@ def answer(shell: str, arguments: Sequence[str]) -> list[str]:
 
 
 def _complete(request: Request, environment: Mapping[str, str]) -> list[Candidate]:
-    """The words that could be at the cursor; some may not begin as the word does."""
+    """Return candidates for the word at the cursor. Some may not begin with its typed part."""
     place = locate(request.words, request.word, describe)
     if place is None:
         return []
@@ -68,7 +68,7 @@ def _complete(request: Request, environment: Mapping[str, str]) -> list[Candidat
 
 
 def shown(found: Sequence[Candidate], word: str) -> list[Candidate]:
-    """Return the candidates that begin as the word does, each once.
+    """Return the candidates that begin with the typed word, without duplicates.
 
     A name with control characters, as a channel may have, is no candidate: the terminal would obey
     it, or the shell take it for a line of its own.

@@ -12,12 +12,12 @@ from lcmtools.observe.simulators import is_simulator
 if TYPE_CHECKING:  # most completions do without
     from lcmtools.types.lcmtools_msgs import Parameter
 
-TOPIC = ("topic", "topics", "words")  # the parameters that are topics
+TOPIC = ("topic", "topics", "words")  # names of parameters that are topics
 _DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
 
 
 def urls(situation: Situation) -> Iterator[Candidate]:
-    """The bus of the environment, the default, and the beginnings of other kinds."""
+    """Complete URLs: the bus of the environment, the default, and prefixes of other providers."""
     yield Candidate(situation.environment.get("LCM_DEFAULT_URL") or _DEFAULT_URL)
     yield Candidate(_DEFAULT_URL)
     yield from (
@@ -26,7 +26,7 @@ def urls(situation: Situation) -> Iterator[Candidate]:
 
 
 def topics(situation: Situation) -> Iterator[Candidate]:
-    """The topics; hidden ones only where the word is one.
+    """Complete topics; hidden ones only if the typed word is hidden.
 
     A word without a slash may be a plain channel's name, or one in the namespace.
     """
@@ -38,7 +38,7 @@ def topics(situation: Situation) -> Iterator[Candidate]:
 
 
 def nodes(situation: Situation) -> Iterator[Candidate]:
-    """The nodes by their full names; by the last part where the word has no slash."""
+    """Complete nodes by their full names, or by their last part if the word has no slash."""
     given = situation.all("node", "nodes")
     for node in situation.graph.nodes:
         name = node.name if situation.is_global else base_name_of(node.name)
@@ -48,23 +48,23 @@ def nodes(situation: Situation) -> Iterator[Candidate]:
 
 
 def nodes_and_files(situation: Situation) -> Iterator[Candidate]:
-    """Nodes; files where the word begins no node."""
+    """Complete nodes, or files if no node begins with the word."""
     yield from nodes(situation)
     yield FILES
 
 
 def nodes_after_file(situation: Situation) -> Iterator[Candidate]:
-    """A file, then nodes."""
+    """Complete a file, then nodes."""
     yield from nodes(situation) if situation.given.get("words") else [FILES]
 
 
 def hosts(situation: Situation) -> Iterator[Candidate]:
-    """The computers that nodes run on."""
+    """Complete the computers that nodes run on."""
     yield from map(Candidate, sorted({node.host for node in situation.graph.nodes}))
 
 
 def namespaces(situation: Situation) -> Iterator[Candidate]:
-    """The namespaces of topics and nodes, and those above them."""
+    """Complete the namespaces of topics and nodes, and their parents."""
     names = [*situation.graph.topic_names(), *(node.name for node in situation.graph.nodes)]
     found: set[str] = set()
     for name in names:
@@ -76,21 +76,21 @@ def namespaces(situation: Situation) -> Iterator[Candidate]:
 
 
 def names(situation: Situation) -> Iterator[Candidate]:
-    """Everything that has a name: namespaces, topics, nodes."""
+    """Complete all names: namespaces, topics, nodes."""
     given = situation.all("namespace", "excluded")
     found = (*namespaces(situation), *topics(situation), *nodes(situation))
     yield from (one for one in found if one.value not in given)
 
 
 def robots(situation: Situation) -> Iterator[Candidate]:
-    """The namespaces of simulated robots."""
+    """Complete the namespaces of simulated robots."""
     found = {robot: node.name for node in situation.graph.nodes for robot in _robots_of(node)}
     for robot, simulator in sorted(found.items()):
         yield Candidate(robot if situation.is_global else robot.removeprefix("/"), simulator)
 
 
 def services(situation: Situation) -> Iterator[Candidate]:
-    """The services; hidden ones only where the word is one."""
+    """Complete services; hidden ones only if the typed word is hidden."""
     given = situation.all("service", "services")
     for endpoint in _services(situation):
         name = _relative(endpoint.topic, situation)
@@ -99,7 +99,7 @@ def services(situation: Situation) -> Iterator[Candidate]:
 
 
 def parameters(situation: Situation) -> Iterator[Candidate]:
-    """Nodes; after a node its parameters; after a parameter its value.
+    """Complete nodes, then the node's parameters, then the parameter's value.
 
     The name is rosparam's ("/driver/gain") or ros2's ("driver gain"); the node itself answers.
     """
@@ -115,13 +115,13 @@ def parameters(situation: Situation) -> Iterator[Candidate]:
 
 
 def topic_meant(situation: Situation, word: str) -> str | None:
-    """Return the topic on the bus that a word means; None where there is none."""
+    """Return the topic on the bus that a word means, or None."""
     known = set(situation.graph.topic_names())
     return next((name for name in spellings(word, situation.namespace) if name in known), None)
 
 
 def types_of(graph: Graph, name: str) -> tuple[str, ...]:
-    """Return the types announced for a topic, else the likeliest by its fingerprint."""
+    """Return the types announced for a topic, or else the likeliest one for its fingerprint."""
     topic = graph.topic(name)
     if topic.types:
         return topic.types
@@ -131,7 +131,7 @@ def types_of(graph: Graph, name: str) -> tuple[str, ...]:
 
 
 def service_type(situation: Situation) -> str:
-    """Return the type of the service before the cursor; "" where no node announces it."""
+    """Return the type of the service before the cursor, or "" if no node announces it."""
     names = spellings(situation.first("service", "services"), situation.namespace)
     return next((one.type for one in _services(situation) if one.topic in names), "")
 
@@ -146,14 +146,14 @@ def _is_offered(name: str, situation: Situation) -> bool:
 
 
 def _relative(name: str, situation: Situation) -> str:
-    """A topic's or service's name as the word begins: in full, or within the namespace."""
+    """Return a name in the form that the word begins: in full, or relative to the namespace."""
     if situation.is_global or not name.startswith("/"):
         return name
     return name.removeprefix(situation.namespace.rstrip("/")).removeprefix("/")
 
 
 def _robots_of(node: Node) -> set[str]:
-    """The namespaces that a simulator takes commands for: the last word of their group."""
+    """Return the namespaces that a simulator receives commands for."""
     if not is_simulator(node):
         return set()
     groups = {one.group for one in node.having(Role.SUBSCRIBER)}
@@ -161,7 +161,7 @@ def _robots_of(node: Node) -> set[str]:
 
 
 def _node_or_parameter(situation: Situation) -> Iterator[Candidate]:
-    """Nodes, and the parameters of one that is written out with a slash behind it."""
+    """Complete nodes, or the parameters of a complete node name that ends in a slash."""
     found = list(nodes(situation))
     yield from found
     name, slash, _ = situation.word.rpartition("/")

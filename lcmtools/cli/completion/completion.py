@@ -4,7 +4,7 @@ import os
 
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.declare import argument, examples, flag, subcommand
-from lcmtools.cli.output import data, talk
+from lcmtools.cli.output import write_data, write_note
 from lcmtools.errors import UsageError
 
 
@@ -24,12 +24,12 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
     name = shell_named(shell, os.environ)
     if is_uninstall:
         for done in uninstall(plan(name, os.environ)):
-            talk(done)
+            write_note(done)
         return
     if is_install:
         wanted = plan(name, os.environ)
         for done in install(name, wanted):
-            talk(done)
-        talk(f"start a new shell, or type: {wanted.restart}")
+            write_note(done)
+        write_note(f"start a new shell, or type: {wanted.restart}")
     else:
-        data(script(name).rstrip("\n"))
+        write_data(script(name).rstrip("\n"))

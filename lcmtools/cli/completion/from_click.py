@@ -15,12 +15,12 @@ from lcmtools.cli.main import root
 
 
 def text() -> str:
-    """Return the text of the file: a line for each command, which begins with its words."""
+    """Return the text of the file, a line for each command."""
     return "".join(f"{json.dumps(row, separators=(',', ':'))}\n" for row in _rows([]))
 
 
 def _rows(path: Sequence[str]) -> Iterator[list[object]]:
-    """The rows of a command and of those below it."""
+    """Yield the rows of a command and its subcommands."""
     described = _described(path)
     yield [" ".join(path), *described]
     for name in described.commands:
@@ -28,7 +28,7 @@ def _rows(path: Sequence[str]) -> Iterator[list[object]]:
 
 
 def _described(path: Sequence[str]) -> Command:
-    """The command with these words, which exists."""
+    """Describe the command with these words."""
     command: click.Command | None = root
     context = click.Context(root, info_name="lcmtools")
     for word in path:
@@ -38,9 +38,9 @@ def _described(path: Sequence[str]) -> Command:
     # click keeps a command's help option as the first context has it
     parameters = command.get_params(click.Context(command, **command.context_settings))
     arguments = [one for one in parameters if isinstance(one, click.Argument)]
-    said = command.context_settings
-    takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
-    is_mixed = said.get("allow_interspersed_args", command.allow_interspersed_args)
+    settings = command.context_settings
+    takes_others = settings.get("ignore_unknown_options", command.ignore_unknown_options)
+    is_mixed = settings.get("allow_interspersed_args", command.allow_interspersed_args)
     return Command(
         [_option(one) for one in parameters if isinstance(one, click.Option)],
         [Argument(str(one.name), _source(one), one.nargs == -1) for one in arguments],
@@ -61,7 +61,7 @@ def _option(option: click.Option) -> Option:
 
 
 def _source(parameter: click.Parameter) -> Source:
-    """The candidates' source: as declared, else by the parameter's click type."""
+    """Return the declared source of candidates, or else that of the parameter's click type."""
     declared: Source = getattr(parameter, "completer", "")
     if isinstance(parameter.type, click.Choice):
         declared = list(map(str, parameter.type.choices))

@@ -37,7 +37,7 @@ def script(shell: str) -> str:
 
 
 def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
-    """Return the shell that is named, else the user's own."""
+    """Return the named shell, or else the user's login shell."""
     meant = name or Path(environment.get("SHELL", "")).name
     if meant not in NAMES:
         what = f"there is no completion for {meant}" if meant else "SHELL does not name a shell"

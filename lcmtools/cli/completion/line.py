@@ -14,7 +14,7 @@ _VALUE = re.compile(r"-(\.?\d|\.?inf|\.?nan\b|\s|--(?=\s))", re.IGNORECASE)
 
 
 def is_value(word: str) -> bool:
-    """Return whether a word that begins with "-" is no option: a negative number, or YAML."""
+    """Return whether a word that begins with "-" is a value: a negative number, or YAML."""
     return _VALUE.match(word) is not None
 
 
@@ -39,7 +39,7 @@ class Place:
 
 
 def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
-    """Return the place of a word behind other ones; None behind a command that does not exist."""
+    """Return the place of a word after ``words``, or None after an unknown command."""
     root = describe(())
     place = Place([], root, {}) if root else None
     rest = iter(words)
@@ -58,7 +58,7 @@ def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
 
 
 def _take_option(place: Place, option: Option, value: str | None, rest: Iterator[str]) -> bool:
-    """Note an option with its value; False where the value is the word at the cursor."""
+    """Record an option and its value. Return False if its value is the word at the cursor."""
     if option.source is not None and value is None:
         value = next(rest, None)
         if value is None:
@@ -105,7 +105,7 @@ def _argument(place: Place) -> Argument | None:
 
 
 def _option_of(place: Place, word: str) -> tuple[Option | None, str | None]:
-    """The option that a word is, and the value in the same word; None for each that is absent."""
+    """Split '--option=value' or '-ovalue'. Either part is None if missing."""
     if place.options_are_over or not word.startswith("-"):
         return None, None
     name, equals, value = word.partition("=")

@@ -1,4 +1,4 @@
-"""Completers for what is in logs: topics."""
+"""Completers for the topics of logs."""
 
 import contextlib
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from lcmtools.names import is_hidden
 
 
 def topics(situation: Situation) -> Iterator[Candidate]:
-    """The topics of the logs that are named; by the beginning of one that has no index."""
+    """Complete the topics of the named logs; without an index, from the log's beginning."""
     found: set[str] = set()
     for path in situation.all("files", "source"):
         with contextlib.suppress(LcmtoolsError):

@@ -22,9 +22,9 @@ _INDICES = ("[0]", "[-1]", "[0:5]", "[::10]")
 
 
 def types(situation: Situation) -> Iterator[Candidate]:
-    """The message types; after a topic that is on the bus, its type before all others.
+    """Complete message types; after a topic on the bus, its type comes first.
 
-    Where nothing is typed yet, that one alone: a single key takes it.
+    If nothing is typed yet, it is the only candidate, so that TAB inserts it.
     """
     topic = situation.first(*TOPIC)
     name = topic_meant(situation, topic) if topic else None
@@ -35,17 +35,17 @@ def types(situation: Situation) -> Iterator[Candidate]:
 
 
 def service_types(situation: Situation) -> Iterator[Candidate]:
-    """The service types."""
+    """Complete service types."""
     yield from _by_package(service_names(), situation.word)
 
 
 def packages(_: Situation) -> Iterator[Candidate]:
-    """The packages that have message types."""
+    """Complete packages that have message types."""
     yield from map(Candidate, sorted({_package(name) for name in type_names()}))
 
 
 def topics_and_fields(situation: Situation) -> Iterator[Candidate]:
-    """The topics; after one that is written out, with a dot or a slash, its fields."""
+    """Complete topics, or the fields of a complete topic that ends in a dot or a slash."""
     yield from topics(situation)
     if any(mark in situation.word[1:] for mark in "./["):
         topic, path, types = _split(situation, situation.word, has_path=True)
@@ -54,14 +54,14 @@ def topics_and_fields(situation: Situation) -> Iterator[Candidate]:
 
 
 def fields(situation: Situation) -> Iterator[Candidate]:
-    """The field paths of the topic before the cursor."""
+    """Complete the field paths of the topic before the cursor."""
     _, path, types = _split(situation, situation.first(*TOPIC))
     for one in _fields_of_any(types, f"{path}.{situation.word}"):
         yield Candidate(one.value[len(path) + 1 :], one.help, one.is_open)
 
 
 def prototypes(situation: Situation) -> Iterator[Candidate]:
-    """A message of the type before the cursor to fill in, as the first of the values."""
+    """Complete the first value with a template of the type before the cursor."""
     from lcmtools.messages.definition import prototype_line
 
     name = situation.last("type_")
@@ -71,7 +71,7 @@ def prototypes(situation: Situation) -> Iterator[Candidate]:
 
 
 def requests(situation: Situation) -> Iterator[Candidate]:
-    """A request of the service before the cursor to fill in; or its type, where one is begun."""
+    """Complete the request of a service with a template, or its type if one is begun."""
     from lcmtools.messages.definition import prototype_line
 
     words = situation.all("words")
@@ -87,7 +87,7 @@ def requests(situation: Situation) -> Iterator[Candidate]:
 
 
 def _by_package(names: Sequence[str], word: str) -> Iterator[Candidate]:
-    """The packages that the word may begin; the types where it is one, or names one's type."""
+    """Complete packages, or the types of a complete package name."""
     packages = {_package(name) for name in names}
     begun = [name for name in sorted(packages) if name.startswith(word)]
     shorts = [name.rpartition("/")[2] for name in names]
@@ -112,7 +112,7 @@ def _package(name: str) -> str:
 def _split(
     situation: Situation, word: str, *, has_path: bool = False
 ) -> tuple[str, str, Sequence[str]]:
-    """A word as the topic that is on the bus, the field path behind it, and the topic's types."""
+    """Split a word into a topic on the bus and a field path; return them and the topic's types."""
     from lcmtools.messages.path import splits
 
     for topic, path in splits(word):
@@ -122,7 +122,7 @@ def _split(
 
 
 def _fields_of_any(types: Iterable[str], path: str) -> Iterator[Candidate]:
-    """The field paths that begin as ``path`` does, for messages of any of the types."""
+    """Complete a field path for messages of any of the types."""
     for name in types:
         with contextlib.suppress(LcmtoolsError):  # an unknown type, or no such path
             yield from _fields(message_class(name), path)

@@ -1,4 +1,4 @@
-"""The graph of a log, as far as it is known at once."""
+"""The graph of a log, read quickly."""
 
 from itertools import islice
 
@@ -7,11 +7,11 @@ from lcmtools.graph.model import Graph, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.reading.log_file import LogFile
 
-_MOST_EVENTS = 20_000  # that are looked at in a log without an index
+_MOST_EVENTS = 20_000  # read from a log without an index
 
 
 def recorded_graph(path: str) -> Graph:
-    """Return the nodes and channels of a log, by the beginning of one that has no index.
+    """Return the nodes and channels of a log; without an index, those of its beginning.
 
     Raises:
         BusError: It cannot be read, or is no log.

@@ -36,19 +36,19 @@ _FLAGS = {
 
 
 def programs(_: Situation) -> Iterator[Candidate]:
-    """The nodes that can be run, and the packages of others than lcmtools' own."""
+    """Complete runnable nodes, and the packages of nodes that are not lcmtools' own."""
     known = runnables(Path.cwd())
     yield from (Candidate(node.name) for node in known if node.package == OWN)
     yield from map(Candidate, dict.fromkeys(one.package for one in known if one.package != OWN))
 
 
 def packages(_: Situation) -> Iterator[Candidate]:
-    """The packages of the workspace."""
+    """Complete the packages of the workspace."""
     yield from (Candidate(package.name) for package in workspace(Path.cwd()).packages)
 
 
 def arguments(situation: Situation) -> Iterator[Candidate]:
-    """A node's arguments: those that every node takes, and its own."""
+    """Complete a node's arguments: the common ones, and its own."""
     before = situation.all("arguments")
     if not before:
         package = situation.last("name")
@@ -73,7 +73,7 @@ def arguments(situation: Situation) -> Iterator[Candidate]:
 
 
 def remaps(situation: Situation) -> Iterator[Candidate]:
-    """``__ns:=``, ``__name:=`` and names on the bus with ``:=``; behind that their values."""
+    """Complete ``__ns:=``, ``__name:=``, names on the bus with ``:=``, and their values."""
     name, mark, _ = situation.word.partition(":=")
     if mark:
         source = "bus:namespaces" if name == "__ns" else "" if name[:1] == "_" else "bus:topics"
@@ -88,7 +88,7 @@ def remaps(situation: Situation) -> Iterator[Candidate]:
 
 
 def launch_words(situation: Situation) -> Iterator[Candidate]:
-    """The next word of ``lcmtools launch``: a file, a package and its file, an argument."""
+    """Complete a word of ``lcmtools launch``: a file, a package and its file, or an argument."""
     from lcmtools.launch.packages import lab_files, launch_files
 
     given = situation.all("words")
@@ -106,7 +106,7 @@ def launch_words(situation: Situation) -> Iterator[Candidate]:
 
 
 def launched_nodes(situation: Situation) -> Iterator[Candidate]:
-    """The nodes of the launch file before the cursor; none of one that is wrong."""
+    """Complete the nodes of the launch file before the cursor, if it is valid."""
     from lcmtools.launch.command_line import read_words
     from lcmtools.launch.reading import make_plan
 
@@ -120,7 +120,7 @@ def launched_nodes(situation: Situation) -> Iterator[Candidate]:
 
 
 def commands(situation: Situation) -> Iterator[Candidate]:
-    """The commands of the group whose words stand before, for ``lcmtools help``."""
+    """Complete the commands of the group before the cursor, for ``lcmtools help``."""
     from lcmtools.cli.completion.tree import describe
 
     group = describe(situation.all("words"))
@@ -129,7 +129,7 @@ def commands(situation: Situation) -> Iterator[Candidate]:
 
 
 def _values(situation: Situation, source: str, before: str = "") -> Iterator[Candidate]:
-    """The candidates of a source for the part of the word behind ``before``."""
+    """Return the candidates of a source for the part of the word after ``before``."""
     for one in candidates(source, situation.at(situation.word.removeprefix(before))):
         yield Candidate(f"{before}{one.value}", one.help, one.is_open)
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 from lcmtools.cli.completion.situation import Candidate
 
 _PLAIN = re.compile(r"[\w@%+=:,./-]+", re.ASCII)
-_PLAIN_IN_BASH = re.compile(r"[\w@%+=:,./\[\]-]+", re.ASCII)  # no file is named as a field path is
+_PLAIN_IN_BASH = re.compile(r"[\w@%+=:,./\[\]-]+", re.ASCII)  # no file has the name of a field path
 _HELP_LENGTH = 70
 _ACTIVE_IN_DOUBLE_QUOTES = frozenset('"$`\\!')
 _ENDS = re.compile(r"[|;&\n(]")  # of a command
@@ -90,7 +90,7 @@ def _write_fish(candidates: Sequence[Candidate], request: Request) -> list[str]:
 
 
 def _quoted(text: str, quote: str, plain: re.Pattern[str]) -> str:
-    """A text as it has to be typed behind an open quote; ``plain`` texts need no quotes."""
+    """Quote a text for an open quote. A ``plain`` text needs no quotes."""
     if quote == '"':
         escaped = re.sub(r'([$`"\\])', r"\\\1", text)
         return escaped.replace("!", "\"'!'\"")  # between double quotes it would recall a command
@@ -121,7 +121,7 @@ class Word:
 
 
 def scan(line: str, breaks: str = "") -> list[Word]:
-    """Return the words of the last command in a line; the last one is at the line's end.
+    """Return the words of the last command in a line, up to the end of the line.
 
     The rules are those that bash, zsh and fish share; a quote may still be open. What a shell
     would expand ($HOME, `date`) stays as it is. Behind the characters in ``breaks`` the shell goes
@@ -151,5 +151,5 @@ def _text_of(found: re.Match[str]) -> str:
 
 
 def unquoted(typed: str) -> str:
-    """Return one word as the command receives it; a quote may be open."""
+    """Return a word as the command receives it. A quote may be open."""
     return scan(typed)[-1].text

@@ -1,4 +1,4 @@
-"""The input of a completion function, the situation, and its output, candidates."""
+"""The input of a completion function, a situation, and its output, candidates."""
 
 import os
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from lcmtools.cli.completion import Source
 from lcmtools.errors import LcmtoolsError
 
-if TYPE_CHECKING:  # imported where the bus is looked at
+if TYPE_CHECKING:  # imported only to observe the bus
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph, Node
 
@@ -54,7 +54,7 @@ class Situation:
         return next(reversed(self.all(name)), "")
 
     def at(self, word: str) -> "Situation":
-        """Return the same situation with another word; the bus is not looked at twice."""
+        """Return the same situation with another word. The bus is observed only once."""
         other = Situation(word, self.given, self.environment)
         if "graph" in self.__dict__:
             other.__dict__["graph"] = self.graph
@@ -67,7 +67,7 @@ class Situation:
 
     @cached_property
     def graph(self) -> "Graph":
-        """The bus as it is now, or the log in its place; empty where it cannot be reached."""
+        """The graph of the bus or the log; empty if it cannot be read."""
         from lcmtools.bus.quick_probe import QuickProbe
 
         try:
@@ -75,7 +75,7 @@ class Situation:
                 from lcmtools.cli.completion.recorded import recorded_graph
 
                 return recorded_graph(log)
-            if self.url.provider == "zenoh":  # the others announce nothing when asked
+            if self.url.provider == "zenoh":  # other providers do not announce on request
                 return self._discovered()
             with QuickProbe(self.url) as quick_probe:
                 from lcmtools.bus.recent_channels import with_recent_channels
@@ -89,7 +89,7 @@ class Situation:
             return Graph()
 
     def _discovered(self) -> "Graph":
-        """The nodes of a bus of another kind, which takes longer."""
+        """Return the nodes of a bus that is not multicast, which takes longer."""
         from lcmtools.observe.reading.monitor import BusMonitor
 
         with BusMonitor(self.url, "complete", self.environment) as monitor:
@@ -101,8 +101,8 @@ class Situation:
         from lcmtools.bus.url import choose_url
         from lcmtools.settings import read_user_file
 
-        said = self.last("lcm_url"), self.last("domain")
-        return choose_url(*said, self.environment, read_user_file(self.environment))[0]
+        given = self.last("lcm_url"), self.last("domain")
+        return choose_url(*given, self.environment, read_user_file(self.environment))[0]
 
     @cached_property
     def namespace(self) -> str:
@@ -129,7 +129,7 @@ CompletionFunction = Callable[[Situation], Iterable[Candidate]]
 
 
 def candidates(source: Source, situation: Situation) -> list[Candidate]:
-    """Return the candidates of a source; some may not begin as the situation's word does."""
+    """Return the candidates of a source. Some may not begin with the situation's word."""
     if not isinstance(source, str):
         return [Candidate(words[0], "".join(words[1:])) for words in source]
     if source == "files":

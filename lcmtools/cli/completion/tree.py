@@ -43,7 +43,7 @@ class Command(NamedTuple):
 
 
 def describe(path: Sequence[str]) -> Command | None:
-    """Return the command with these words; None where there is none."""
+    """Return the command with these words, or None."""
     beginning = f"[{json.dumps(' '.join(path))},"
     line = next((one for one in _lines() if one.startswith(beginning)), None)
     if line is None:

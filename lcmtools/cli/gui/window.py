@@ -14,10 +14,10 @@ import click
 from lcmtools.cli.bus import chosen_log, notify, open_monitor
 from lcmtools.cli.declare import CommandT, flag, option, together
 from lcmtools.cli.options import bag_option, bus_options, json_option, names_options
-from lcmtools.cli.output import document, talk
+from lcmtools.cli.output import write_document, write_note
 from lcmtools.errors import needing_extra
 
-if TYPE_CHECKING:  # the help does without the window
+if TYPE_CHECKING:  # not needed for the help
     from lcmtools.gui.protocol import Json
     from lcmtools.gui.source import Source
 
@@ -37,7 +37,7 @@ class WindowChoice:
 
 
 def _collected(command: click.Command) -> click.Command:
-    """Hand the window's options over as one value."""
+    """Combine the window's options into one value."""
     function = command.callback
     assert function is not None, "it is declared by a function"
 
@@ -91,7 +91,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
 
     def say(port: int) -> None:
         addresses = access.addresses(_reached_at(choice.host), port)
-        _tell(addresses, as_json=choice.as_json)
+        _write_addresses(addresses, as_json=choice.as_json)
         if has_display(os.environ) if choice.opens is None else choice.opens:
             webbrowser.open([*addresses.values()][-1])
 
@@ -102,7 +102,7 @@ def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> No
 
 @contextmanager
 def _opened_source() -> "Iterator[Source]":
-    """The log or the bus that the command line names."""
+    """Open the log or the bus that the command line selects."""
     with ExitStack() as stack:
         source: Source
         if (log := chosen_log()) is not None:
@@ -117,15 +117,15 @@ def _opened_source() -> "Iterator[Source]":
         yield source
 
 
-def _tell(addresses: Mapping[str, str], *, as_json: bool) -> None:
+def _write_addresses(addresses: Mapping[str, str], *, as_json: bool) -> None:
     if as_json:
-        document(addresses)
+        write_document(addresses)
         return
     for right, address in addresses.items():
-        talk(f"to {right}: {address}")
-    talk("Ctrl-C ends it")
+        write_note(f"to {right}: {address}")
+    write_note("Ctrl-C ends it")
 
 
 def _reached_at(host: str | None) -> str:
-    """The address that others reach a server at: this computer's own for 0.0.0.0."""
+    """Return the address at which others reach a server: this computer's address for 0.0.0.0."""
     return socket.gethostname() if host in ("0.0.0.0", "::") else host or "127.0.0.1"  # noqa: S104

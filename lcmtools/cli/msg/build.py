@@ -8,7 +8,7 @@ import click
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import complain, show, talk
+from lcmtools.cli.output import write_error, write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
 from lcmtools.packages import lcm_gen
@@ -38,7 +38,7 @@ def build(folder: str | None, *, as_json: bool) -> int:
 
 
 def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
-    """Compile the types of folders, print them and the problems; return the exit code."""
+    """Compile the types of folders, print them and their problems, and return the exit code."""
     source = user_types().compiled(folders)
     made = {n: f for n, f in sorted(source.files.items()) if _is_in(f, folders)}
     problems = [one for one in source.problems if _is_in(one.file, folders)]
@@ -47,10 +47,10 @@ def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
         for name, file in made.items()
     ]
     record = {"types": types, "problems": [problem._asdict() for problem in problems]}
-    show(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
+    write_result(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
     build = click.get_current_context().meta.get(COMMAND, "lcmtools")
     for problem in problems:
-        complain(str(build), problem.error())
+        write_error(str(build), problem.error())
     return 1 if problems else 0
 
 
@@ -75,6 +75,6 @@ def generate_code(*, lang: str, folder: str, types: tuple[str, ...], as_json: bo
     written = list(
         map(str, lcm_gen.generate_code(sources_of(types), lang, Path(folder).expanduser()))
     )
-    show(written, written, as_json=as_json)
+    write_result(written, written, as_json=as_json)
     if not as_json:
-        talk(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")
+        write_note(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")

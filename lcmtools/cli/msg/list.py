@@ -2,7 +2,7 @@
 
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UnknownType
 from lcmtools.messages.registry import message_class, packages, problems, service_names, type_names
 from lcmtools.names import did_you_mean
@@ -15,8 +15,8 @@ _single_line_option = flag("-s", "--single-line", help="All on one line, separat
 def list_types(*, as_json: bool) -> None:
     """List the message types that lcmtools knows."""
     for problem in problems():
-        talk(str(problem.error()), "lcmtools msg list")
-    show(type_names(), type_names(), as_json=as_json)
+        write_note(str(problem.error()), "lcmtools msg list")
+    write_result(type_names(), type_names(), as_json=as_json)
 
 
 @subcommand("package", json_option)
@@ -29,7 +29,7 @@ def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
     if not found:
         hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
         raise UnknownType(f"unknown package '{package}'", hint)
-    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
+    write_result(found, [" ".join(found)] if single_line else found, as_json=as_json)
 
 
 @subcommand("packages", json_option)
@@ -38,7 +38,7 @@ def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
 def packages_command(*, single_line: bool, as_json: bool) -> None:
     """List the packages that have message types."""
     found = packages()
-    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
+    write_result(found, [" ".join(found)] if single_line else found, as_json=as_json)
 
 
 @subcommand("find-field", json_option)
@@ -46,7 +46,7 @@ def packages_command(*, single_line: bool, as_json: bool) -> None:
 @argument("name")
 def find_field(name: str, *, as_json: bool) -> None:
     """Find the message types with a field of this name, nested types not included."""
-    from lcmtools.messages.definition import declaration  # the others do without
+    from lcmtools.messages.definition import declaration  # not needed otherwise
     from lcmtools.messages.fields import visible_fields
 
     known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
@@ -55,11 +55,11 @@ def find_field(name: str, *, as_json: bool) -> None:
         hint = did_you_mean(name, sorted({field.name for _, field in known}))
         raise LcmtoolsError(f"no message type has a field '{name}'", hint)
     record = [{"type": type_, "field": text} for type_, text in found]
-    show(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)
+    write_result(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)
 
 
 @subcommand("list", json_option)
 @examples("srv list", "srv list --json")
 def list_services(*, as_json: bool) -> None:
     """List the service types that lcmtools knows."""
-    show(service_names(), service_names(), as_json=as_json)
+    write_result(service_names(), service_names(), as_json=as_json)

@@ -1,16 +1,16 @@
-"""``lcmtools srv show``, and what ``msg show`` has of it."""
+"""``lcmtools srv show``; ``msg show`` uses it for service types."""
 
 import sys
 
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import show
+from lcmtools.cli.output import write_result
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import service_class, service_name, type_name
 
 
 def piped_type(example: str) -> str:
-    """Return the type on standard input; UsageError, with an example, for none or several."""
+    """Return the type on standard input. Raise UsageError unless there is exactly one."""
     example = f"for example lcmtools {example}"
     if sys.stdin is None or sys.stdin.isatty():
         raise UsageError("no type is given", example)
@@ -47,8 +47,8 @@ def print_service(type_: str, *, raw: bool, as_json: bool) -> None:
     text = source_text if raw else definition
     request, response = text(pair.Request), text(pair.Response)
     heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
-    if raw and source_file(type_name(pair.Request)).endswith(".srv"):  # which has both
+    if raw and source_file(type_name(pair.Request)).endswith(".srv"):  # which defines both
         request, response = (part.strip() for part in f"\n{request}\n".split("\n---", 1))
     record = {"type": name, "request": request, "response": response}
     rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
-    show(record, rows, as_json=as_json)
+    write_result(record, rows, as_json=as_json)

@@ -3,7 +3,7 @@
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.msg.services import piped_type, print_service
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import data, document, show, talk
+from lcmtools.cli.output import write_data, write_document, write_note, write_result
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 from lcmtools.messages.type_source import shown
 
@@ -22,7 +22,7 @@ def print_fingerprint(type_: str, *, as_json: bool) -> None:
     found = {type_name(kind): f"{fingerprint(kind):016x}" for kind in kinds}
     record = [{"type": name, "fingerprint": digits} for name, digits in found.items()]
     rows = (f"[{name}]: {digits}" if named else digits for name, digits in found.items())
-    show(record, rows, as_json=as_json)
+    write_result(record, rows, as_json=as_json)
 
 
 @subcommand("proto", json_option)
@@ -34,7 +34,7 @@ def proto(type_: str, *, as_json: bool) -> None:
     from lcmtools.messages.plain import to_json
 
     kind = message_class(type_)
-    data(to_json(kind()) if as_json else prototype(kind))
+    write_data(to_json(kind()) if as_json else prototype(kind))
 
 
 @subcommand("show", json_option)
@@ -55,7 +55,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     from lcmtools.packages.user_types import source_file, source_text
 
     type_ = piped_type("msg show geometry_msgs/Twist") if type_ == "-" else type_
-    if "/srv/" in type_:  # as ros2 interface show takes it
+    if "/srv/" in type_:  # as in ros2 interface show
         print_service(type_, raw=raw, as_json=as_json)
         return
     kind = message_class(type_)
@@ -64,7 +64,11 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     spelling = "LCM" if raw and file.endswith(".lcm") else "ROS"
     if as_json:
         number = f"{fingerprint(kind):#018x}"
-        document({"type": name, "fingerprint": number, "spelling": spelling, "definition": text})
+        write_document(
+            {"type": name, "fingerprint": number, "spelling": spelling, "definition": text}
+        )
     else:
-        data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
-        talk(f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}")
+        write_data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
+        write_note(
+            f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}"
+        )

@@ -5,14 +5,14 @@ import time
 from lcmtools.cli.bus import in_names, notify, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import write_document, write_lines
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.node_requests import find_programs
 from lcmtools.observe.reading.find import find_nodes
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import Program
-from lcmtools.observe.reports import node_report as report
+from lcmtools.observe.reports import node_report, program_report
 from lcmtools.publish.parameter_report import block, values
 from lcmtools.publish.remote_parameters import Answers, ParameterClient, has_parameters
 
@@ -38,23 +38,19 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = graph.time if monitor.is_log else time.time_ns()
     if as_json:
-        document([_record(one, graph, known, now) for one in found])
+        write_document([_record(one, graph, known, now) for one in found])
         return
     for one in found:
         if isinstance(one, Program):
-            lines(report.program_rows(one, now, quiet=quiet))
+            write_lines(program_report.rows(one, now, quiet=quiet))
             continue
-        lines(report.roles(one, show_hidden=show_hidden))
-        if quiet and one.stale:
-            notify(f"{one.name} is stale: {one.stale}")
-        elif not quiet:
-            sections = (
-                report.process(one, now),
-                _parameters(one, known),
-                report.counters(one),
-                report.connections(one, graph),
-            )
-            lines(row for section in sections for row in section)
+        if quiet:
+            write_lines(node_report.roles(one, show_hidden=show_hidden))
+            if one.stale:
+                notify(f"{one.name} is stale: {one.stale}")
+            continue
+        parameters = _parameters(one, known)
+        write_lines(node_report.rows(one, graph, now, parameters, show_hidden=show_hidden))
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
@@ -82,7 +78,7 @@ def _parameters(node: Node, known: Answers) -> list[str]:
 
 def _record(one: Node | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
     if isinstance(one, Program):
-        return report.program_record(one)
+        return program_report.record(one)
     parameters = known.get(one.name)
     known_values = None if parameters is None else values(parameters)
-    return {**report.record(one, graph, now), "parameters": known_values}
+    return {**node_report.record(one, graph, now), "parameters": known_values}

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.node_requests import NodeEnd, end_nodes, node_to_end, nodes_to_end
@@ -36,18 +36,18 @@ def command(
         named = [node_to_end(monitor, graph, in_names(word)) for word in nodes]
         found = list({node.id: node for node in named or nodes_to_end(graph)}.values())
         if not found:
-            talk("no nodes running")
+            write_note("no nodes running")
         elif not (nodes or (kill_all and yes)):
             found = _confirmed(found) if kill_all else _chosen(found)
         if found and not as_json:
             several = ["killing:", *(f" * {node.name}" for node in found)]
-            lines(several if len(found) > 1 else [f"killing {found[0].name}"])
+            write_lines(several if len(found) > 1 else [f"killing {found[0].name}"])
         ends = end_nodes(monitor, found, timeout)
     if as_json:
-        document([end.record() for end in ends])
-    elif found:  # as rosnode kill says it; which ones where not all have ended
+        write_document([end.record() for end in ends])
+    elif found:  # as in rosnode kill; with names unless all have ended
         killed = [f"killed {end.node.name}" for end in ends if end.has_ended]
-        lines(["killed"] if len(killed) == len(ends) else killed)
+        write_lines(["killed"] if len(killed) == len(ends) else killed)
     return _complain(ends, timeout)
 
 
@@ -55,19 +55,19 @@ def _confirmed(nodes: list[Node]) -> list[Node]:
     if not sys.stdin.isatty():
         what = f"--all would kill {len(nodes)} nodes and needs confirmation"
         raise UsageError(what, "add --yes")
-    talk("This kills all nodes:")
+    write_note("This kills all nodes:")
     for node in nodes:
-        talk(f" * {node.name}")
+        write_note(f" * {node.name}")
     if click.confirm("Kill all nodes?", err=True):
         return nodes
-    talk("nothing was killed")
+    write_note("nothing was killed")
     return []
 
 
 def _chosen(nodes: list[Node]) -> list[Node]:
-    """The node that a person chooses from a list, as rosnode kill has it."""
+    """Let the user choose a node from a list, as in rosnode kill."""
     for number, node in enumerate(nodes, 1):
-        talk(f"{number}. {node.name}")
+        write_note(f"{number}. {node.name}")
     choice = click.IntRange(1, len(nodes))
     number = click.prompt("Number of the node to kill", type=choice, err=True)
     return [nodes[number - 1]]
@@ -78,7 +78,7 @@ def _complain(ends: list[NodeEnd], timeout: float) -> int:
     for end in ends:
         others = [name for name in end.others if name not in named]
         if not end.has_ended:
-            talk(end.complaint(timeout), "lcmtools node kill")
+            write_note(end.complaint(timeout), "lcmtools node kill")
         elif others:
-            talk(f"ended with {end.node.name}, in the same process: {', '.join(others)}")
+            write_note(f"ended with {end.node.name}, in the same process: {', '.join(others)}")
     return 0 if all(end.has_ended for end in ends) else 1

@@ -13,7 +13,7 @@ from lcmtools.cli.declare import (
     subcommand,
 )
 from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
-from lcmtools.cli.output import data, document, lines, show, talk
+from lcmtools.cli.output import write_data, write_document, write_lines, write_note, write_result
 from lcmtools.graph.model import Staleness
 from lcmtools.names import Pattern
 
@@ -42,36 +42,35 @@ def list_nodes(
     "*arm*".
     """
     with open_monitor("node_list", asks=True) as monitor:
-        from lcmtools.observe.reports.describe import (  # while the nodes answer
-            listed_node,
-            node_record,
-        )
+        from lcmtools.observe.reports import node_list_report  # while the nodes answer
+        from lcmtools.observe.reports.describe import listed_node
 
         if show_all:
             from lcmtools.observe.reading.senders import programs
-            from lcmtools.observe.reports.node_report import listed, listed_program, program_record
+            from lcmtools.observe.reports import program_report
 
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
-        document([*map(node_record, nodes), *(program_record(one) for one in others)])
+        records = [program_report.record(one) for one in others]
+        write_document([*map(node_list_report.record, nodes), *records])
     elif count:
-        data(str(len(nodes)))
+        write_data(str(len(nodes)))
     elif uri:
-        lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
+        write_lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
     elif show_all:
-        lines(listed(node, graph.time) for node in nodes)
-        rows = (row for one in others for row in listed_program(one))
-        lines(["", _HEADING, *rows] if others else [])
+        write_lines(node_list_report.rows(nodes, graph.time))
+        rows = (row for one in others for row in program_report.listed_rows(one))
+        write_lines(["", _HEADING, *rows] if others else [])
     else:
-        lines(map(listed_node, nodes))
+        write_lines(map(listed_node, nodes))
     if not nodes and not count:
-        talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
+        write_note(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
     names = Counter(node.name for node in nodes if not (node.stale or node.is_recorded))
     if twice := sorted(name for name, number in names.items() if number > 1):
-        talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")
+        write_note(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")
 
 
 @subcommand("machine", all_option, json_option, bus_options)
@@ -93,7 +92,7 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
         names.setdefault(computers.of(node), []).append(node.name)
     record = [{"host": name, "nodes": of} for name, of in sorted(names.items())]
     rows = sorted(names) if host is None else map(listed_node, found)
-    show(record, rows, as_json=as_json, none=f"no nodes on {url}")
+    write_result(record, rows, as_json=as_json, none=f"no nodes on {url}")
 
 
 @subcommand("cleanup", json_option, bus_options)
@@ -111,4 +110,4 @@ def cleanup(*, as_json: bool) -> None:
             monitor.forget(node)
     names = [node.name for node in ended]
     none = "no node has ended without saying goodbye"
-    show(names, names, as_json=as_json, none=none)
+    write_result(names, names, as_json=as_json, none=none)

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
 from lcmtools.cli.options import asking_options, json_option, timeout_option
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import write_data, write_document, write_lines, write_note
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.node_requests import ping, pings
@@ -46,30 +46,30 @@ def command(
 def _ping_one(
     monitor: BusMonitor, node: Node, count: int | None, timeout: float, *, as_json: bool
 ) -> None:
-    """Ping a node again and again, and sum up, on Ctrl-C too."""
+    """Ping a node repeatedly, and print a summary, also after Ctrl-C."""
     times: list[float] = []
     if not as_json:
-        data(f"pinging {node.name} with a timeout of {timeout}s")
+        write_data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
         for seconds in islice(pings(monitor, node, timeout), count):
             times.append(seconds)
             if not as_json:
-                lines([ping_reply(node, seconds)])
+                write_lines([ping_reply(node, seconds)])
     finally:
         if as_json:
             average = sum(times) / len(times) if times else None
             low, high = min(times, default=None), max(times, default=None)
             spread = {"min": low, "average": average, "max": high}
-            document({"node": node.name, "times": times, **spread})
+            write_document({"node": node.name, "times": times, **spread})
         else:
-            lines(ping_summary(times))
+            write_lines(ping_summary(times))
 
 
 def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
     if not nodes:
-        talk(f"no nodes on {monitor.url}")
+        write_note(f"no nodes on {monitor.url}")
     if nodes and not as_json:
-        lines(["Will ping the following nodes: ", *(f" * {node.name}" for node in nodes), ""])
+        write_lines(["Will ping the following nodes: ", *(f" * {node.name}" for node in nodes), ""])
     times: list[float | None] = []
     try:
         times.extend(_try(monitor, node, timeout, as_json=as_json) for node in nodes)
@@ -77,21 +77,23 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
         answered = [seconds for seconds in times if seconds is not None]
         if as_json:
             pairs = zip(nodes, times, strict=False)
-            document([{"node": one.name, "time": seconds} for one, seconds in pairs])
+            write_document([{"node": one.name, "time": seconds} for one, seconds in pairs])
         elif nodes:
-            lines([f"{len(answered)} of {len(nodes)} nodes answered", *ping_summary(answered)])
+            write_lines(
+                [f"{len(answered)} of {len(nodes)} nodes answered", *ping_summary(answered)]
+            )
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
 
 
 def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> float | None:
-    """Ping a node once and say what comes of it; the seconds, None without an answer."""
+    """Ping a node once and print the result. Return the seconds, or None without an answer."""
     if not as_json:
-        data(f"pinging {node.name} with a timeout of {timeout}s")
+        write_data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
         seconds = ping(monitor, node, timeout)
     except NothingReceived as error:
-        talk(str(error), "lcmtools node ping")
+        write_note(str(error), "lcmtools node ping")
         return None
     if not as_json:
-        lines([ping_reply(node, seconds)])
+        write_lines([ping_reply(node, seconds)])
     return seconds

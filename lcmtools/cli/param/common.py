@@ -1,4 +1,4 @@
-"""Parts of the ``param`` commands: the look at the bus, the nodes, and what is said of them."""
+"""Common parts of the ``param`` commands: finding nodes, and reporting missing answers."""
 
 from collections.abc import Sequence
 
@@ -23,12 +23,12 @@ def look(timeout: float) -> tuple[Graph, ParameterClient]:
 
 
 def named(graph: Graph, node: str, *name: str) -> ParameterTarget:
-    """Return the node, the parameter or the namespace that words on the command line mean."""
+    """Return the node, parameter or namespace that the command line names."""
     return find_target(graph, [in_names(node), *filter(None, name)])
 
 
 def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:
-    """Return the nodes with parameters; print which ones run and do not answer."""
+    """Return the nodes with parameters, and write a note for those that run but do not answer."""
     for node in graph.nodes:
         if node.stale is Staleness.HANGS and not (node.tool or node.is_hidden):
             notify(f"{node.name} {node.stale}")
@@ -37,7 +37,7 @@ def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:
 
 
 def complain_of(errors: Sequence[ServiceError]) -> int:
-    """Print which nodes did not answer; return the exit code."""
+    """Write which nodes did not answer, and return the exit code."""
     for error in errors:
         notify(f"{error}")
     return ServiceTimeout.exit_code if errors else 0

@@ -7,7 +7,7 @@ from pathlib import Path
 from lcmtools.cli.bus import in_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import asking_options, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import write_whole
@@ -31,10 +31,10 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
     file, nodes = _file_and_nodes(graph, words, output)
     answers, errors = client.get_all(nodes)
     if as_json:
-        document(report.all_values(answers))
+        write_document(report.all_values(answers))
     elif file in (None, "-"):
-        lines(report.tree(answers))
-    elif not errors:  # half of a file is worse than none
+        write_lines(report.tree(answers))
+    elif not errors:  # an incomplete file is worse than none
         text = "".join(f"{row}\n" for row in report.tree(answers))
         write_whole(Path(str(file)), text)
     return complain_of(errors)
@@ -43,7 +43,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
 def _file_and_nodes(
     graph: Graph, words: Sequence[str], output: str | None
 ) -> tuple[str | None, Sequence[Node]]:
-    """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file."""
+    """Return the file and the nodes. rosparam has the file first, ros2 has none."""
     files = [*([output] if output else []), *words[:-1]]
     if len(files) > 1:
         raise UsageError(
@@ -80,11 +80,11 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
         raise errors[0]
     for target, changes in changes_of(found, answers, node.name if node else None).items():
         make_changes(client, target, changes)
-        talk(f"{target}: {', '.join(changes)} set")
+        write_note(f"{target}: {', '.join(changes)} set")
 
 
 def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:
-    """The file and the node; ros2 writes the node first."""
+    """Return the file and the node. ros2 has the node first."""
     if len(words) > 2:  # noqa: PLR2004 - the two
         raise UsageError(
             "too many arguments: expected a file and a node", "see lcmtools param load --help"

@@ -2,9 +2,8 @@
 
 from lcmtools.cli.declare import accepted_for_ros, argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, asking_options, json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
-from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
 from lcmtools.publish.remote_parameters import pick, value_of
 
@@ -29,9 +28,9 @@ def list_parameters(
         f"{name}/{p.name}{f' [{p.type}]' * show_types}{f': {p.value}' * show_values}"
         for name, p in found
     )
-    show([report.record(*one) for one in found], rows, as_json=as_json)
+    write_result([report.record(*one) for one in found], rows, as_json=as_json)
     if not nodes:
-        talk(f"no node with parameters on {client.url}")
+        write_note(f"no node with parameters on {client.url}")
     return complain_of(errors)
 
 
@@ -52,16 +51,16 @@ def get(node: str, name: str, *, is_pretty: bool, timeout: float, as_json: bool)
     target = named(graph, node, name)
     if target.is_namespace:
         answers, errors = client.get_all(target.nodes)
-        show(report.all_values(answers), report.tree(answers), as_json=as_json)
+        write_result(report.all_values(answers), report.tree(answers), as_json=as_json)
         return complain_of(errors)
     found = client.request(target.node.name)
     if target.parameter is None:
-        show(report.values(found), report.block(found), as_json=as_json)
+        write_result(report.values(found), report.block(found), as_json=as_json)
         return 0
     parameter = pick(found, target.parameter, target.node.name)
     value = value_of(parameter)
     text = value if is_pretty and isinstance(value, str) else parameter.value
-    show(finite(value), text.split("\n"), as_json=as_json)
+    write_result(value, text.split("\n"), as_json=as_json)
     return 0
 
 
@@ -76,5 +75,7 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     full, wanted = target.node.name, target.parameter
     found = client.request(full)
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    rows = (row for parameter in parameters for row in report.description(full, parameter))
-    show([report.record(full, parameter) for parameter in parameters], rows, as_json=as_json)
+    rows = (row for parameter in parameters for row in report.rows(full, parameter))
+    write_result(
+        [report.record(full, parameter) for parameter in parameters], rows, as_json=as_json
+    )

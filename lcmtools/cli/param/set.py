@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.negative_numbers import CommandWithWords
 from lcmtools.cli.options import asking_options
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.param.common import look, named, timeout_option
 from lcmtools.errors import UsageError
 from lcmtools.messages.documents import parse_values
@@ -39,7 +39,7 @@ def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
     texts = _texts(client, target, words[-1])
     parameters = client.request(target.node.name, texts)
     for name in texts:
-        talk(f"{target.node.name}/{name} is now {parameters[name].value}")
+        write_note(f"{target.node.name}/{name} is now {parameters[name].value}")
 
 
 def _texts(client: ParameterClient, target: ParameterTarget, value: str) -> Mapping[str, str]:

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.negative_numbers import CommandWithDeps
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.messages.registry import packages
 from lcmtools.packages.create import NewPackage, check, create
 
@@ -62,7 +62,7 @@ def command(
     place = Path(folder).expanduser() / name
     written = create(new, place, replace=force)
     record = {"folder": str(place), "files": [str(path) for path in written]}
-    show(record, (str(place / path) for path in written), as_json=as_json)
+    write_result(record, (str(place / path) for path in written), as_json=as_json)
     if not as_json:
         where = "" if folder == "." else f"cd {folder}; "
-        talk(f"next: {where}lcmtools run {name} {new.node}")
+        write_note(f"next: {where}lcmtools run {name} {new.node}")

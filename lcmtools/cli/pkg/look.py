@@ -5,10 +5,11 @@ from pathlib import Path
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.msg.build import build_folders
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import columns, show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.packages.finding import find_packages, package_places, unknown_package
 from lcmtools.packages.runnable_nodes import runnables
 from lcmtools.packages.workspace import workspace
+from lcmtools.text_table import text_table
 
 
 @subcommand("list", json_option)
@@ -20,7 +21,7 @@ def list_packages(*, as_json: bool) -> None:
     """
     found = package_places(Path.cwd())
     for problem in workspace(Path.cwd()).problems:
-        talk(str(problem), "lcmtools pkg list")
+        write_note(str(problem), "lcmtools pkg list")
     known = runnables(Path.cwd()) if as_json else []
     record = [
         {
@@ -32,7 +33,7 @@ def list_packages(*, as_json: bool) -> None:
         for name, (folder, is_installed) in found.items()
     ]
     rows = [(name, str(folder)) for name, (folder, _) in found.items()]
-    show(record, columns(rows), as_json=as_json)
+    write_result(record, text_table(rows), as_json=as_json)
 
 
 @subcommand("find", json_option)
@@ -45,7 +46,7 @@ def find_command(name: str, *, as_json: bool) -> None:
         raise unknown_package(name, found, Path.cwd())
     folder, is_installed = found[name]
     record = {"name": name, "folder": str(folder), "is_installed": is_installed}
-    show(record, [str(folder)], as_json=as_json)
+    write_result(record, [str(folder)], as_json=as_json)
 
 
 @subcommand("build", json_option)
@@ -60,5 +61,5 @@ def build(name: str | None, *, as_json: bool) -> int:
     chosen = find_packages(name, Path.cwd())
     code = build_folders([one.folder for one in chosen], as_json=as_json)
     if code == 0:
-        talk(f"ready: {', '.join(one.name for one in chosen)}")
+        write_note(f"ready: {', '.join(one.name for one in chosen)}")
     return code

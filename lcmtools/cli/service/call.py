@@ -13,7 +13,7 @@ from lcmtools.cli.options import (
     timeout_option,
     times_option,
 )
-from lcmtools.cli.output import data, talk
+from lcmtools.cli.output import write_data, write_note
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.text import format_message
 from lcmtools.observe.reading.find import OfferedService, find_service, full_service_name
@@ -77,14 +77,14 @@ def command(
             wait_for_service(monitor, service, wait, notify)
         found = find_service(monitor.graph(), service)
     pair, values = split_type(found, words)
-    requests = read_requests(pair.Request, values, file, talk)
+    requests = read_requests(pair.Request, values, file, write_note)
     _tell_server(found, verbose=verbose)
     code = 0
     is_one = len(requests) == 1 and rate is None and times is None
     due = requests_in_time(requests, rate, times)
     for response in call_all(found, pair, due, timeout, monitor.url):
         text = to_json(response) if as_json else format_message(response)
-        data(text if as_json or is_one else f"{text}\n---")
+        write_data(text if as_json or is_one else f"{text}\n---")
         if getattr(response, "success", True) is False:  # as Trigger and SetBool report a failure
             code = 1
     return code

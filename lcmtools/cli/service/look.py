@@ -3,7 +3,7 @@
 from lcmtools.cli.bus import in_names, look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import show
+from lcmtools.cli.output import write_result
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
@@ -26,7 +26,7 @@ def list_services(
     services = offered_services(graph, in_names(namespace), show_all=show_all)
     rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
     none = f"no services{f' in {namespace}' if namespace else ''} on {url}"
-    show([one.record() for one in services], rows, as_json=as_json, none=none)
+    write_result([one.record() for one in services], rows, as_json=as_json, none=none)
 
 
 def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
@@ -52,7 +52,7 @@ def find(type_: str, *, show_all: bool, as_json: bool) -> None:
     name = service_name(type_)
     graph, url = look("service_find")
     found = [s.name for s in offered_services(graph, show_all=show_all) if name in s.types]
-    show(found, found, as_json=as_json, none=f"no services of type {name} on {url}")
+    write_result(found, found, as_json=as_json, none=f"no services of type {name} on {url}")
 
 
 @subcommand("type", json_option, looking_options)
@@ -64,7 +64,7 @@ def type_(service: str, *, as_json: bool) -> None:
     if not (found.types or as_json):
         raise LcmtoolsError(f"the type of {found.name} is not known")
     record = {"service": found.name, "type": found.type_text if found.types else None}
-    show(record, [found.type_text], as_json=as_json)
+    write_result(record, [found.type_text], as_json=as_json)
 
 
 @subcommand("args", json_option, looking_options)
@@ -74,7 +74,7 @@ def args(service: str, *, as_json: bool) -> None:
     """Print the names of a service's arguments: the fields of its request."""
     found = _find("service_args", service)[0]
     names = [field.name for field in visible_fields(found.type_class().Request)]
-    show(names, [" ".join(names)], as_json=as_json)
+    write_result(names, [" ".join(names)], as_json=as_json)
 
 
 @subcommand("info", json_option, looking_options)
@@ -82,11 +82,8 @@ def args(service: str, *, as_json: bool) -> None:
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients."""
-    from lcmtools.observe.reports.topic_report import (  # the others do without
-        service_record,
-        service_rows,
-    )
+    from lcmtools.observe.reports import service_report  # the others do without
 
     found = _find("service_info", *services)
-    rows = (row for one in found for row in service_rows(one, is_only=len(found) == 1))
-    show(list(map(service_record, found)), rows, as_json=as_json)
+    rows = (row for one in found for row in service_report.rows(one, is_only=len(found) == 1))
+    write_result(list(map(service_report.record, found)), rows, as_json=as_json)

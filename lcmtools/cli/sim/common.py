@@ -1,11 +1,11 @@
-"""Parts of the ``sim`` commands: their options, the call, and what is printed."""
+"""Common parts of the ``sim`` commands: options, the service call, and its response."""
 
 from typing import TYPE_CHECKING
 
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import option, together
 from lcmtools.cli.options import bus_options, json_option, timeout_option
-from lcmtools.cli.output import data, document
+from lcmtools.cli.output import write_data, write_document
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.publish.simulator import RequestT, ResponseT, call_simulator
@@ -32,9 +32,9 @@ def call(
         return call_simulator(monitor, name, verb, service_type, timeout=timeout, **fields)
 
 
-def show(response: Message, *, as_json: bool) -> None:
-    """Print what the simulator has done."""
+def write_response(response: Message, *, as_json: bool) -> None:
+    """Print the simulator's response."""
     if as_json:
-        document(to_plain(response))
+        write_document(to_plain(response))
     else:
-        data(response.message)  # type: ignore[attr-defined] # all responses of sim_msgs have it
+        write_data(response.message)  # type: ignore[attr-defined] # all responses of sim_msgs have it

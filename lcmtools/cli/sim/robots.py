@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.negative_numbers import CommandWithWords
-from lcmtools.cli.output import data
-from lcmtools.cli.sim.common import call, json_sim_options, show
+from lcmtools.cli.output import write_data
+from lcmtools.cli.sim.common import call, json_sim_options, write_response
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.text import Writer
@@ -36,7 +36,9 @@ def spawn(
 ) -> None:
     """Add a robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT."""
     pose = _read_pose(words)
-    show(call("spawn", Spawn, name, timeout, model=model, robot=robot, pose=pose), as_json=as_json)
+    write_response(
+        call("spawn", Spawn, name, timeout, model=model, robot=robot, pose=pose), as_json=as_json
+    )
 
 
 @subcommand("delete", json_sim_options)
@@ -44,7 +46,7 @@ def spawn(
 @_robot
 def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Remove a robot."""
-    show(call("delete", Delete, name, timeout, robot=robot), as_json=as_json)
+    write_response(call("delete", Delete, name, timeout, robot=robot), as_json=as_json)
 
 
 @subcommand("set-pose", json_sim_options, cls=CommandWithWords)
@@ -56,7 +58,9 @@ def set_pose(
 ) -> None:
     """Place a robot at a pose, at rest: X and Y in metres, YAW in radians or as 90deg."""
     pose = _read_pose(words)
-    show(call("set_pose", SetPose, name, timeout, robot=robot, pose=pose), as_json=as_json)
+    write_response(
+        call("set_pose", SetPose, name, timeout, robot=robot, pose=pose), as_json=as_json
+    )
 
 
 @subcommand("state", json_sim_options)
@@ -66,10 +70,10 @@ def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> Non
     """Show the true pose and velocity of a robot."""
     response = call("get_state", GetState, name, timeout, robot=robot)
     if as_json:
-        show(response, as_json=True)
+        write_response(response, as_json=True)
     else:
         parts = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
-        data(Writer().block({**parts, "time": response.time / 1e9}))
+        write_data(Writer().block({**parts, "time": response.time / 1e9}))
 
 
 def _read_pose(words: Sequence[str]) -> Pose:

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.sim.common import call, sim_options
 from lcmtools.errors import UsageError
 from lcmtools.folders import write_whole
@@ -40,4 +40,4 @@ def command(
             stream.write(picture)
         return
     write_whole(path, picture)
-    talk(f"wrote {file}: {len(picture)} bytes")
+    write_note(f"wrote {file}: {len(picture)} bytes")

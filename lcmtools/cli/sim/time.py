@@ -6,7 +6,7 @@ import click
 
 from lcmtools.cli.declare import argument, examples, subcommand, whole_number, with_examples
 from lcmtools.cli.negative_numbers import CommandWithWords
-from lcmtools.cli.sim.common import call, json_sim_options, show
+from lcmtools.cli.sim.common import call, json_sim_options, write_response
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate, Step
 from lcmtools.types.std_srvs import Trigger
@@ -16,7 +16,7 @@ def _trigger(verb: str, about: str, example: str) -> click.Command:
 
     @subcommand(verb, json_sim_options)
     def command(*, name: str | None, timeout: float, as_json: bool) -> None:
-        show(call(verb, Trigger, name, timeout), as_json=as_json)
+        write_response(call(verb, Trigger, name, timeout), as_json=as_json)
 
     command.help = with_examples(about, (f"sim {verb}", f"sim {verb} {example}"))
     return command
@@ -32,7 +32,7 @@ reset = _trigger("reset", "Start again: time 0, every robot at its first pose.",
 @argument("steps", type=whole_number(1), default=1)
 def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Advance a paused simulator by STEPS steps (else one), as fast as possible."""
-    show(call("step", Step, name, timeout, steps=steps), as_json=as_json)
+    write_response(call("step", Step, name, timeout, steps=steps), as_json=as_json)
 
 
 @subcommand("set-rate", json_sim_options, cls=CommandWithWords)
@@ -40,7 +40,7 @@ def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None
 @argument("rate")
 def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Run at RATE times real time; 0: as fast as possible."""
-    show(call("set_rate", SetRate, name, timeout, rate=_read_rate(rate)), as_json=as_json)
+    write_response(call("set_rate", SetRate, name, timeout, rate=_read_rate(rate)), as_json=as_json)
 
 
 def _read_rate(text: str) -> float:

@@ -8,11 +8,11 @@ import click
 from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.errors import UsageError
+from lcmtools.observe.channels import channel_report
 from lcmtools.observe.channels.columns import COLUMNS, TableView
 from lcmtools.observe.channels.rows import ChannelSelection, plain_listeners, survey
-from lcmtools.observe.channels.table import record, table
 from lcmtools.observe.reports.describe import all_callback_errors
 
 _WAIT = 1.2  # [s] a little more than one period at 1 Hz
@@ -76,13 +76,14 @@ def command(
         url = monitor.url
     rows = view.rows(found)
     if as_json:
-        document([record(row) for row in rows])
+        write_document(list(map(channel_report.record, rows)))
         return 0
     if rows:
-        lines(table(rows, shutil.get_terminal_size().columns if sys.stdout.isatty() else None))
+        room = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+        write_lines(channel_report.rows(rows, room))
     else:
         where = f" in {', '.join(topics)}" if topics else ""
-        talk(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
+        write_note(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
     if any(row.lost for row in rows):
         notify(
             "loss is that of a channel's senders: LCM numbers messages per sender, not per channel"

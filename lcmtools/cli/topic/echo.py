@@ -19,7 +19,7 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import clearing, data, may_wait, on_screen
+from lcmtools.cli.output import clearing, may_wait, on_screen, write_data
 from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import parse_path
@@ -133,7 +133,7 @@ def command(
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
-            data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
+            write_data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:
@@ -164,7 +164,7 @@ def display(
     raw: bool,
     as_json: bool,
 ) -> DisplayOptions:
-    """Return what ``display_options`` and --json mean, for messages of a type; "" for any."""
+    """Return the display options of the command line, for messages of a type; "" for any type."""
     if full_length and longest is not None:
         raise UsageError("--full-length and --truncate-length exclude each other", "leave one out")
     forms = dict(zip(_FORMS, (as_json, as_csv, as_flow, raw), strict=True))
@@ -187,7 +187,7 @@ def display(
 
 
 def _form(given: list[str], changes: list[str]) -> Form:
-    """The form that options mean, beside those that change how values are shown."""
+    """Choose the output form. ``changes`` are options that only modify how values are shown."""
     if len(given) > 1 and given != ["--json", "--raw"]:
         raise UsageError(f"{' and '.join(given)} exclude each other", f"leave out {given[-1]}")
     if "--raw" in given and changes:

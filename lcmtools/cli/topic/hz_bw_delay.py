@@ -18,7 +18,8 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.ending import end_with_reader
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import lines, talk
+from lcmtools.cli.output import write_lines, write_note
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.filter import Filter
 from lcmtools.observe.measuring.measure import (
     Delays,
@@ -35,7 +36,7 @@ from lcmtools.observe.reading.monitor import BusMonitor
 
 
 def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
-    """Return the topics that are measured, and the window with its smallest and usual size."""
+    """Return the argument for topics, and the option for the window's size."""
     window = option(
         "-w",
         "--window",
@@ -129,18 +130,23 @@ def measure(
     wanted = ListenOptions(names=looking_names(), **options)
     measurement = Measurement(monitor, windows, item, wanted, notify)
     for channel in measurement.channels:
-        talk(f"subscribed to [{channel}]")
+        write_note(f"subscribed to [{channel}]")
     if measurement.is_simulated:
         notify("times are simulated, from /clock; --wall-time for real time")
     for report in measurement.reports():
         if report.is_reset:
-            talk("time has reset, resetting counters")
+            write_note("time has reset, resetting counters")
         else:
-            lines(form.records(report.found) if as_json else form.rows(report.found))
+            _print(report.found, form, as_json=as_json)
+
+
+def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None:
+    records = (write_json(form.record(*one)) for one in found.items())
+    write_lines(records if as_json else form.rows(found))
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
-    """Say on which topics a single message came, of which nothing can be measured."""
+    """Write a note for topics with a single message, which is too few to measure."""
     for topic, window in windows.items():
         if window.total == 1:
             notify(f"only one message came on {topic}: a {noun} needs two")

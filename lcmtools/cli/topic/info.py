@@ -3,10 +3,10 @@
 from lcmtools.cli.bus import looking_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import write_document, write_lines
 from lcmtools.observe.measuring.measure import watch_counters
 from lcmtools.observe.reading.find import find_topic
-from lcmtools.observe.reports.topic_report import topic_record, topic_rows
+from lcmtools.observe.reports import topic_report
 
 
 @subcommand("info", json_option, looking_options)
@@ -26,8 +26,8 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
         graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
     found = [find_topic(graph, name, names) for name in topics]
     if as_json:
-        document([topic_record(topic, counters) for topic in found])
+        write_document([topic_report.record(topic, counters) for topic in found])
         return
     for topic in found:
-        lines([f"Topic: {topic.name}"] if len(found) > 1 else [])
-        lines(topic_rows(topic, counters, verbose=verbose))
+        write_lines([f"Topic: {topic.name}"] if len(found) > 1 else [])
+        write_lines(topic_report.rows(topic, counters, verbose=verbose))

@@ -3,7 +3,7 @@
 from lcmtools.cli.bus import looking_pattern, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import data, show
+from lcmtools.cli.output import write_data, write_result
 from lcmtools.errors import UsageError
 
 
@@ -41,7 +41,7 @@ def command(
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     with open_monitor("list", asks=True) as monitor:
         from lcmtools.observe.channels.activity import settled  # while the nodes answer
-        from lcmtools.observe.reports.topic_list import TopicList
+        from lcmtools.observe.reports.topic_list_report import TopicList
 
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
     pattern = looking_pattern(namespace, hidden=show_all)
@@ -49,8 +49,8 @@ def command(
     known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
     topics = list(filter(listed.has, known))
     if count_topics:
-        data(str(len(topics)))
+        write_data(str(len(topics)))
         return
     rows = listed.rows_by_host(topics) if by_hosts else listed.rows(topics)
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
-    show(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
+    write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)

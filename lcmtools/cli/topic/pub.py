@@ -19,7 +19,7 @@ from lcmtools.cli.declare import (
 )
 from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one
 from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
 from lcmtools.messages.plain import to_json
@@ -134,18 +134,18 @@ def command(
         url=chosen_url(),
         arguments=arguments,
         notify=notify,
-        on_start=lambda schedule: talk(schedule.notice) if schedule.notice else None,
-        on_sent=tell_sent if verbose else lambda *_: None,
+        on_start=lambda schedule: write_note(schedule.notice) if schedule.notice else None,
+        on_sent=write_sent if verbose else lambda *_: None,
         **others,
     )
 
 
 def notify(text: str) -> None:
-    """Tell the person something, also from threads that have no click context."""
-    talk(f"lcmtools pub: {text}")
+    """Write a note, also from threads without a click context."""
+    write_note(f"lcmtools pub: {text}")
 
 
-def tell_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
-    """Tell that a message was sent."""
+def write_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
+    """Write a note that a message was sent."""
     again = " again, to a new subscriber" if is_again else f": {to_json(message)}"
-    talk(f"publishing #{count}{again}")
+    write_note(f"publishing #{count}{again}")

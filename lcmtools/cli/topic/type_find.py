@@ -3,7 +3,7 @@
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import data, show
+from lcmtools.cli.output import write_data, write_result
 from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
@@ -26,7 +26,7 @@ def print_type(topic: str, *, as_json: bool) -> None:
     For a field it prints the topic's type, the field and the field's type, as rostopic does.
     """
     names = looking_names()
-    names.spellings(topic)  # an empty name is wrong whatever the bus is
+    names.spellings(topic)  # refuses an empty name on any bus
     found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
     text = type_text(found)
     if path.steps:
@@ -34,7 +34,9 @@ def print_type(topic: str, *, as_json: bool) -> None:
         return
     if text == UNKNOWN and not as_json:
         raise _unknown(found)
-    show({"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json)
+    write_result(
+        {"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json
+    )
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
@@ -44,12 +46,12 @@ def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
         raise _unknown(topic)
     try:
         found = target(message_class(text.partition(", ")[0]), path)
-    except ValueMismatch as error:  # as of a topic that is not there: exit code 1
+    except ValueMismatch as error:  # exit code 1, as for a missing topic
         raise LcmtoolsError(error.what, error.hint) from error
     field = str(path).replace(".", "/")
     kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))
     record = {"topic": topic.name, "type": text, "field": field, "field_type": kind}
-    show(record, [f"{text} {field} {kind}"], as_json=as_json)
+    write_result(record, [f"{text} {field} {kind}"], as_json=as_json)
 
 
 def _unknown(topic: Topic) -> LcmtoolsError:
@@ -71,6 +73,6 @@ def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> No
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
     if count_topics:
-        data(str(len(found)))
+        write_data(str(len(found)))
         return
-    show(found, found, as_json=as_json, none=f"no topics of type {name} on {url}")
+    write_result(found, found, as_json=as_json, none=f"no topics of type {name} on {url}")

@@ -1,6 +1,6 @@
-// The connection to the server. It comes back by itself, and opens its streams again then.
+// The connection to the server. It reconnects by itself and then reopens its streams.
 
-const SHORTEST = 250; // [ms] before the first new try
+const SHORTEST = 250; // [ms] before the first attempt to reconnect
 const LONGEST = 4000;
 const ENDED = "the connection to lcmtools gui is gone";
 
@@ -13,7 +13,7 @@ const ENDED = "the connection to lcmtools gui is gone";
  * @typedef {{id: number, change: (parameters: object) => void, close: () => void}} Stream
  */
 
-/** What a request is answered with where it fails. */
+/** The server's error response to a request. */
 export class Failure extends Error {
   /**
    * @param {string} what
@@ -26,7 +26,7 @@ export class Failure extends Error {
   }
 }
 
-/** The connection. It dispatches "change" when the link, the rights or the state is another one. */
+/** The connection. It dispatches "change" when the link, the rights or the state has changed. */
 export class Connection extends EventTarget {
   /** @param {string} address */
   constructor(address) {
@@ -37,7 +37,7 @@ export class Connection extends EventTarget {
     /** @type {{trouble?: string, log?: any}} */
     this.state = {};
     this.isOpen = false;
-    /** Why the server will not be asked again; "" while it is. */
+    /** The reason why the page does not reconnect; "" while it does. */
     this.refusal = "";
     /** @type {WebSocket | null} */
     this.socket = null;
@@ -64,12 +64,12 @@ export class Connection extends EventTarget {
     clearTimeout(this.timer);
     const socket = new WebSocket(this.address, "lcmtools.1");
     socket.binaryType = "arraybuffer";
-    socket.onmessage = (event) => this.take(event.data);
+    socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = (event) => this.lose(event);
     this.socket = socket;
   }
 
-  /** Try again now, where the next try is to come later. */
+  /** Reconnect now instead of waiting for the next attempt. */
   retry() {
     if (!this.isOpen && this.socket?.readyState === WebSocket.CLOSED && !this.refusal) {
       this.connect();
@@ -95,7 +95,7 @@ export class Connection extends EventTarget {
   }
 
   /** @param {string | ArrayBuffer} data */
-  take(data) {
+  receive(data) {
     if (typeof data !== "string") {
       const length = new DataView(data).getUint32(0, true);
       const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
@@ -130,7 +130,7 @@ export class Connection extends EventTarget {
   }
 
   /**
-   * Send a message; returns false where there is nobody to take it.
+   * Send a message; return false if there is no connection.
    * @param {object} message
    */
   send(message) {
@@ -145,11 +145,11 @@ export class Connection extends EventTarget {
   }
 
   /**
-   * Open a stream; it is opened again after the connection was lost.
+   * Open a stream; it is reopened after a lost connection.
    * @param {string} stream
    * @param {object} parameters
    * @param {OnData} onData called with each update
-   * @param {(text: string) => void} onProblem called with what is wrong, "" when nothing is
+   * @param {(text: string) => void} onProblem called with each problem, "" when it is solved
    * @returns {Stream}
    */
   open(stream, parameters, onData, onProblem) {
@@ -169,7 +169,7 @@ export class Connection extends EventTarget {
   }
 
   /**
-   * Ask the server something, or let it do something; resolves to the answer.
+   * Send a request for a value ("ask") or an action ("do"); resolve to the response.
    * @param {"ask" | "do"} op
    * @param {string} what
    * @param {object} parameters

@@ -1,8 +1,8 @@
-// What a panel has of the page: its streams and requests, and a place for its troubles.
+// A panel's interface to the page: streams, requests, and the display of problems.
 
 import { element, write } from "./elements.js";
 
-/** The context of one panel; all that it opens is closed with it. */
+/** The context of one panel; the streams opened through it are closed with the panel. */
 export class Context {
   /**
    * @param {import("./connection.js").Connection} connection
@@ -12,7 +12,7 @@ export class Context {
   constructor(connection, page) {
     this.connection = connection;
     this.page = page;
-    /** Shows what is wrong with the panel's streams; the frame has it above the panel. */
+    /** The problems of the panel's streams, which the frame shows above the panel. */
     this.notice = element("p", { class: "notice", role: "status", hidden: true });
     /** @type {Map<object, string>} */
     this.problems = new Map();
@@ -33,29 +33,29 @@ export class Context {
    * @param {string} stream
    * @param {object} parameters
    * @param {import("./connection.js").OnData} onData called with each update
-   * @param {(text: string) => void} [onProblem] called with each problem too, "" when it is over
+   * @param {(text: string) => void} [onProblem] also called with each problem, "" when it is solved
    * @returns {import("./connection.js").Stream} to change its parameters, or to close it
    */
   open(stream, parameters, onData, onProblem) {
     const key = {};
     const opened = this.connection.open(stream, parameters, onData, (text) => {
-      this.tell(key, text);
+      this.showProblem(key, text);
       onProblem?.(text);
     });
     const close = () => {
       opened.close();
-      this.tell(key, "");
+      this.showProblem(key, "");
     };
     this.ends.signal.addEventListener("abort", close);
     return { id: opened.id, change: opened.change, close };
   }
 
   /**
-   * Show a problem above the panel; "" takes it away.
-   * @param {object} key whose it is
+   * Show a problem above the panel; "" removes it.
+   * @param {object} key identifies its owner
    * @param {string} text
    */
-  tell(key, text) {
+  showProblem(key, text) {
     if (text) this.problems.set(key, text);
     else this.problems.delete(key);
     const told = [...new Set(this.problems.values())].join("\n");
@@ -64,7 +64,7 @@ export class Context {
   }
 
   /**
-   * Ask the server something.
+   * Request a value from the server.
    * @param {string} what
    * @param {object} [parameters]
    * @returns {Promise<any>} rejected with a Failure
@@ -74,7 +74,7 @@ export class Context {
   }
 
   /**
-   * Let the server do something, where this page may command.
+   * Request an action from the server; only pages with the right to command may.
    * @param {string} what
    * @param {object} [parameters]
    * @returns {Promise<any>} rejected with a Failure
@@ -84,7 +84,7 @@ export class Context {
   }
 
   /**
-   * Send a message that has no answer; returns false where the server is gone.
+   * Send a message without a response; return false if there is no connection.
    * @param {object} message
    */
   send(message) {
@@ -92,7 +92,7 @@ export class Context {
   }
 
   /**
-   * Call a function when the connection or the rights have changed, and for the first time now.
+   * Call a function now, and whenever the connection or the rights have changed.
    * @param {() => void} listener
    */
   onChange(listener) {
@@ -100,18 +100,18 @@ export class Context {
     listener();
   }
 
-  /** Ends with the panel: for listeners of the window, for example. */
+  /** A signal that aborts when the panel is closed, for example for listeners of the window. */
   get signal() {
     return this.ends.signal;
   }
 
-  /** Keep the panel's settings: they have changed. */
+  /** Save the panel's settings after a change. */
   changed() {
     this.page.changed();
   }
 
   /**
-   * Let a screen reader say something.
+   * Announce a text to screen readers.
    * @param {string} text
    */
   announce(text) {

@@ -1,16 +1,16 @@
-// The lines between panels, and the sizes on both sides of them.
+// The dividers between panels, and the sizes of the panels.
 
 import { element } from "./elements.js";
 
 /** @typedef {import("./tree.js").Split} Split */
 
-const STEP = 0.02; // of a split, by an arrow key
-const LEAST = 0.05; // of a split, of a part
+const STEP = 0.02; // of a split's size, for an arrow key
+const LEAST = 0.05; // of a split's size: the smallest part
 
 /**
- * Make the line between two parts of a split, which is dragged, or moved by the arrow keys.
+ * Create the divider between two parts of a split, which can be dragged or moved by arrow keys.
  * @param {Split} tree
- * @param {number} index of the part before it
+ * @param {number} index of the part before the divider
  * @param {HTMLElement} box
  * @param {() => void} changed
  */
@@ -25,7 +25,7 @@ export function divider(tree, index, box, changed) {
     "aria-valuemin": 0,
     "aria-valuemax": 100,
   });
-  /** @param {number} change as a part of the split */
+  /** @param {number} change as a fraction of the split */
   const shift = (change) => {
     const sum = tree.sizes.reduce((one, other) => one + other, 0);
     const [before = 0, after = 0] = tree.sizes.slice(index, index + 2);
@@ -68,7 +68,7 @@ export function divider(tree, index, box, changed) {
 }
 
 /**
- * Give the parts of a split their sizes.
+ * Set the sizes of a split's parts.
  * @param {Split} tree
  * @param {HTMLElement} box
  */

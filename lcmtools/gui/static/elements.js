@@ -1,4 +1,4 @@
-// The DOM as expressions. Nothing here parses HTML: texts from the bus stay texts.
+// Functions that create DOM elements. Nothing here parses HTML: text from the bus stays text.
 
 /**
  * @typedef {Node | string | null | undefined | false} Child
@@ -8,8 +8,8 @@
 const SVG = "http://www.w3.org/2000/svg";
 
 /**
- * Make an element: a function is a listener ("onclick"), true an empty attribute, and false, null
- * or undefined none at all.
+ * Create an element. An attribute can be a function, for a listener ("onclick"), or true, for an
+ * empty attribute; with false, null or undefined it is omitted.
  * @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag
  * @param {Record<string, any>} [attributes]
@@ -24,7 +24,7 @@ export function element(tag, attributes = {}, ...children) {
 }
 
 /**
- * Make an element of a drawing.
+ * Create an SVG element.
  * @template {keyof SVGElementTagNameMap} T
  * @param {T} tag
  * @param {Record<string, any>} [attributes]
@@ -39,7 +39,7 @@ export function drawing(tag, attributes = {}, ...children) {
 }
 
 /**
- * Set an attribute, or a listener, of an element.
+ * Set an attribute or a listener of an element.
  * @param {Element} target
  * @param {string} name
  * @param {any} value
@@ -52,7 +52,7 @@ export function set(target, name, value) {
 }
 
 /**
- * Set a text where it is another one, so that nothing is laid out again for nothing.
+ * Set a text if it has changed, so that the browser does not lay out the page needlessly.
  * @param {Node} target
  * @param {string} text
  */
@@ -61,7 +61,7 @@ export function write(target, text) {
 }
 
 /**
- * Replace what is in an element.
+ * Replace the children of an element.
  * @param {Element} target
  * @param {...(Child | Child[])} children
  */
@@ -79,7 +79,7 @@ function present(children) {
   );
 }
 
-/** The paths of the icons, on a square of 16. */
+/** The paths of the icons, in a square of 16 by 16. */
 const ICONS = {
   add: "M8 3v10M3 8h10",
   close: "M4 4l8 8M12 4l-8 8",
@@ -98,7 +98,7 @@ const ICONS = {
 };
 
 /**
- * Make an icon; for the eye only, as its button has a label.
+ * Create an icon; it is hidden from screen readers because its button has a label.
  * @param {keyof typeof ICONS} name
  */
 export function icon(name) {
@@ -110,7 +110,7 @@ export function icon(name) {
 }
 
 /**
- * Make a button with a text.
+ * Create a button with text.
  * @param {Child | Child[]} label
  * @param {(event: Event) => void} onclick
  * @param {Record<string, any>} [attributes]
@@ -120,7 +120,7 @@ export function button(label, onclick, attributes = {}) {
 }
 
 /**
- * Make a button with an icon and a label for the screen reader and the pointer.
+ * Create a button with an icon, and a label for screen readers and its tooltip.
  * @param {keyof typeof ICONS} name
  * @param {string} label
  * @param {(event: Event) => void} onclick
@@ -132,7 +132,7 @@ export function iconButton(name, label, onclick, attributes = {}) {
 }
 
 /**
- * Show a menu at a button until something is chosen or the focus leaves it.
+ * Show a menu at a button until an entry is chosen or the focus leaves it.
  * @param {HTMLElement} button
  * @param {{label: string, detail?: string, run: () => void, disabled?: boolean}[]} entries
  */
@@ -158,7 +158,7 @@ export function openMenu(button, entries) {
   let isOpen = true;
   /** @param {boolean} comesBack */
   function close(comesBack) {
-    if (!isOpen) return; // an element that is removed loses the focus, too
+    if (!isOpen) return; // removing a focused element also triggers focusout
     isOpen = false;
     menu.remove();
     button.setAttribute("aria-expanded", "false");

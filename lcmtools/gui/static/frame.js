@@ -1,4 +1,4 @@
-// The frame of one panel: its title, its buttons, what is wrong with it, and the panel itself.
+// The frame of one panel: its title, its buttons, its problems, and the panel itself.
 
 import { Context } from "./context.js";
 import { element, iconButton, openMenu, set, write, fill, icon } from "./elements.js";
@@ -63,7 +63,7 @@ export class Frame {
 
   async load() {
     try {
-      // what takes long to load lets the other panels show something first
+      // let other panels show something before a module that loads slowly
       if (this.kind.isLarge) await new Promise((done) => setTimeout(done, this.owner.isAlone(this.leaf) ? 0 : LATER));
       const { default: PanelClass } = await this.kind.module();
       if (this.context.signal.aborted) return;
@@ -72,7 +72,7 @@ export class Frame {
       this.body.append(this.panel.element);
       this.showTitle();
     } catch (error) {
-      this.context.tell(this, `this panel cannot be shown: ${error}`);
+      this.context.showProblem(this, `this panel cannot be shown: ${error}`);
     }
   }
 
@@ -112,7 +112,7 @@ export class Frame {
     );
   }
 
-  /** Return the panel's settings as they are now. */
+  /** Return the panel's current settings. */
   settings() {
     return this.panel ? this.panel.settings() : (this.leaf.settings ?? {});
   }

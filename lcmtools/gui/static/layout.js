@@ -1,4 +1,4 @@
-// The arrangement of panels on the page: rows, columns and dividers between them.
+// The layout of panels on the page: rows, columns and dividers between them.
 
 import { divider, resize } from "./divider.js";
 import { element } from "./elements.js";
@@ -35,7 +35,7 @@ export class Layout {
   }
 
   /**
-   * Show another arrangement.
+   * Show another layout.
    * @param {any} value
    */
   show(value) {
@@ -45,7 +45,7 @@ export class Layout {
     this.arrange(checked(value, (panel) => panel in PANELS));
   }
 
-  /** Return the arrangement with the settings of its panels, as plain values. */
+  /** Return the layout with the settings of its panels, as plain values. */
   kept() {
     /** @type {(tree: Tree) => Tree} */
     const copy = (tree) =>
@@ -56,7 +56,7 @@ export class Layout {
   }
 
   /**
-   * Add a panel: beside another one, or at the right.
+   * Add a panel next to another one, or at the right edge.
    * @param {string} panel
    * @param {object} settings
    * @param {Leaf} [near]
@@ -87,7 +87,7 @@ export class Layout {
   }
 
   /**
-   * Move a panel past its neighbour at a side, or to the edge of the page.
+   * Move a panel past its neighbour on a side, or to the edge of the page.
    * @param {Leaf} leaf
    * @param {Side} side
    */
@@ -119,7 +119,7 @@ export class Layout {
   }
 
   /**
-   * Return the panel that lies next to another one at a side.
+   * Return a panel's neighbour on a side.
    * @param {Leaf} leaf
    * @param {Side} side
    */
@@ -147,7 +147,7 @@ export class Layout {
   }
 
   /**
-   * Lay the panels out by a tree; those that stay keep what they show.
+   * Lay out the panels by a tree; panels that remain keep their content.
    * @param {Tree | null} tree
    */
   arrange(tree) {
@@ -199,14 +199,14 @@ export class Layout {
   }
 
   /**
-   * Drag a panel by its header to a side of another one.
+   * Drag a panel by its header to a side of another panel.
    * @param {Leaf} leaf
    * @param {PointerEvent} event
    */
   drag(leaf, event) {
     const header = /** @type {HTMLElement} */ (event.currentTarget);
     if (event.button || this.large || /** @type {Element} */ (event.target).closest("button")) return;
-    if (matchMedia("(max-width: 700px)").matches) return; // it scrolls
+    if (matchMedia("(max-width: 700px)").matches) return; // dragging scrolls there
     /** @type {{leaf: Leaf, side: Side} | null} */
     let target = null;
     let isDragged = false;
@@ -234,7 +234,7 @@ export class Layout {
   }
 
   /**
-   * Return where a dragged panel would go: the panel under the pointer, and its nearest side.
+   * Return the target of a dragged panel: the panel under the pointer, and its nearest side.
    * @param {Leaf} dragged
    * @param {number} x
    * @param {number} y

@@ -1,4 +1,4 @@
-// The page: the bar at the top, the panels, and what is kept of them.
+// The page: the bar at the top, the panels, and saving their layout.
 
 import { Connection } from "./connection.js";
 import { element, iconButton, openMenu, set, write } from "./elements.js";
@@ -7,9 +7,9 @@ import { PANELS } from "./panels/index.js";
 import { isDark } from "./theme.js";
 import { Timeline } from "./timeline.js";
 
-const KEEP = "lcmtools.layout."; // before the name of a view, in the browser's storage
+const KEEP = "lcmtools.layout."; // prefix of a view's name in the browser's storage
 const THEME = "lcmtools.theme";
-const SOON = 300; // [ms] until a change is kept
+const SOON = 300; // [ms] until a change is saved
 const DEFAULT = {
   split: "row",
   sizes: [3, 2],
@@ -29,7 +29,7 @@ const trouble = element("p", { class: "trouble", role: "alert", hidden: true });
 
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let timer;
-/** What the address after # was set to by this page. */
+/** The last address after # that this page has set. */
 let written = "";
 
 document.body.append(
@@ -58,14 +58,14 @@ addEventListener("hashchange", () => {
 });
 addEventListener("pagehide", keep);
 
-/** Show the panels when the server has said which, and never again. */
+/** Show the panels once, when the server has sent the view. */
 function begin() {
   if (!connection.hello) return;
   connection.removeEventListener("change", begin);
   layout.show(fromHash() ?? fromStorage() ?? first());
 }
 
-/** Return the arrangement that this view begins with. */
+/** Return the initial layout of this view. */
 function first() {
   const view = connection.hello?.view;
   return view?.panel ? view : DEFAULT;
@@ -77,7 +77,7 @@ function startAgain() {
   announce("the layout is reset");
 }
 
-/** The name under which this view's arrangement is kept. */
+/** Return the name under which this view's layout is saved. */
 function viewName() {
   const view = connection.hello?.view;
   return KEEP + (view?.panel ? JSON.stringify(view) : "all");
@@ -87,7 +87,7 @@ function fromHash() {
   try {
     return parsed(decodeURIComponent(location.hash.slice(1)));
   } catch {
-    return null; // it was cut off
+    return null; // a truncated address
   }
 }
 
@@ -123,7 +123,7 @@ function read(name) {
   try {
     return localStorage.getItem(name);
   } catch {
-    return null; // the browser keeps nothing
+    return null; // storage is disabled
   }
 }
 
@@ -135,7 +135,7 @@ function store(name, value) {
   try {
     localStorage.setItem(name, value);
   } catch {
-    // the browser keeps nothing, or too much
+    // storage is disabled or full
   }
 }
 
@@ -171,7 +171,7 @@ function changeTheme() {
 /** @param {string | null} theme */
 function showTheme(theme) {
   if (theme === "light" || theme === "dark") document.documentElement.dataset.theme = theme;
-  connection.dispatchEvent(new Event("change")); // drawings take their colours again
+  connection.dispatchEvent(new Event("change")); // drawings update their colours
 }
 
 function showLink() {

@@ -1,7 +1,7 @@
-// Numbers, times and mistakes as text, where several panels show the same.
+// Numbers, times and errors as text, shared by several panels.
 
 /**
- * The time of the day, to a millisecond.
+ * Format the time of day, in milliseconds.
  * @param {number} time [s since 1970]
  */
 export function clockText(time) {
@@ -11,9 +11,38 @@ export function clockText(time) {
   return `${parts}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 }
 
+// The next four are the same in Python, which tests/fixtures/texts.json proves.
+
 /** @param {number} rate [Hz] */
 export function rateText(rate) {
-  return `${rate >= 100 ? rate.toFixed(0) : rate.toFixed(1)} Hz`;
+  return `${rate.toFixed(1)} Hz`;
+}
+
+/** @param {number} bytes */
+export function sizeText(bytes) {
+  const units = ["B", "KB", "MB", "GB"];
+  let value = bytes;
+  let unit = 0;
+  while (value >= 999.5 && unit < units.length - 1) {
+    value /= 1000;
+    unit += 1;
+  }
+  const digits = !unit || value >= 99.95 ? 0 : value >= 9.995 ? 1 : 2;
+  return `${value.toFixed(digits)} ${units[unit]}`;
+}
+
+/** @param {number} seconds since something was heard */
+export function ageText(seconds) {
+  const units = /** @type {[string, number][]} */ ([["d", 86400], ["h", 3600], ["min", 60]]);
+  const large = units.find(([, length]) => seconds >= 2 * length);
+  if (large) return `${(seconds / large[1]).toFixed(0)} ${large[0]}`;
+  return `${seconds.toFixed(seconds < 10 ? 1 : 0)} s`;
+}
+
+/** @param {number} loss a share of lost messages, 0 to 1 */
+export function lossText(loss) {
+  if (loss === 0) return "0";
+  return loss < 0.1 ? `${Math.max(loss * 100, 0.1).toFixed(1)}%` : `${(loss * 100).toFixed(0)}%`;
 }
 
 /** @param {unknown} error that was thrown */

@@ -1,19 +1,19 @@
-// Light and dark: the colours of style.css for drawings, which do not take them by themselves.
+// The light and the dark theme: the colours of style.css for drawings on canvases.
 
 import { element } from "./elements.js";
 
 const SYSTEM = matchMedia("(prefers-color-scheme: dark)");
 
-/** Return whether the page is dark: as it was chosen, else as the system is. */
+/** Return true if the page is dark: by the user's choice, else by the system's. */
 export function isDark() {
   const chosen = document.documentElement.dataset["theme"];
   return chosen ? chosen === "dark" : SYSTEM.matches;
 }
 
 /**
- * Call a function when the colours have changed.
+ * Call a function whenever the colours have changed.
  * @param {() => void} listener
- * @param {AbortSignal} signal ends it
+ * @param {AbortSignal} signal stops the calls
  */
 export function onTheme(listener, signal) {
   SYSTEM.addEventListener("change", listener, { signal });

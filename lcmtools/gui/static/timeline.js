@@ -1,4 +1,4 @@
-// The time line of a log, at the bottom of the page: play, pause, step, rate, and any moment.
+// The timeline of a log, at the bottom of the page: play, pause, step, rate and seeking.
 
 import { drawing, element, fill, icon, iconButton, set, write } from "./elements.js";
 import { clockText } from "./texts.js";
@@ -11,10 +11,10 @@ import { clockText } from "./texts.js";
 const RATES = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8, 16];
 const STEP = 5; // [s] of the arrow keys
 const SMALL_STEP = 0.5; // with Shift
-const OFTEN = 60; // [ms] between two moments that are asked for while the pointer moves
+const OFTEN = 60; // [ms] between two seek requests while the pointer moves
 const PLAYING = "button, input, select, textarea, [contenteditable], [role=tree], [role=grid], svg";
 
-/** The time line. */
+/** The timeline. */
 export class Timeline {
   /** @param {import("./connection.js").Connection} connection */
   constructor(connection) {
@@ -70,18 +70,18 @@ export class Timeline {
       this.track,
       element("div", { class: "timeline-times" }, this.clock, this.date),
     );
-    connection.addEventListener("change", () => this.learn());
+    connection.addEventListener("change", () => this.update());
     addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(this.track);
-    this.learn();
+    this.update();
   }
 
   get mayPlay() {
     return this.connection.isOpen && Boolean(this.connection.hello?.rights.includes("play"));
   }
 
-  /** Take the state of the log, and at first its time line. */
-  learn() {
+  /** Update the state of the log; request its histogram first. */
+  update() {
     const { hello, state, isOpen } = this.connection;
     this.element.hidden = hello?.source !== "log";
     if (this.element.hidden) return;
@@ -101,7 +101,7 @@ export class Timeline {
       this.draw();
       this.follow();
     } catch {
-      this.about = null; // it is asked for again when the connection is back
+      this.about = null; // it is requested again after reconnecting
     }
   }
 
@@ -119,13 +119,13 @@ export class Timeline {
     set(this.track, "aria-valuemax", length.toFixed(1));
   }
 
-  /** Move the hand at the rate of the log, so that it does not jump. */
+  /** Move the playhead at the log's rate between two updates, so that it does not jump. */
   follow() {
     this.show(this.now());
     requestAnimationFrame(() => this.follow());
   }
 
-  /** Return the time in the log [s]. */
+  /** Return the present time in the log [s]. */
   now() {
     const { position } = this;
     if (!position) return 0;
@@ -154,7 +154,7 @@ export class Timeline {
     set(this.track, "aria-valuetext", `${timeText(time)} of ${timeText(length)}`);
   }
 
-  /** Draw how many messages there are when, the gaps, and the losses. */
+  /** Draw the histogram of messages, the gaps and the losses. */
   draw() {
     const { about } = this;
     if (!about) return;
@@ -231,7 +231,7 @@ export class Timeline {
     try {
       await this.connection.request("do", "play", { action, ...more });
     } catch {
-      // the page says that the connection is gone
+      // the page shows that the connection is lost
     }
   }
 
@@ -256,7 +256,7 @@ export class Timeline {
 }
 
 /**
- * Return the stretches without a message, from and to, but for a single bin of a sparse log.
+ * Return the gaps without messages, from and to, except single empty bins of a sparse log.
  * @param {number[]} histogram
  */
 function gaps(histogram) {

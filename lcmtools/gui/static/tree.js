@@ -1,4 +1,4 @@
-// The arrangement of panels as a tree of rows and columns. Plain values; knows no DOM.
+// The layout of panels as a tree of rows and columns. Plain values; must not know the DOM.
 
 /**
  * @typedef {{panel: string, settings?: any}} Leaf
@@ -26,7 +26,7 @@ export function leaves(tree) {
 }
 
 /**
- * Return a tree without a panel; null where nothing is left.
+ * Return a tree without a panel; null if nothing is left.
  * @param {Tree} tree
  * @param {Leaf} leaf
  * @returns {Tree | null}
@@ -44,7 +44,7 @@ export function without(tree, leaf) {
 }
 
 /**
- * Return a tree with a panel beside a part of it.
+ * Return a tree with a panel added next to a part of it.
  * @param {Tree} tree
  * @param {Tree} target
  * @param {Leaf} leaf
@@ -63,7 +63,7 @@ export function beside(tree, target, leaf, side) {
 }
 
 /**
- * Return a split in which no part is a split of the same direction.
+ * Flatten a split: no part of the result is a split of the same direction.
  * @param {Split} tree
  * @returns {Split}
  */
@@ -87,7 +87,7 @@ function flat(tree) {
 }
 
 /**
- * Return a tree that was kept or sent, checked; null where it is none.
+ * Validate a saved or received tree; return null if it is invalid.
  * @param {any} value
  * @param {(panel: string) => boolean} isKnown
  * @param {number} [depth]

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from lcmtools.gui.protocol import Parameters, Rubbish
+from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream
 
@@ -25,9 +25,9 @@ STREAMS = {
 
 
 def stream_class(name: str) -> type[PageStream]:
-    """Return a kind of stream; Rubbish if there is none with this name."""
+    """Return a kind of stream; MalformedRequest if there is none with this name."""
     if name not in STREAMS:
-        raise Rubbish(f"there is no stream '{name[:40]}'")
+        raise MalformedRequest(f"there is no stream '{name[:40]}'")
     module, attribute = STREAMS[name].split(":")
     found: type[PageStream] = getattr(import_module(f"lcmtools.gui.streams.{module}"), attribute)
     return found
@@ -37,6 +37,6 @@ def open_stream(name: str, source: Source, parameters: Parameters) -> PageStream
     """Open a stream of a source.
 
     Raises:
-        Rubbish: There is none with this name, or its parameters are wrong.
+        MalformedRequest: There is none with this name, or its parameters are wrong.
     """
     return stream_class(name)(source, parameters)

@@ -30,7 +30,7 @@ class Update:
 class PageStream(ABC):
     """A stream; made, updated and closed on the server's thread.
 
-    A stream that follows a topic calls ``self.follow(topic, self.take)`` in its ``__init__``.
+    A stream that follows a topic calls ``self.follow(topic, self.receive)`` in its ``__init__``.
     ``take`` is then called on the source's thread; it must be quick, and guard shared data by a
     lock.
     """

@@ -57,13 +57,13 @@ class DoctorFindings(PageStream):
 
     def _run(self) -> None:
         while not self._ends_soon.is_set():
-            found = self._look()
+            found = self._diagnose()
             if found is not None:
                 self._latest, self._fault = Update({"findings": found}), ""
             if self.source.kind == "log" or self._ends_soon.wait(_PAUSE):
                 return
 
-    def _look(self) -> list[Json] | None:
+    def _diagnose(self) -> list[Json] | None:
         """Return what wtf finds now; None if it was ended or cannot look."""
         silent = subprocess.DEVNULL
         with self._starting:

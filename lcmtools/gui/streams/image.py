@@ -48,7 +48,7 @@ class NewestImage(PageStream):
         self._mistake = ""
         self._pixels = parameters.number("pixels", MOST_PIXELS, _FEWEST)
         self._shortest = 1 / parameters.number("rate", 1 / self.period, _LOWEST_RATE)  # [s]
-        self.follow(parameters.text("topic"), self._take)
+        self.follow(parameters.text("topic"), self._receive)
 
     def update(self) -> Update | None:
         """Return the newest image, if it has not been returned yet."""
@@ -75,7 +75,7 @@ class NewestImage(PageStream):
         """Return why there is no image."""
         return self._mistake or absence(self.source, self._topic)
 
-    def _take(self, packet: Packet) -> None:
+    def _receive(self, packet: Packet) -> None:
         with self._lock:
             self._newest = packet
             self._count += 1

@@ -23,9 +23,9 @@ class LogLines(PageStream):
         self._lock = threading.Lock()
         self._waiting: deque[Packet] = deque(maxlen=_MOST)
         self._left_out = 0
-        self.until_closed(source.follow(_TOPIC, self.take))
+        self.until_closed(source.follow(_TOPIC, self.receive))
 
-    def take(self, packet: Packet) -> None:
+    def receive(self, packet: Packet) -> None:
         """Queue a line."""
         with self._lock:
             self._left_out += len(self._waiting) == _MOST

@@ -28,9 +28,9 @@ class LatestMessage(PageStream):
         self._fault = ""
         self._next = 0.0
         self._toggled = parameters.texts("toggled")
-        self.follow(parameters.text("topic"), self.take)
+        self.follow(parameters.text("topic"), self.receive)
 
-    def take(self, packet: Packet) -> None:
+    def receive(self, packet: Packet) -> None:
         """Keep the newest packet."""
         with self._lock:
             self._packet = packet

@@ -36,8 +36,8 @@ class _Fields:
     curves: list[int] = field(default_factory=list)
     mistake: str = ""  # in the argument, or in the last message
 
-    def learn(self, graph: Graph) -> None:
-        """Find the topics."""
+    def update(self, graph: Graph) -> None:
+        """Update the topics that match."""
         try:
             self.selection = self.selection or select_topics(self.text)
             self.selection.update(graph)
@@ -70,7 +70,7 @@ class Plot(PageStream):
 
     def update(self) -> Update | None:
         """Return the samples since the last call."""
-        self._look()
+        self._follow_topics()
         with self._lock:
             samples, self._samples = self._samples, array("d")
             left_out, self._left_out = self._left_out, 0
@@ -95,18 +95,18 @@ class Plot(PageStream):
         if self._reader:
             self._reader.join()
 
-    def _look(self) -> None:
+    def _follow_topics(self) -> None:
         """Follow the topics that exist now."""
         latest = self.source.latest
         if latest is self._seen:
             return
         is_first, self._seen = self._seen is None, latest
         for one in self._fields:
-            one.learn(latest.graph)
+            one.update(latest.graph)
             for topic in one.paths.keys() - self._followed:
                 self._followed.add(topic)
                 if not isinstance(self.source, LogSource):
-                    self.until_closed(self.source.follow(topic, self._take))
+                    self.until_closed(self.source.follow(topic, self._receive))
         if isinstance(self.source, LogSource) and is_first:
             every, packets = self.source.read(self._followed)
             self._about_log = {"start": self.source.start, "every": every}
@@ -124,9 +124,9 @@ class Plot(PageStream):
                 )
                 if self._is_closed:
                     return
-            self._take(packet)
+            self._receive(packet)
 
-    def _take(self, packet: Packet) -> None:
+    def _receive(self, packet: Packet) -> None:
         try:
             message = self.source.decode(packet)
         except DecodeError as error:

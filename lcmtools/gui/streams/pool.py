@@ -52,7 +52,7 @@ class StreamPool:
         """Open a stream, or use the one opened by another page.
 
         Raises:
-            Rubbish: There is none with this name, or its parameters are wrong.
+            MalformedRequest: There is none with this name, or its parameters are wrong.
         """
         key = name, parameters.key
         found = self._shared.get(key)

@@ -1,8 +1,11 @@
-"""The stream of the topics: a row for each."""
+"""The stream of the topics: for each the record of ``spy --json``, and if it is silent."""
+
+from typing import cast
 
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.observe.channels.channel_report import record
 from lcmtools.observe.channels.rows import ChannelRow
 
 
@@ -33,18 +36,4 @@ class Topics(PageStream):
 
 
 def _row(row: ChannelRow) -> Json:
-    return {
-        "topic": row.channel,
-        "types": row.types,
-        "isAnnounced": row.is_announced,
-        "messages": row.messages,
-        "rate": row.rate,
-        "jitter": row.jitter,
-        "bandwidth": row.bandwidth,
-        "lost": row.lost,
-        "loss": row.loss,
-        "senders": row.senders,
-        "listeners": row.listeners,
-        "age": row.age,
-        "isSilent": row.is_silent,
-    }
+    return cast("Json", {**record(row), "silent": row.is_silent})

@@ -65,18 +65,18 @@ class _Messages(PageStream):
         self._lock = threading.Lock()
         self._mistake = ""
         self._has_come = False
-        self.follow(parameters.text("topic"), self._take)
+        self.follow(parameters.text("topic"), self._receive)
 
     def problem(self) -> str:
         """Return why nothing has been drawn; a latched topic may be silent."""
         return self._mistake or ("" if self._has_come else absence(self.source, self._topic))
 
-    def _take(self, packet: Packet) -> None:
+    def _receive(self, packet: Packet) -> None:
         with self._lock:
             self._waiting.append(packet)
 
-    def taken(self, *kinds: type[Message]) -> list[tuple[Packet, Message]]:
-        """Take the waiting messages, which must have one of these types."""
+    def pop(self, *kinds: type[Message]) -> list[tuple[Packet, Message]]:
+        """Remove and return the waiting messages that have one of these types."""
         with self._lock:
             packets = list(self._waiting)
             self._waiting.clear()
@@ -109,9 +109,9 @@ class Frames(_Messages):
     def update(self) -> Update | None:
         """Return all frames, if any messages came."""
         time = 0
-        for packet, message in self.taken(TFMessage):
+        for packet, message in self.pop(TFMessage):
             assert isinstance(message, TFMessage), "it was taken as one"
-            self._poses.take(message)
+            self._poses.add(message)
             time = packet.time
         return self._poses.drawing(time / 1e9) if time else None
 
@@ -129,9 +129,9 @@ class Markers(_Messages):
 
     def update(self) -> Update | None:
         """Return all markers, if they have changed."""
-        for packet, message in self.taken(Marker, MarkerArray):
+        for packet, message in self.pop(Marker, MarkerArray):
             if packet.payload != self._last:  # latched ones come repeatedly
-                self._scene.take(message, time.monotonic())
+                self._scene.add(message, time.monotonic())
                 self._last = packet.payload
         return self._scene.drawing(time.monotonic())
 
@@ -149,7 +149,7 @@ class Newest(_Messages):
         """Return the newest message, if it has not been returned yet."""
         if time.monotonic() < self._not_before:
             return None
-        for packet, message in self.taken(*DRAWINGS):
+        for packet, message in self.pop(*DRAWINGS):
             drawing = DRAWINGS[type(message)]
             found = drawing.convert(message)
             self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST

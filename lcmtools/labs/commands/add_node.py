@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.labs.skeletons import skeleton_text
 from lcmtools.messages.type_source import shown
 from lcmtools.packages.add_node import add_node
@@ -46,8 +46,8 @@ def command(
         )
         text = re.sub(rf"\b{skeleton}\b", name, text)
     written = [shown(path) for path in add_node(home, name, text, replace=force)]
-    show({"package": home.name, "files": written}, written, as_json=as_json)
+    write_result({"package": home.name, "files": written}, written, as_json=as_json)
     if not as_json:
         is_below = Path.cwd().is_relative_to(home.folder) or Path.cwd() == home.folder.parent
         where = "" if is_below else f"cd {home.folder}; "
-        talk(f"next: {where}lcmtools run {home.name} {name}")
+        write_note(f"next: {where}lcmtools run {home.name} {name}")

@@ -15,7 +15,7 @@ from lcmtools.cli.declare import (
     whole_number,
 )
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import write_document, write_lines
 from lcmtools.errors import UsageError, needing_extra
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.results import as_specified
@@ -89,7 +89,7 @@ def command(
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
-    show = (lambda _: None) if as_json else lines
+    show = (lambda _: None) if as_json else write_lines
     if jobs and not folder:
         raise UsageError("--jobs is for --programs FOLDER", "leave it out")
     if log and (chosen or folder or rate or time_limit or plot):
@@ -104,5 +104,5 @@ def command(
         outcome = checking.check_one(lab, chosen, rate, time_limit, picture, show)
     if junit:
         checking.write_junit(junit, lab, outcome)
-    document(outcome.record) if as_json else lines(outcome.summary)
+    write_document(outcome.record) if as_json else write_lines(outcome.summary)
     return 0 if all(map(as_specified, outcome.submissions.values())) else 1

@@ -7,16 +7,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.log import Log
-from lcmtools.cli.output import talk
+from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
+from lcmtools.labs.checks import check_report
 from lcmtools.labs.checks.check import check, choose
+from lcmtools.labs.checks.check_report import class_rows, heading, junit, record, summary
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
 from lcmtools.labs.checks.plot import draw_check
-from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
@@ -36,7 +37,7 @@ def picture_file(plot: Path | None) -> Path | None:
     try:
         empty_figure(1, 1)
     except MissingExtra as error:
-        talk(f"lcmtools lab check: {error}; checking without a picture")
+        write_note(f"lcmtools lab check: {error}; checking without a picture")
         return None
     return plot
 
@@ -68,7 +69,7 @@ def check_one(
 
             def show_row(result: CheckResult, head: list[str] = head) -> None:
                 waiting.clear()
-                show([*head, *result_lines(result)])
+                show([*head, *check_report.rows(result)])
                 head.clear()
                 waiting.write("  ...")
 
@@ -77,7 +78,7 @@ def check_one(
             reports.append(report)
     if plot:
         draw_check(world, reports, plot)
-        talk(f"saved {plot}")
+        write_note(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
 
@@ -86,7 +87,7 @@ def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
     with Log(path) as log:
         reports, others = check_log(lab, log)
     for report in reports:
-        rows = [row for result in report.results for row in result_lines(result)]
+        rows = [row for result in report.results for row in check_report.rows(result)]
         show([*heading(report.program, report.command, is_log=True), *rows])
     show(["", "not judged:", *(f"  {requirement}" for requirement in others), ""] if others else [])
     extra = {"bag": path, "not_judged": list(map(asdict, others))}
@@ -113,7 +114,7 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
 
         def show_report(name: str, report: Report) -> None:
             waiting.clear()
-            rows = [row for result in report.results for row in result_lines(result)]
+            rows = [row for result in report.results for row in check_report.rows(result)]
             head = heading(report.program, report.command)[1:] if report.command else []
             show(["", f"== {name}", *head, *rows])
             waiting.write("  ...")
@@ -122,7 +123,7 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
         found = checker.run(folder, show_report)
         waiting.clear()
     records = [{"submission": name, **record(lab.name, reports)} for name, reports in found.items()]
-    return Outcome(found, records, ["", *table(found)])
+    return Outcome(found, records, ["", *class_rows(found)])
 
 
 def write_junit(file: Path, lab: Lab, outcome: Outcome) -> None:

@@ -7,18 +7,19 @@ import click
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import columns, show, talk
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.labs.catalogue import LABS, Lab, find_lab
 from lcmtools.labs.skeletons import NAMES, copy_skeleton
+from lcmtools.text_table import text_table
 
 
 @subcommand("list", json_option)
 @examples("lab list", "lab list --json")
 def list_labs(*, as_json: bool) -> None:
     """List the labs."""
-    rows = columns([(lab.name, lab.title) for lab in LABS.values()])
-    show(list(map(_plain, LABS.values())), rows, as_json=as_json)
+    rows = text_table([(lab.name, lab.title) for lab in LABS.values()])
+    write_result(list(map(_plain, LABS.values())), rows, as_json=as_json)
 
 
 def _plain(lab: Lab) -> dict[str, object]:
@@ -56,7 +57,7 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
         )
     steps = (f"  {step}" for step in lab.steps)
     for row in (lab.title, "In a second terminal, type:", *steps, "Ctrl-C ends the simulator."):
-        talk(row)
+        write_note(row)
     words = ("sim", "--world", lab.world, *arguments)
     own = {"name": "lcmtools", "arguments": words}
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
@@ -78,12 +79,12 @@ def skeleton(
     if show_list and name:
         raise UsageError("--list cannot be used with a skeleton's name", "leave out one of them")
     if show_list:
-        show(list(NAMES), NAMES, as_json=as_json)
+        write_result(list(NAMES), NAMES, as_json=as_json)
         return
     if not name:
         raise UsageError(
             "the skeleton's name is missing", "lcmtools lab skeleton --list shows them"
         )
     path = copy_skeleton(name, folder, overwrite=force)
-    show({"file": str(path)}, [str(path)], as_json=as_json)
-    talk(f"fill in its TODOs, and run it: python {path}")
+    write_result({"file": str(path)}, [str(path)], as_json=as_json)
+    write_note(f"fill in its TODOs, and run it: python {path}")

@@ -1,44 +1,15 @@
-"""The table of channels as lines of text, cut to the width of a terminal; and as JSON."""
+"""The layout of the table of channels, cut to the width of a terminal."""
 
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channels.columns import COLUMNS, Column, Cut, heading
+from lcmtools.observe.channels.columns import Column, Cut, heading
 from lcmtools.observe.channels.rows import ChannelRow
 
 _DOTS = "…"
 _WIDE_GAP, _NARROW_GAP = 2, 1  # characters between two columns, usually and if space is short
-_LATEST = ("age",)  # columns without meaning in a table that is not updated
-
-
-def table(rows: Sequence[ChannelRow], room: int | None) -> list[str]:
-    """Return the lines of the table, ``room`` characters wide; None for any width."""
-    columns = [column for name, column in COLUMNS.items() if name not in _LATEST]
-    found = layout(columns, natural_widths(rows, columns), room)
-    cells = [found.row(), *map(found.row, rows)]
-    return [found.gap.join(line).rstrip() for line in cells]
-
-
-def record(row: ChannelRow) -> dict[str, object]:
-    """A row for JSON."""
-    return {
-        "channel": row.channel,
-        "types": list(row.types),
-        "announced": row.is_announced,
-        "fingerprints": [f"{value:#018x}" for value in row.fingerprints],
-        "messages": row.messages,
-        "bytes": row.bytes,
-        "rate": row.rate,
-        "jitter": row.jitter,
-        "bandwidth": row.bandwidth,
-        "senders": list(row.senders),
-        "senders_lost": row.lost,
-        "senders_loss": row.loss,
-        "listeners": list(row.listeners),
-        "age": row.age,
-    }
 
 
 @dataclass(frozen=True, slots=True)

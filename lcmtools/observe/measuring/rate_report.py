@@ -1,13 +1,12 @@
 """Reports of rates, bandwidths and delays: as text, in the words of rostopic, and for JSON."""
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from lcmtools.observe.measuring.rates import Bandwidth, Statistics
+from lcmtools.text_table import text_table
 
-_GAP = "   "
 _KILO = 1e3
 _SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
 
@@ -23,11 +22,10 @@ class ReportForm:
     fields: Callable[[Any], Sequence[object]] = tuple  # the values that ``text`` formats
     nothing: str = "no new messages"
 
-    def records(self, found: Mapping[str, Any]) -> Iterator[str]:
-        """Yield a line of JSON for each topic."""
-        for topic, value in found.items():
-            pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
-            yield json.dumps({"topic": topic, **dict(pairs)})
+    def record(self, topic: str, value: Any) -> dict[str, object]:  # noqa: ANN401 - of ``cells``
+        """Return a topic's measurement for JSON."""
+        pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
+        return {"topic": topic, **dict(pairs)}
 
     def rows(self, found: Mapping[str, Any]) -> list[str]:
         """Return the lines of one topic, or the table of several."""
@@ -38,18 +36,7 @@ class ReportForm:
                 r for v in found.values() for r in self.text.format(*self.fields(v)).split("\n")
             ]
         rows = [[topic, *(self.cells(one) if one else "-----")] for topic, one in found.items()]
-        return table(("topic", *self.columns), rows)
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return a table as rostopic hz prints it: centred header, a rule, rows, an empty line."""
-    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    rule = "=" * (sum(widths) + len(_GAP) * (len(widths) - 1))
-    head, *body = (
-        _GAP.join(f"{cell:{side}{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for side, row in (("^", header), *(("<", row) for row in rows))
-    )
-    return [head, rule, *body, ""]
+        return [*text_table(rows, ("topic", *self.columns)), ""]
 
 
 def _seconds(value: Statistics) -> list[str]:

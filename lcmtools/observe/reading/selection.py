@@ -1,4 +1,4 @@
-"""The topics that an argument selects(one, or all that a pattern matches), and its field path.
+"""The topics that an argument selects (one, or all that a pattern matches), and its field path.
 
 Only the bus can tell a topic from the field path after it. Must not know how a message is shown.
 """

@@ -61,20 +61,6 @@ def fingerprint_rows(topic: Topic) -> list[str]:
     ]
 
 
-def node_record(node: Node) -> dict[str, object]:
-    """Return a node, its host and pid, for JSON."""
-    return {
-        "node": node.name,
-        "host": node.host,
-        "address": node.sender.address if node.sender else None,
-        "pid": node.pid,
-        "command": node.command,
-        "start_time": node.start_time,
-        "stale": node.stale.value or None,
-        **behind_record(node),
-    }
-
-
 def behind_record(node: Node) -> dict[str, object]:
     """Return the bus of a node behind relays, and the relays, nearest first, for JSON."""
     return {"bus": node.bus, "relays": [step.relay for step in node.path]} if node.path else {}

@@ -1,26 +1,21 @@
-"""A node, or a program that is not a node, as lines of text and as values for JSON."""
+"""A node as lines of text and as values for JSON."""
 
-import socket
-import time
 from collections.abc import Iterator, Sequence
 
-from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
-from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate, callback_record, callback_times
-from lcmtools.observe.node_requests import program_place
-from lcmtools.observe.reading.senders import Program, is_here, user_name
+from lcmtools.observe.reading.senders import is_here, user_name
+from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import (
     UNKNOWN,
     callback_errors,
-    candidates_text,
     host_text,
-    node_record,
-    seen_types,
 )
+from lcmtools.observe.reports.node_list_report import up_time
+from lcmtools.observe.reports.process_rows import percent, usage_rows
 
 _TITLES = {
     Role.PUBLISHER: "Publications",
@@ -30,14 +25,17 @@ _TITLES = {
 }
 
 
-def listed(node: Node, now: int) -> str:
-    """Return a node as in rosnode list -a: first the address, and after the name its state."""
-    seconds = _up_time(node, now)
-    units = (("days", 86400), ("h", 3600), ("min", 60))
-    spans = (f"{seconds / length:.1f} {unit}" for unit, length in units if seconds >= 2 * length)
-    state = f"stale: {node.stale}" if node.stale else f"up {next(spans, f'{seconds:.0f} s')}"
-    behind = f", on {node.bus}" if node.path else ""
-    return f"{node.host}:{node.pid} \t{node.name}\t{state}{behind}"
+def rows(
+    node: Node, graph: Graph, now: int, parameters: Sequence[str], *, show_hidden: bool
+) -> list[str]:
+    """Return all lines of a node, among them those of its parameters."""
+    return [
+        *roles(node, show_hidden=show_hidden),
+        *_process(node, now),
+        *parameters,
+        *_counters(node),
+        *_connections(node, graph),
+    ]
 
 
 def roles(node: Node, *, show_hidden: bool) -> list[str]:
@@ -56,41 +54,11 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
     return [*rows, ""]
 
 
-def process(node: Node, now: int) -> list[str]:
-    """Return its place, start time, use of resources, and callback errors."""
-    rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
-    if node.stale:
-        rows.append(f"Stale: {node.stale}")
-    else:
-        rows += _usage(node.pid, now) if is_here(node) else []
-        seconds = _up_time(node, now)
-        rows.append(f"Up for: {seconds:.0f} s")
-        rows.append(f"In callbacks: {_percent(node.busy / 1e9, seconds)} of that time")
-    errors = [f" * {printable(text)}" for text in callback_errors(node)]
-    return [*rows, "Errors of callbacks:", *errors] if errors else rows
-
-
-def counters(node: Node) -> list[str]:
-    """Return the number of messages, average rate and drops of each topic."""
-    rows = [_counter(node, endpoint) for endpoint in _ends(node)]
-    return ["Counters:", *rows] if rows else []
-
-
-def connections(node: Node, graph: Graph) -> list[str]:
-    """Return the other nodes that its topics connect it to."""
-    rows = [
-        row
-        for topic, direction, peer in _peers(node, graph)
-        for row in (f" * topic: {topic}", f"    * {direction}: {peer}")
-    ]
-    return ["Connections:", *(rows or [" * none"]), ""]
-
-
 def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
-    """Return all of these for JSON."""
+    """Return a node for JSON."""
     taken = usage_of(node.pid) if is_here(node) and not node.stale else None
     return {
-        **node_record(node),
+        **node_list_report.record(node),
         **{
             title.lower().replace(" ", "_"): list(map(_endpoint_record, node.having(role)))
             for role, title in _TITLES.items()
@@ -99,13 +67,57 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
             dict(zip(("topic", "direction", "node"), one, strict=True))
             for one in _peers(node, graph)
         ],
-        "up_time": None if node.stale else _up_time(node, now),
-        "callback_time": node.busy,
+        "up_time": None if node.stale else up_time(node, now),
+        "callback_time": node.busy if node.has_details else None,
         "callback_errors": [error._asdict() for error in reversed(node.errors)],
+        "protocol_version": node.version,
+        "software": node.software or None,
+        "has_details": node.has_details,
         "user": user_name(taken.uid) if taken else None,
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,
     }
+
+
+def _process(node: Node, now: int) -> list[str]:
+    """Return its place, start time, use of resources, and callback errors."""
+    rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
+    if node.stale:
+        rows.append(f"Stale: {node.stale}")
+    else:
+        rows += usage_rows(node.pid, now) if is_here(node) else []
+        seconds = up_time(node, now)
+        rows.append(f"Up for: {seconds:.0f} s")
+        if node.has_details:
+            rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
+    rows += _version(node)
+    errors = [f" * {printable(text)}" for text in callback_errors(node)]
+    return [*rows, "Errors of callbacks:", *errors] if errors else rows
+
+
+def _version(node: Node) -> list[str]:
+    """Return the version that a node speaks, if it is another one than this program's."""
+    if node.version == VERSION and node.has_details:
+        return []
+    software = f" ({node.software})" if node.software else ""
+    part = "" if node.has_details else "; of its topics only those that it is seen to publish on"
+    return [f"Protocol: version {node.version}{software}, this program's is {VERSION}{part}"]
+
+
+def _counters(node: Node) -> list[str]:
+    """Return the number of messages, average rate and drops of each topic."""
+    rows = [_counter(node, endpoint) for endpoint in _ends(node)]
+    return ["Counters:", *rows] if rows else []
+
+
+def _connections(node: Node, graph: Graph) -> list[str]:
+    """Return the other nodes that its topics connect it to."""
+    rows = [
+        row
+        for topic, direction, peer in _peers(node, graph)
+        for row in (f" * topic: {topic}", f"    * {direction}: {peer}")
+    ]
+    return ["Connections:", *(rows or [" * none"]), ""]
 
 
 def ping_reply(node: Node, seconds: float) -> str:
@@ -121,25 +133,6 @@ def ping_summary(times: Sequence[float]) -> list[str]:
         f"ping average: {sum(times) / len(times) * 1e3:.6f}ms",
         f"shortest: {min(times) * 1e3:.6f}ms, longest: {max(times) * 1e3:.6f}ms",
     ]
-
-
-def _usage(pid: int, now: int) -> list[str]:
-    """The resources that a process of this computer uses, if the system shows them."""
-    taken = usage_of(pid)
-    if taken is None:
-        return []
-    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
-    share = _percent(taken.processor_time, (now - taken.start_time) / 1e9)
-    return [
-        f"User: {user_name(taken.uid)}",
-        f"Started: {started}",
-        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
-        f"Processor: {share} of a core since it started",
-    ]
-
-
-def _up_time(node: Node, now: int) -> float:
-    return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
 def _counter(node: Node, endpoint: Endpoint) -> str:
@@ -168,10 +161,6 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
                 yield topic.name, "to" if outbound else "from", peer.name
 
 
-def _percent(spent: float, seconds: float) -> str:
-    return f"{100 * spent / max(1e-9, seconds):.1f} %"
-
-
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
     return {
         "topic": endpoint.topic,
@@ -182,79 +171,3 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
         "drops": endpoint.drops,
         **callback_record(endpoint),
     }
-
-
-def listed_program(program: Program) -> list[str]:
-    """Return a program as ``node list -a`` shows it: its place, command and role."""
-    user = f" (user {program.user})" if program.user else ""
-    parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
-    if program.listens:
-        lost = sum(row.drops for row in program.sockets)
-        parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
-    return [f"{program_place(program)} \t{command_text(program)}{user}", f"\t{', '.join(parts)}"]
-
-
-def program_rows(program: Program, now: int, *, quiet: bool) -> list[str]:
-    """Return a program as ``node info`` shows it."""
-    rows = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
-    types = {seen.channel: _types_text(seen.fingerprints) for seen in program.traffic}
-    rows.append("Publications: " if types else "Publications: none seen")
-    rows += [f" * {channel} [{text}]" for channel, text in types.items()]
-    listens = {True: "on unknown channels", False: "None", None: "not known"}
-    rows += ["", f"Subscriptions: {listens[program.listens]}", "", ""]
-    if quiet:
-        return rows
-    rows.append(f"Host: {program_place(program).rpartition(':')[0]}")
-    if process := program.process:
-        rows += [f"Pid: {process.pid}", f"Command: {process.command}", *_usage(process.pid, now)]
-    sizes = receive_buffers() if program.sockets else {}
-    rows += [
-        f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
-        f" {row.drops} datagrams dropped"
-        for row in program.sockets
-    ]
-    return [*rows, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
-
-
-def program_record(program: Program) -> dict[str, object]:
-    """Return a program for JSON, with the keys of a node that are known."""
-    process = program.process
-    return {
-        "observed": True,
-        "node": None,
-        "host": socket.gethostname() if process else None,
-        "address": program.address or None,
-        "ports": list(program.ports),
-        "pid": process.pid if process else None,
-        "command": process.command if process else None,
-        "user": program.user or None,
-        "publications": [
-            {
-                "topic": seen.channel,
-                "type": _types_text(seen.fingerprints),
-                "messages": seen.messages,
-                "bytes": seen.bytes,
-                "rate": seen.rate(),
-            }
-            for seen in program.traffic
-        ],
-        "listens": program.listens,
-        "queued_bytes": sum(row.queued_bytes for row in program.sockets),
-        "drops": sum(row.drops for row in program.sockets),
-        "candidates": [process.pid for process in program.candidates],
-    }
-
-
-def command_text(program: Program) -> str:
-    """Return a program's name and arguments, as far as the system knows."""
-    if program.process:
-        return shortened(program.process.command, LONGEST_COMMAND)
-    return f"a program{candidates_text(program.candidates)}"
-
-
-def _types_text(fingerprints: tuple[int, ...]) -> str:
-    return ", ".join(seen_types(fingerprints)) or UNKNOWN
-
-
-def _kilobytes(size: int | None) -> str:
-    return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"

@@ -1,29 +1,26 @@
-"""A topic, or a service, as lines of text and as values for JSON."""
+"""A topic as lines of text and as values for JSON."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from lcmtools.graph.model import Endpoint, Node, Topic
-from lcmtools.observe.measuring.counters import Counters, callback_record, callback_times
-from lcmtools.observe.reading.find import OfferedService
+from lcmtools.observe.measuring.counters import Counters
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reports.describe import (
     fingerprint_rows,
-    listed_node,
-    node_record,
     node_text,
     program_text,
     type_text,
 )
 
 
-def topic_rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
+def rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
     """Return the lines of rostopic info, each node with its process and, below, its counters."""
-    rows = [f"Type: {type_text(topic)}"]
+    found = [f"Type: {type_text(topic)}"]
     if not topic.types or verbose:
-        rows += fingerprint_rows(topic)
+        found += fingerprint_rows(topic)
     accepted = {name for _, e in topic.subscribers for name in e.types[1:]} - set(topic.types)
     if accepted:
-        rows.append(f"Also accepted: {', '.join(sorted(accepted))}")
+        found.append(f"Also accepted: {', '.join(sorted(accepted))}")
     published = _nodes(topic.publishers, counters, verbose=verbose)
     for rows_of_node, (node, _) in zip(published, topic.publishers, strict=True):
         rows_of_node.extend(_lost(counters.lost(node)))
@@ -32,12 +29,12 @@ def topic_rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
         for seen in topic.foreign
     ]
     subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
-    rows += ["", *_section("Publishers", published), ""]
-    rows += [*_section("Subscribers", subscribed), "", ""]
-    return rows
+    found += ["", *_section("Publishers", published), ""]
+    found += [*_section("Subscribers", subscribed), "", ""]
+    return found
 
 
-def topic_record(topic: Topic, counters: Counters) -> dict[str, object]:
+def record(topic: Topic, counters: Counters) -> dict[str, object]:
     """Return the same for JSON."""
     return {
         "topic": topic.name,
@@ -61,34 +58,6 @@ def topic_record(topic: Topic, counters: Counters) -> dict[str, object]:
             }
             for seen in topic.foreign
         ],
-    }
-
-
-def service_rows(service: OfferedService, *, is_only: bool) -> Iterator[str]:
-    """Yield the lines of a service with its nodes, with its name unless it is the only one."""
-    yield from [] if is_only else [f"Service: {service.name}"]
-    for node, endpoint in service.servers:
-        took = callback_times(endpoint)
-        yield from (f"Node: {listed_node(node)}", f"Host: {node.host}", f"Pid: {node.pid}")
-        yield f"Calls: {endpoint.messages}{f', {took}' if took else ''}"
-    names = service.arguments()
-    yield f"Type: {service.type_text}"
-    yield f"Args: {'unknown' if names is None else ' '.join(names)}"
-    if service.clients:
-        yield from ("Clients:", *(f" * {listed_node(node)}" for node in service.clients))
-
-
-def service_record(service: OfferedService) -> dict[str, object]:
-    """Return the same for JSON."""
-    return {
-        "service": service.name,
-        "types": list(service.types),
-        "args": service.arguments(),
-        "servers": [
-            {**node_record(n), "calls": e.messages, **callback_record(e)}
-            for n, e in service.servers
-        ],
-        "clients": [node.name for node in service.clients],
     }
 
 
@@ -116,6 +85,6 @@ def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _lost_record(loss: Loss | None) -> dict[str, object]:
-    """The messages that did not arriveand all that were sent; null if unknown."""
+    """Return the numbers of lost and of sent messages; null if unknown."""
     known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

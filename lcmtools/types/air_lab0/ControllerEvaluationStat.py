@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class ControllerEvaluationStat(object):
-    """ How well a controller keeps the velocity that it is asked for. """
+    """ The quality of a velocity controller: its error from the commanded velocity. """
 
     __slots__ = ["samples", "last_error", "average_error"]
 
@@ -19,13 +19,13 @@ class ControllerEvaluationStat(object):
     def __init__(self):
         self.samples = 0
         """
-        number of odometry messages compared with the desired velocity so far
+        number of odometry messages compared with the commanded velocity so far
         LCM Type: int32_t
         """
 
         self.last_error = 0.0
         """
-        [m/s and rad/s taken together] error of the last sample: square root of the sum of the
+        [m/s and rad/s combined] error of the last sample: square root of the sum of the
         squared errors of the forward and of the turning velocity
         LCM Type: double
         """

@@ -9,7 +9,7 @@ import struct
 
 class Duration(object):
     """
-    A length of time as ROS 2 names its parts: sec + nanosec/1e9 seconds, so that -0.5 s is sec =
+    A duration with ROS 2's field names: sec + nanosec/1e9 seconds, so that -0.5 s is sec =
     -1 and nanosec = 500000000.
     """
 
@@ -22,7 +22,7 @@ class Duration(object):
     def __init__(self):
         self.sec = 0
         """
-        [s] whole seconds, negative for a length of time that leads back
+        [s] whole seconds, negative for a negative duration
         LCM Type: int32_t
         """
 

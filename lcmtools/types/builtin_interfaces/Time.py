@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Time(object):
-    """ A point in time as ROS 2 names its parts. """
+    """ A point in time with ROS 2's field names. """
 
     __slots__ = ["sec", "nanosec"]
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.diagnostic_msgs
 
 class DiagnosticArray(object):
-    """ How the parts of a robot fare. """
+    """ The state of the parts of a robot. """
 
     __slots__ = ["status_length", "header", "status"]
 

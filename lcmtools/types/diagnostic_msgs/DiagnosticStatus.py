@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.diagnostic_msgs
 
 class DiagnosticStatus(object):
-    """ How one part of a robot fares. """
+    """ The state of one part of a robot. """
 
     __slots__ = ["values_length", "level", "name", "message", "hardware_id", "values"]
 
@@ -21,11 +21,11 @@ class DiagnosticStatus(object):
     OK = 0
     """ a level: works """
     WARN = 1
-    """ a level: works, but not as it should """
+    """ a level: works, but something is wrong """
     ERROR = 2
     """ a level: does not work """
     STALE = 3
-    """ a level: has not been heard of for too long """
+    """ a level: not reported for too long """
 
     def __init__(self):
         self.values_length = 0
@@ -48,7 +48,7 @@ class DiagnosticStatus(object):
 
         self.message = ""
         """
-        what is the matter, for a human reader
+        the problem, for a human reader
         LCM Type: string
         """
 
@@ -60,7 +60,7 @@ class DiagnosticStatus(object):
 
         self.values = []
         """
-        what was measured
+        the measured values
         LCM Type: lcmtools.types.diagnostic_msgs.KeyValue[values_length]
         """
 

@@ -19,13 +19,13 @@ class KeyValue(object):
     def __init__(self):
         self.key = ""
         """
-        what is valued
+        name of the value
         LCM Type: string
         """
 
         self.value = ""
         """
-        its value as text, with its unit where it has one
+        the value as text, with its unit if it has one
         LCM Type: string
         """
 

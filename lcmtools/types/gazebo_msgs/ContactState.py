@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class ContactState(object):
-    """ Where two things touch, as Gazebo's bumper tells it. """
+    """ A contact between two objects, as reported by Gazebo's bumper. """
 
     __slots__ = ["wrenches_length", "contact_positions_length", "contact_normals_length", "depths_length", "info", "collision1_name", "collision2_name", "wrenches", "total_wrench", "contact_positions", "contact_normals", "depths"]
 
@@ -45,49 +45,49 @@ class ContactState(object):
 
         self.info = ""
         """
-        anything worth saying about the contact
+        a description of the contact
         LCM Type: string
         """
 
         self.collision1_name = ""
         """
-        what carries the bumper
+        the object with the bumper
         LCM Type: string
         """
 
         self.collision2_name = ""
         """
-        what it touches
+        the object that it touches
         LCM Type: string
         """
 
         self.wrenches = []
         """
-        [N, N*m] force and torque on the first at each place, in the frame of the header
+        [N, N*m] force and torque on the first object at each point, in the frame of the header
         LCM Type: lcmtools.types.geometry_msgs.Wrench[wrenches_length]
         """
 
         self.total_wrench = lcmtools.types.geometry_msgs.Wrench()
         """
-        [N, N*m] their sum
+        [N, N*m] the sum of these
         LCM Type: lcmtools.types.geometry_msgs.Wrench
         """
 
         self.contact_positions = []
         """
-        [m] the places, in the frame of the header
+        [m] the points of contact, in the frame of the header
         LCM Type: lcmtools.types.geometry_msgs.Vector3[contact_positions_length]
         """
 
         self.contact_normals = []
         """
-        [1] unit vectors towards the first at each place
+        [1] unit vectors towards the first object at each point
         LCM Type: lcmtools.types.geometry_msgs.Vector3[contact_normals_length]
         """
 
         self.depths = []
         """
-        [m] how deep the two stand in each other at each place
+        [m] penetration depth at each point
         LCM Type: double[depths_length]
         """
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.gazebo_msgs
 
 class ContactsState(object):
-    """ Everything that a bumper touches; no states when it touches nothing. """
+    """ The contacts of a bumper; no states without contact. """
 
     __slots__ = ["states_length", "header", "states"]
 
@@ -29,13 +29,13 @@ class ContactsState(object):
 
         self.header = lcmtools.types.std_msgs.Header()
         """
-        when it was measured, and the frame of places and forces
+        when it was measured, and the frame of points and forces
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
         self.states = []
         """
-        one for each thing that is touched
+        one for each object that is touched
         LCM Type: lcmtools.types.gazebo_msgs.ContactState[states_length]
         """
 

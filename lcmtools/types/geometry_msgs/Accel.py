@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class Accel(object):
-    """ Acceleration in free space, in its linear and its angular part. """
+    """ Acceleration in free space: its linear and angular part. """
 
     __slots__ = ["linear", "angular"]
 

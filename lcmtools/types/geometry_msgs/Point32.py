@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Point32(object):
-    """ A position of single precision, for many points on a narrow wire; everything else uses Point. """
+    """ A position of single precision, for many points at low bandwidth; otherwise use Point. """
 
     __slots__ = ["x", "y", "z"]
 

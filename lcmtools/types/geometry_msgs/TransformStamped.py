@@ -13,7 +13,7 @@ import lcmtools.types.geometry_msgs
 
 class TransformStamped(object):
     """
-    Where one frame stands in another one. It takes coordinates given in child_frame_id to
+    The pose of one frame in another. It transforms coordinates in child_frame_id to
     coordinates in header.frame_id.
     """
 

@@ -11,7 +11,7 @@ import lcmtools.types.geometry_msgs
 
 class Twist(object):
     """
-    Velocity in free space, in its linear and its angular part. As a command to a mobile robot it
+    Velocity in free space: its linear and angular part. As a command to a mobile robot it
     is given in the body frame: x forward, y left, z up.
     """
 

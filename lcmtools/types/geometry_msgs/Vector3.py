@@ -10,7 +10,7 @@ import struct
 class Vector3(object):
     """
     A vector in free space: a direction with a length, which a change of frame rotates but does
-    not move. The field that holds it says its unit.
+    not move. Its unit depends on the field.
     """
 
     __slots__ = ["x", "y", "z"]

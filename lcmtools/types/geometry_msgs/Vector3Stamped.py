@@ -29,7 +29,7 @@ class Vector3Stamped(object):
 
         self.vector = lcmtools.types.geometry_msgs.Vector3()
         """
-        the vector in header.frame_id; its topic says its unit
+        the vector in header.frame_id; its unit depends on the topic
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 

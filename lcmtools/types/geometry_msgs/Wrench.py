@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class Wrench(object):
-    """ Force in free space, in its linear and its angular part. """
+    """ Force and torque in free space. """
 
     __slots__ = ["force", "torque"]
 

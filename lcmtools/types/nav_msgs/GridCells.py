@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.geometry_msgs
 
 class GridCells(object):
-    """ Cells of equal size, for example those that a planner holds for blocked. """
+    """ Cells of equal size, for example those that a planner considers blocked. """
 
     __slots__ = ["cells_length", "header", "cell_width", "cell_height", "cells"]
 
@@ -29,7 +29,7 @@ class GridCells(object):
 
         self.header = lcmtools.types.std_msgs.Header()
         """
-        when the cells were found, and the frame in which they are given
+        when the cells were determined, and the frame in which they are given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.geometry_msgs
 
 class MapMetaData(object):
-    """ Size and place of an OccupancyGrid. """
+    """ Size and position of an OccupancyGrid. """
 
     __slots__ = ["map_load_time", "resolution", "width", "height", "origin"]
 
@@ -47,7 +47,7 @@ class MapMetaData(object):
 
         self.origin = lcmtools.types.geometry_msgs.Pose()
         """
-        [m] where the map lies: pose of the outer corner of cell (0, 0) in the frame of the
+        [m] the map's origin: pose of the outer corner of cell (0, 0) in the frame of the
         message
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """

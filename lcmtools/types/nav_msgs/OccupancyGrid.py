@@ -35,7 +35,7 @@ class OccupancyGrid(object):
 
         self.info = lcmtools.types.nav_msgs.MapMetaData()
         """
-        size, resolution and place of the map
+        size, resolution and position of the map
         LCM Type: lcmtools.types.nav_msgs.MapMetaData
         """
 

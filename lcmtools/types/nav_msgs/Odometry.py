@@ -13,7 +13,7 @@ import lcmtools.types.geometry_msgs
 
 class Odometry(object):
     """
-    Estimate of where a robot is and how fast it moves, for example from its wheel encoders. The
+    Estimate of a robot's pose and velocity, for example from its wheel encoders. The
     pose is given in header.frame_id, the twist in child_frame_id.
     """
 
@@ -44,8 +44,8 @@ class Odometry(object):
 
         self.twist = lcmtools.types.geometry_msgs.TwistWithCovariance()
         """
-        [m/s, rad/s] velocity in child_frame_id: linear.x is forward whatever way the robot
-        faces
+        [m/s, rad/s] velocity in child_frame_id: linear.x is forward regardless of the
+        robot's heading
         LCM Type: lcmtools.types.geometry_msgs.TwistWithCovariance
         """
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.geometry_msgs
 
 class Path(object):
-    """ A way through the world as a list of poses. """
+    """ A path through the world as a list of poses. """
 
     __slots__ = ["poses_length", "header", "poses"]
 
@@ -35,7 +35,7 @@ class Path(object):
 
         self.poses = []
         """
-        [m] the poses from start to goal; the header of each may say when it shall be reached
+        [m] the poses from start to goal; the header of each may have its arrival time
         LCM Type: lcmtools.types.geometry_msgs.PoseStamped[poses_length]
         """
 

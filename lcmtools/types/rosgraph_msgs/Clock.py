@@ -11,8 +11,8 @@ import lcmtools.types.std_msgs
 
 class Clock(object):
     """
-    The time of a simulation or of a recording that is played, for nodes that run on it instead of
-    on the system's time.
+    The time of a simulation or a played log, for nodes that use it instead of
+    the system's time.
     """
 
     __slots__ = ["clock"]

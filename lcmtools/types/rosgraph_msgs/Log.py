@@ -19,15 +19,15 @@ class Log(object):
     __dimensions__ = [None, None, None, None, None, None, None, None, ["topics_length"]]
 
     DEBUG = 1
-    """ a level: of interest only to who looks for a fault """
+    """ a level: for debugging only """
     INFO = 2
     """ a level: normal progress """
     WARN = 4
-    """ a level: works, but not as it should """
+    """ a level: works, but something is wrong """
     ERROR = 8
     """ a level: something failed """
     FATAL = 16
-    """ a level: the node cannot go on """
+    """ a level: the node cannot continue """
 
     def __init__(self):
         self.topics_length = 0
@@ -44,7 +44,7 @@ class Log(object):
 
         self.level = 0
         """
-        how serious it is: DEBUG, INFO, WARN, ERROR or FATAL
+        the severity: DEBUG, INFO, WARN, ERROR or FATAL
         LCM Type: int8_t
         """
 

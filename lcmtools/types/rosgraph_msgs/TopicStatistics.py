@@ -11,7 +11,7 @@ import lcmtools.types.std_msgs
 
 class TopicStatistics(object):
     """
-    How the messages of one topic got from one publisher to one subscriber during a window of
+    Statistics of the messages from one publisher to one subscriber of a topic, during a window of
     time.
     """
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class BatteryState(object):
-    """ State of a battery. What is not measured is NaN. """
+    """ State of a battery. Values that are not measured are NaN. """
 
     __slots__ = ["cell_voltage_length", "cell_temperature_length", "header", "voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage", "power_supply_status", "power_supply_health", "power_supply_technology", "present", "cell_voltage", "cell_temperature", "location", "serial_number"]
 
@@ -35,11 +35,11 @@ class BatteryState(object):
     POWER_SUPPLY_HEALTH_OVERHEAT = 2
     """ a health: too hot """
     POWER_SUPPLY_HEALTH_DEAD = 3
-    """ a health: at its end """
+    """ a health: at the end of its life """
     POWER_SUPPLY_HEALTH_OVERVOLTAGE = 4
     """ a health: its voltage is too high """
     POWER_SUPPLY_HEALTH_UNSPEC_FAILURE = 5
-    """ a health: a fault that the other values do not name """
+    """ a health: another fault """
     POWER_SUPPLY_HEALTH_COLD = 6
     """ a health: too cold """
     POWER_SUPPLY_HEALTH_WATCHDOG_TIMER_EXPIRE = 7
@@ -100,19 +100,19 @@ class BatteryState(object):
 
         self.charge = 0.0
         """
-        [A*h] what it holds now
+        [A*h] present charge
         LCM Type: float
         """
 
         self.capacity = 0.0
         """
-        [A*h] what it held when it was last full
+        [A*h] charge when it was last full
         LCM Type: float
         """
 
         self.design_capacity = 0.0
         """
-        [A*h] what it was built to hold
+        [A*h] design capacity
         LCM Type: float
         """
 
@@ -160,7 +160,7 @@ class BatteryState(object):
 
         self.location = ""
         """
-        where the battery sits, for example its slot
+        location of the battery, for example its slot
         LCM Type: string
         """
 

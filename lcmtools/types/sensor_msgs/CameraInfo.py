@@ -13,7 +13,7 @@ import lcmtools.types.sensor_msgs
 
 class CameraInfo(object):
     """
-    How a camera maps the scene to pixels; published with each image and the same stamp. A camera
+    A camera's calibration; published with each image and the same stamp. A camera
     that was not calibrated has K[0] = 0.
     """
 
@@ -97,7 +97,7 @@ class CameraInfo(object):
 
         self.roi = lcmtools.types.sensor_msgs.RegionOfInterest()
         """
-        the part of the full image that is sent, at full resolution; all zero is the whole
+        the part of the full image that is sent, at full resolution; all zero means all of it
         LCM Type: lcmtools.types.sensor_msgs.RegionOfInterest
         """
 

@@ -25,14 +25,14 @@ class ChannelFloat32(object):
 
         self.name = ""
         """
-        what the value is: intensity, rgb, u and v (column and row of the point in an image),
+        meaning of the value: intensity, rgb, u and v (column and row of the point in an image),
         ...
         LCM Type: string
         """
 
         self.values = []
         """
-        the values, as many as the cloud has points; the name says their unit
+        the values, one for each point; their unit depends on the name
         LCM Type: float[values_length]
         """
 

@@ -33,7 +33,7 @@ class CompressedImage(object):
 
         self.format = ""
         """
-        how data is compressed: jpeg or png
+        compression of data: jpeg or png
         LCM Type: string
         """
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class Illuminance(object):
-    """ How bright it is, weighted as a human eye does. """
+    """ Brightness, weighted like the human eye. """
 
     __slots__ = ["header", "illuminance", "variance"]
 

@@ -48,7 +48,7 @@ class Image(object):
 
         self.encoding = ""
         """
-        what a pixel is: rgb8, bgr8, mono8, ... A depth image is 32FC1 ([m], NaN invalid) or
+        pixel format: rgb8, bgr8, mono8, ... A depth image is 32FC1 ([m], NaN invalid) or
         16UC1 ([mm], 0 invalid), along the optical axis (REP-118)
         LCM Type: string
         """

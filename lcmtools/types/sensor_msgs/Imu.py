@@ -13,8 +13,8 @@ import lcmtools.types.geometry_msgs
 
 class Imu(object):
     """
-    Measurement of an inertial measurement unit. A covariance of all zeros is unknown; one whose
-    first element is -1 says that the sensor has no such estimate.
+    Measurement of an inertial measurement unit. A covariance of all zeros is unknown; if its
+    first element is -1, the sensor has no such estimate.
     """
 
     __slots__ = ["header", "orientation", "orientation_covariance", "angular_velocity", "angular_velocity_covariance", "linear_acceleration", "linear_acceleration_covariance"]

@@ -12,8 +12,8 @@ import lcmtools.types.std_msgs
 class JointState(object):
     """
     State of the joints of a robot, or a command to them. Each of the arrays position, velocity
-    and effort either has one entry for each name, in the same order, or is empty if nothing is
-    said about it.
+    and effort either has one entry for each name, in the same order, or is empty if it is not
+    given.
     """
 
     __slots__ = ["name_length", "position_length", "velocity_length", "effort_length", "header", "name", "position", "velocity", "effort"]

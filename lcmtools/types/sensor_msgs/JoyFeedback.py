@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class JoyFeedback(object):
-    """ Asks a gamepad for light, rumble or sound. """
+    """ A request to a gamepad for light, rumble or sound. """
 
     __slots__ = ["type", "id", "intensity"]
 
@@ -26,19 +26,19 @@ class JoyFeedback(object):
     def __init__(self):
         self.type = 0
         """
-        what shall be driven: TYPE_LED, TYPE_RUMBLE or TYPE_BUZZER
+        the actuator: TYPE_LED, TYPE_RUMBLE or TYPE_BUZZER
         LCM Type: byte
         """
 
         self.id = 0
         """
-        which one of that type, from 0
+        index among the actuators of that type, from 0
         LCM Type: byte
         """
 
         self.intensity = 0.0
         """
-        [1] how strong, 0 (off) to 1
+        [1] intensity, 0 (off) to 1
         LCM Type: float
         """
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.sensor_msgs
 
 class JoyFeedbackArray(object):
-    """ Asks a gamepad for several kinds of feedback at once. """
+    """ A request to a gamepad for several kinds of feedback at once. """
 
     __slots__ = ["array_length", "array"]
 
@@ -27,7 +27,7 @@ class JoyFeedbackArray(object):
 
         self.array = []
         """
-        what is asked for; what is not named stays as it is
+        the requests; actuators that are not named stay unchanged
         LCM Type: lcmtools.types.sensor_msgs.JoyFeedback[array_length]
         """
 

@@ -72,13 +72,13 @@ class LaserScan(object):
 
         self.range_min = 0.0
         """
-        [m] what is nearer was not measured
+        [m] least distance that is measured
         LCM Type: float
         """
 
         self.range_max = 0.0
         """
-        [m] what is farther was not measured
+        [m] greatest distance that is measured
         LCM Type: float
         """
 
@@ -91,7 +91,7 @@ class LaserScan(object):
 
         self.intensities = []
         """
-        [device's own] strength of each return, as many as ranges or none
+        [device's own] strength of each return, one for each range or none
         LCM Type: float[intensities_length]
         """
 

@@ -15,7 +15,7 @@ class MultiDOFJointState(object):
     """
     State of joints with several degrees of freedom, for example a floating base. Each of the
     arrays transforms, twist and wrench either has one entry for each name, in the same order, or
-    is empty if nothing is said about it.
+    is empty if it is not given.
     """
 
     __slots__ = ["joint_names_length", "transforms_length", "twist_length", "wrench_length", "header", "joint_names", "transforms", "twist", "wrench"]

@@ -13,7 +13,7 @@ import lcmtools.types.sensor_msgs
 
 class MultiEchoLaserScan(object):
     """
-    One sweep of a planar laser scanner that tells several returns of a beam apart. Beam i points
+    One sweep of a planar laser scanner that reports several returns per beam. Beam i points
     at angle_min + i * angle_increment, about the z axis of header.frame_id; angle 0 is its x
     axis.
     """
@@ -75,13 +75,13 @@ class MultiEchoLaserScan(object):
 
         self.range_min = 0.0
         """
-        [m] what is nearer was not measured
+        [m] least distance that is measured
         LCM Type: float
         """
 
         self.range_max = 0.0
         """
-        [m] what is farther was not measured
+        [m] greatest distance that is measured
         LCM Type: float
         """
 
@@ -94,7 +94,7 @@ class MultiEchoLaserScan(object):
 
         self.intensities = []
         """
-        [device's own] strengths of the returns of each beam, as many as ranges or none
+        [device's own] strengths of the returns of each beam, one for each range or none
         LCM Type: lcmtools.types.sensor_msgs.LaserEcho[intensities_length]
         """
 

@@ -38,7 +38,7 @@ class NavSatFix(object):
 
         self.status = lcmtools.types.sensor_msgs.NavSatStatus()
         """
-        what kind of fix this is
+        the kind of fix
         LCM Type: lcmtools.types.sensor_msgs.NavSatStatus
         """
 

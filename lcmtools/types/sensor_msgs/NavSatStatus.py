@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class NavSatStatus(object):
-    """ What kind of fix a satellite receiver has. """
+    """ The kind of a satellite receiver's fix. """
 
     __slots__ = ["status", "service"]
 
@@ -42,7 +42,7 @@ class NavSatStatus(object):
 
         self.service = 0
         """
-        which satellites are used: sum of SERVICE constants
+        the satellites used: sum of SERVICE constants
         LCM Type: int16_t
         """
 

@@ -14,7 +14,7 @@ import lcmtools.types.sensor_msgs
 import lcmtools.types.geometry_msgs
 
 class PointCloud(object):
-    """ Many points in space with values for each. New programs use PointCloud2. """
+    """ Points in space with further values for each. New programs should use PointCloud2. """
 
     __slots__ = ["points_length", "channels_length", "header", "points", "channels"]
 
@@ -49,7 +49,7 @@ class PointCloud(object):
 
         self.channels = []
         """
-        further values of the points, each with as many elements as there are points
+        further values of the points, each with one element per point
         LCM Type: lcmtools.types.sensor_msgs.ChannelFloat32[channels_length]
         """
 

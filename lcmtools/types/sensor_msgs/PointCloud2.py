@@ -13,7 +13,7 @@ import lcmtools.types.sensor_msgs
 
 class PointCloud2(object):
     """
-    Many points in space with any fields, as one block of bytes. Point (row, column) starts at
+    Points in space with any fields, as one block of bytes. Point (row, column) starts at
     data[row * row_step + column * point_step].
     """
 
@@ -56,7 +56,7 @@ class PointCloud2(object):
 
         self.fields = []
         """
-        what a point consists of
+        the fields of a point
         LCM Type: lcmtools.types.sensor_msgs.PointField[fields_length]
         """
 

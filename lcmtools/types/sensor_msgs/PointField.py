@@ -54,7 +54,7 @@ class PointField(object):
 
         self.count = 0
         """
-        [elements] how many the field has, usually 1
+        [elements] number of elements of the field, usually 1
         LCM Type: int32_t
         """
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class Range(object):
-    """ Distance to the nearest thing inside a cone, as an ultrasonic or infrared sensor measures it. """
+    """ Distance to the nearest object inside a cone, measured by an ultrasonic or infrared sensor. """
 
     __slots__ = ["header", "radiation_type", "field_of_view", "min_range", "max_range", "range"]
 
@@ -33,33 +33,33 @@ class Range(object):
 
         self.radiation_type = 0
         """
-        what the sensor sends out: ULTRASOUND or INFRARED
+        radiation of the sensor: ULTRASOUND or INFRARED
         LCM Type: byte
         """
 
         self.field_of_view = 0.0
         """
-        [rad] full angle of the cone; the thing may be anywhere inside it
+        [rad] full angle of the cone; the object may be anywhere inside it
         LCM Type: float
         """
 
         self.min_range = 0.0
         """
-        [m] what is nearer was not measured
+        [m] least distance that is measured
         LCM Type: float
         """
 
         self.max_range = 0.0
         """
-        [m] what is farther was not measured; equal to min_range for a sensor that only tells
-        whether something is there
+        [m] greatest distance that is measured; equal to min_range for a sensor that only
+        detects presence
         LCM Type: float
         """
 
         self.range = 0.0
         """
-        [m] distance to the nearest thing: +inf is nothing found, -inf too near to measure or,
-        from a sensor that only tells presence, something found (REP-117)
+        [m] distance to the nearest object: +inf is nothing found, -inf too near to measure or,
+        from a sensor that only detects presence, something found (REP-117)
         LCM Type: float
         """
 

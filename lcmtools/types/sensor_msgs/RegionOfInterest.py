@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class RegionOfInterest(object):
-    """ A part of an image. All zero stands for the whole image. """
+    """ A part of an image. All zero means the whole image. """
 
     __slots__ = ["x_offset", "y_offset", "height", "width", "do_rectify"]
 
@@ -43,7 +43,7 @@ class RegionOfInterest(object):
 
         self.do_rectify = False
         """
-        true if a rectified part shall be computed from the raw one, which is usual for a part
+        true to compute a rectified part from the raw one, which is usual for a part
         but not for the whole image
         LCM Type: boolean
         """

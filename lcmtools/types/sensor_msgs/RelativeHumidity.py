@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class RelativeHumidity(object):
-    """ How much water the air holds, as a share of what it can hold. """
+    """ Water vapour in the air, as a fraction of the saturated amount. """
 
     __slots__ = ["header", "relative_humidity", "variance"]
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class TimeReference(object):
-    """ What another clock showed at a moment of this computer's clock. """
+    """ The time of another clock at a time of this computer's clock. """
 
     __slots__ = ["header", "time_ref", "source"]
 
@@ -21,13 +21,13 @@ class TimeReference(object):
     def __init__(self):
         self.header = lcmtools.types.std_msgs.Header()
         """
-        the moment, by this computer's clock; frame_id has no meaning here
+        the time by this computer's clock; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
         self.time_ref = lcmtools.types.std_msgs.Time()
         """
-        [s, ns] what the other clock showed
+        [s, ns] the time by the other clock
         LCM Type: lcmtools.types.std_msgs.Time
         """
 

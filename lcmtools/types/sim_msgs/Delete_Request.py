@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Delete_Request(object):
-    """ Take a robot away. """
+    """ A request to remove a robot. """
 
     __slots__ = ["robot"]
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class GetState_Request(object):
-    """ Ask where a robot is. """
+    """ A request for a robot's true state. """
 
     __slots__ = ["robot"]
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class GetState_Response(object):
-    """ The truth about a robot. """
+    """ The true state of a robot. """
 
     __slots__ = ["success", "message", "time", "model", "pose", "twist"]
 
@@ -21,19 +21,19 @@ class GetState_Response(object):
     def __init__(self):
         self.success = False
         """
-        whether it was done
+        true if it was done
         LCM Type: boolean
         """
 
         self.message = ""
         """
-        why not, or what was done
+        the reason why not, or what was done
         LCM Type: string
         """
 
         self.time = 0
         """
-        [ns] simulated time at which it was so
+        [ns] simulated time of this state
         LCM Type: int64_t
         """
 
@@ -45,13 +45,13 @@ class GetState_Response(object):
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        of its base_footprint in the world, as SetPose takes it [m]
+        [m] pose of its base_footprint in the world, as in SetPose
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
         self.twist = lcmtools.types.geometry_msgs.Twist()
         """
-        of its base_link, in base_link [m/s, rad/s]
+        [m/s, rad/s] velocity of its base_link, in base_link
         LCM Type: lcmtools.types.geometry_msgs.Twist
         """
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class SetPose_Request(object):
-    """ Put a robot, or an object that can be pushed, elsewhere, at rest. """
+    """ A request to move a robot or a movable object elsewhere, at rest. """
 
     __slots__ = ["robot", "pose"]
 
@@ -27,7 +27,7 @@ class SetPose_Request(object):
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        of its base_footprint, or of the ground below the object's centre, in the world [m]
+        [m] pose in the world of its base_footprint, or of the ground below the object's centre
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class SetRate_Request(object):
-    """ Let simulated time pass faster or slower. """
+    """ A request to change the speed of simulated time. """
 
     __slots__ = ["rate"]
 
@@ -19,7 +19,7 @@ class SetRate_Request(object):
     def __init__(self):
         self.rate = 0.0
         """
-        [1] times real time; 0 as fast as possible
+        [1] simulated time per real time; 0 for as fast as possible
         LCM Type: double
         """
 

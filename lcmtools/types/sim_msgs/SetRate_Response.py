@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class SetRate_Response(object):
-    """ What the simulator answers. """
+    """ The simulator's response. """
 
     __slots__ = ["success", "message"]
 
@@ -19,13 +19,13 @@ class SetRate_Response(object):
     def __init__(self):
         self.success = False
         """
-        whether it was done
+        true if it was done
         LCM Type: boolean
         """
 
         self.message = ""
         """
-        why not, or what was done
+        the reason why not, or what was done
         LCM Type: string
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Snapshot_Request(object):
-    """ Ask for a picture of the world. """
+    """ A request for a picture of the world. """
 
     __slots__ = ["robot", "width", "height"]
 
@@ -19,19 +19,19 @@ class Snapshot_Request(object):
     def __init__(self):
         self.robot = ""
         """
-        from whose camera or view, a namespace; "" for the whole world from above
+        namespace of the robot whose view is drawn; "" for the whole world from above
         LCM Type: string
         """
 
         self.width = 0
         """
-        [pixels] columns; 0 for the simulator's own choice
+        [pixels] number of columns; 0 for the simulator's choice
         LCM Type: int32_t
         """
 
         self.height = 0
         """
-        [pixels] rows; 0 for the simulator's own choice
+        [pixels] number of rows; 0 for the simulator's choice
         LCM Type: int32_t
         """
 

@@ -21,13 +21,13 @@ class Snapshot_Response(object):
     def __init__(self):
         self.success = False
         """
-        whether it was done
+        true if it was done
         LCM Type: boolean
         """
 
         self.message = ""
         """
-        why not, or what was done
+        the reason why not, or what was done
         LCM Type: string
         """
 

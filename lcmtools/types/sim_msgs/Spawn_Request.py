@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class Spawn_Request(object):
-    """ Put up one more robot. """
+    """ A request to add a robot. """
 
     __slots__ = ["model", "robot", "pose"]
 
@@ -33,7 +33,7 @@ class Spawn_Request(object):
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        of its base_footprint in the world [m]
+        [m] pose of its base_footprint in the world
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 

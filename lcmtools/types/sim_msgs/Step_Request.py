@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Step_Request(object):
-    """ Let a paused simulator go on for some steps. """
+    """ A request to run a paused simulator for some steps. """
 
     __slots__ = ["steps"]
 
@@ -19,7 +19,7 @@ class Step_Request(object):
     def __init__(self):
         self.steps = 0
         """
-        [steps] how many, 1 or more
+        [steps] number of steps, at least 1
         LCM Type: int64_t
         """
 

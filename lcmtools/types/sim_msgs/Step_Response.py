@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Step_Response(object):
-    """ What the simulator answers when the steps are done. """
+    """ The simulator's response after the steps. """
 
     __slots__ = ["success", "message", "time"]
 
@@ -19,13 +19,13 @@ class Step_Response(object):
     def __init__(self):
         self.success = False
         """
-        whether it was done
+        true if it was done
         LCM Type: boolean
         """
 
         self.message = ""
         """
-        why not, or what was done
+        the reason why not, or what was done
         LCM Type: string
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Byte(object):
-    """ A signed 8-bit number: ROS 1 calls byte what elsewhere is int8. """
+    """ A signed 8-bit number: ROS 1's name for int8 is byte. """
 
     __slots__ = ["data"]
 

@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class ByteMultiArray(object):
-    """ An array of any dimensions of signed 8-bit numbers: ROS 1 calls byte what elsewhere is int8. """
+    """ An array of any dimensions of signed 8-bit numbers: ROS 1's name for int8 is byte. """
 
     __slots__ = ["data_length", "layout", "data"]
 

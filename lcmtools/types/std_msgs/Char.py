@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Char(object):
-    """ An unsigned 8-bit number: ROS 1 calls char what elsewhere is uint8. """
+    """ An unsigned 8-bit number: ROS 1's name for uint8 is char. """
 
     __slots__ = ["data"]
 

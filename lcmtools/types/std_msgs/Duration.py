@@ -9,7 +9,7 @@ import struct
 
 class Duration(object):
     """
-    A length of time. It is sec + nsec/1e9 seconds, so that -0.5 s is sec = -1 and nsec =
+    A duration. It is sec + nsec/1e9 seconds, so that -0.5 s is sec = -1 and nsec =
     500000000.
     """
 
@@ -22,7 +22,7 @@ class Duration(object):
     def __init__(self):
         self.sec = 0
         """
-        [s] whole seconds, negative for a length of time that leads back
+        [s] whole seconds, negative for a negative duration
         LCM Type: int32_t
         """
 

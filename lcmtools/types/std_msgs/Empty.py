@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Empty(object):
-    """ A message without content, for events of which only the moment matters. """
+    """ A message without content, for events without data. """
 
     __slots__ = []
 

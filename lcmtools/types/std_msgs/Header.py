@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.std_msgs
 
 class Header(object):
-    """ When and in which coordinate frame the data of a message was taken. """
+    """ The time and the coordinate frame of a message's data. """
 
     __slots__ = ["seq", "stamp", "frame_id"]
 

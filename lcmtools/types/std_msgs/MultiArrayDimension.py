@@ -19,13 +19,13 @@ class MultiArrayDimension(object):
     def __init__(self):
         self.label = ""
         """
-        what the dimension counts, for example "height", "width" or "channel"
+        name of the dimension, for example "height", "width" or "channel"
         LCM Type: string
         """
 
         self.size = 0
         """
-        [elements] how many steps the dimension has
+        [elements] length of the dimension
         LCM Type: int32_t
         """
 

@@ -11,8 +11,8 @@ import lcmtools.types.std_msgs
 
 class MultiArrayLayout(object):
     """
-    How the elements of a multi-dimensional array lie in its data: row-major, the last dimension
-    being the one whose neighbours are neighbours in the data. Element (i, j, k) is
+    The layout of a multi-dimensional array in its data: row-major, so that neighbours along the
+    last dimension are neighbours in the data. Element (i, j, k) is
     data[data_offset + dim[1].stride * i + dim[2].stride * j + k].
     """
 
@@ -37,7 +37,7 @@ class MultiArrayLayout(object):
 
         self.data_offset = 0
         """
-        [elements] number of elements of data before the first one of the array
+        [elements] number of elements of data before the array's first element
         LCM Type: int32_t
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Time(object):
-    """ A point in time, in UTC on a real robot and in simulated time where /clock is published. """
+    """ A point in time: UTC on a real robot, simulated time if /clock is published. """
 
     __slots__ = ["sec", "nsec"]
 

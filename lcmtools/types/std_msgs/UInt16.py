@@ -9,7 +9,7 @@ import struct
 
 class UInt16(object):
     """
-    An unsigned 16-bit number. LCM knows no such type: it travels as a signed one of the same
+    An unsigned 16-bit number. LCM has no such type: it is sent as a signed one of the same
     width.
     """
 
@@ -22,7 +22,7 @@ class UInt16(object):
     def __init__(self):
         self.data = 0
         """
-        the number; 32768 to 65535 travel as the negative number of the same bits
+        the number; 32768 to 65535 are sent as the negative number with the same bits
         LCM Type: int16_t
         """
 

@@ -11,7 +11,7 @@ import lcmtools.types.std_msgs
 
 class UInt16MultiArray(object):
     """
-    An array of any dimensions of unsigned 16-bit numbers. LCM knows no such type: they travel as
+    An array of any dimensions of unsigned 16-bit numbers. LCM has no such type: they are sent as
     signed ones of the same width.
     """
 
@@ -36,7 +36,7 @@ class UInt16MultiArray(object):
 
         self.data = []
         """
-        the elements; 32768 to 65535 travel as the negative number of the same bits
+        the elements; 32768 to 65535 are sent as the negative number with the same bits
         LCM Type: int16_t[data_length]
         """
 

@@ -9,7 +9,7 @@ import struct
 
 class UInt64(object):
     """
-    An unsigned 64-bit number. LCM knows no such type: it travels as a signed one of the same
+    An unsigned 64-bit number. LCM has no such type: it is sent as a signed one of the same
     width.
     """
 
@@ -22,7 +22,7 @@ class UInt64(object):
     def __init__(self):
         self.data = 0
         """
-        the number; 2^63 and above travel as the negative number of the same bits
+        the number; 2^63 and above are sent as the negative number with the same bits
         LCM Type: int64_t
         """
 

@@ -11,7 +11,7 @@ import lcmtools.types.std_msgs
 
 class UInt64MultiArray(object):
     """
-    An array of any dimensions of unsigned 64-bit numbers. LCM knows no such type: they travel as
+    An array of any dimensions of unsigned 64-bit numbers. LCM has no such type: they are sent as
     signed ones of the same width.
     """
 
@@ -36,7 +36,7 @@ class UInt64MultiArray(object):
 
         self.data = []
         """
-        the elements; 2^63 and above travel as the negative number of the same bits
+        the elements; 2^63 and above are sent as the negative number with the same bits
         LCM Type: int64_t[data_length]
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Empty_Request(object):
-    """ Asks for something that needs no argument, for example to reset a simulation. """
+    """ A request without arguments, for example to reset a simulation. """
 
     __slots__ = []
 

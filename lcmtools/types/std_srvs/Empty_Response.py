@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Empty_Response(object):
-    """ Says that it was done; a service that can fail has Trigger. """
+    """ The response after it was done; a service that can fail should use Trigger. """
 
     __slots__ = []
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class SetBool_Request(object):
-    """ Switches something on or off. """
+    """ A request to switch something on or off. """
 
     __slots__ = ["data"]
 

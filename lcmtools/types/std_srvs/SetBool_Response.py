@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class SetBool_Response(object):
-    """ Says whether it was switched. """
+    """ The result of switching. """
 
     __slots__ = ["success", "message"]
 
@@ -25,7 +25,7 @@ class SetBool_Response(object):
 
         self.message = ""
         """
-        what was done, or why not, for a human reader
+        what was done, or the reason why not, for a human reader
         LCM Type: string
         """
 

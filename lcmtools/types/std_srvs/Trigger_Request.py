@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Trigger_Request(object):
-    """ Asks for an action that needs no argument and may fail. """
+    """ A request without arguments for an action that may fail. """
 
     __slots__ = []
 

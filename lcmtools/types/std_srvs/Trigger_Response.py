@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class Trigger_Response(object):
-    """ Says how the action went. """
+    """ The result of the action. """
 
     __slots__ = ["success", "message"]
 
@@ -25,7 +25,7 @@ class Trigger_Response(object):
 
         self.message = ""
         """
-        what was done, or why not, for a human reader
+        what was done, or the reason why not, for a human reader
         LCM Type: string
         """
 

@@ -8,7 +8,7 @@ from io import BytesIO
 import struct
 
 class TF2Error(object):
-    """ Why a transform could not be looked up. """
+    """ The reason why a transform could not be looked up. """
 
     __slots__ = ["error", "error_string"]
 
@@ -23,11 +23,11 @@ class TF2Error(object):
     CONNECTIVITY_ERROR = 2
     """ an error: the two frames are not connected """
     EXTRAPOLATION_ERROR = 3
-    """ an error: the time asked for lies outside of what was recorded """
+    """ an error: the requested time is outside the recorded ones """
     INVALID_ARGUMENT_ERROR = 4
-    """ an error: what was asked for makes no sense """
+    """ an error: the request is invalid """
     TIMEOUT_ERROR = 5
-    """ an error: the transform did not come in time """
+    """ an error: the transform did not arrive in time """
     TRANSFORM_ERROR = 6
     """ an error: any other """
 
@@ -40,7 +40,7 @@ class TF2Error(object):
 
         self.error_string = ""
         """
-        what went wrong, for a human reader
+        the error, for a human reader
         LCM Type: string
         """
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.trajectory_msgs
 
 class JointTrajectory(object):
-    """ How joints shall move over time. """
+    """ A planned motion of joints. """
 
     __slots__ = ["joint_names_length", "points_length", "header", "joint_names", "points"]
 
@@ -35,7 +35,7 @@ class JointTrajectory(object):
 
         self.header = lcmtools.types.std_msgs.Header()
         """
-        when the motion starts, 0 for at once; frame_id has no meaning here
+        when the motion starts, 0 for immediately; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 

@@ -11,7 +11,7 @@ import lcmtools.types.std_msgs
 
 class JointTrajectoryPoint(object):
     """
-    Where the joints shall be at one time of a trajectory. Each array either has one entry for
+    The planned state of joints at one time of a trajectory. Each array either has one entry for
     each joint of the trajectory, in its order, or is empty.
     """
 
@@ -72,7 +72,7 @@ class JointTrajectoryPoint(object):
 
         self.time_from_start = lcmtools.types.std_msgs.Duration()
         """
-        [s, ns] when, counted from header.stamp of the trajectory
+        [s, ns] time since header.stamp of the trajectory
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 

@@ -12,7 +12,7 @@ import lcmtools.types.std_msgs
 import lcmtools.types.trajectory_msgs
 
 class MultiDOFJointTrajectory(object):
-    """ How joints with several degrees of freedom shall move over time. """
+    """ A planned motion of joints with several degrees of freedom. """
 
     __slots__ = ["joint_names_length", "points_length", "header", "joint_names", "points"]
 
@@ -35,7 +35,7 @@ class MultiDOFJointTrajectory(object):
 
         self.header = lcmtools.types.std_msgs.Header()
         """
-        when the motion starts, 0 for at once, and the frame in which it is given
+        when the motion starts, 0 for immediately, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 

@@ -13,7 +13,7 @@ import lcmtools.types.geometry_msgs
 
 class MultiDOFJointTrajectoryPoint(object):
     """
-    Where joints with several degrees of freedom shall be at one time of a trajectory. Each array
+    The planned state of joints with several degrees of freedom at one time. Each array
     either has one entry for each joint of the trajectory, in its order, or is empty.
     """
 
@@ -62,7 +62,7 @@ class MultiDOFJointTrajectoryPoint(object):
 
         self.time_from_start = lcmtools.types.std_msgs.Duration()
         """
-        [s, ns] when, counted from header.stamp of the trajectory
+        [s, ns] time since header.stamp of the trajectory
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 

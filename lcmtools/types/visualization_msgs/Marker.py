@@ -13,7 +13,7 @@ import lcmtools.types.geometry_msgs
 
 class Marker(object):
     """
-    Something to draw in a view of the robot's world. Markers are told apart by ns and id: a new
+    A shape to draw in a view of the robot's world. Markers are identified by ns and id: a new
     one with the same pair replaces the old one.
     """
 
@@ -34,19 +34,19 @@ class Marker(object):
     LINE_STRIP = 4
     """ a type: line through all points """
     LINE_LIST = 5
-    """ a type: a line for each two points """
+    """ a type: a line for each pair of points """
     CUBE_LIST = 6
     """ a type: a box at each point """
     SPHERE_LIST = 7
     """ a type: a sphere at each point """
     POINTS = 8
-    """ a type: a square that faces the viewer at each point """
+    """ a type: a square at each point that faces the viewer """
     TEXT_VIEW_FACING = 9
     """ a type: text that faces the viewer """
     MESH_RESOURCE = 10
     """ a type: the mesh of mesh_resource """
     TRIANGLE_LIST = 11
-    """ a type: a triangle for each three points """
+    """ a type: a triangle for each triple of points """
     ADD = 0
     """ an action: draw the marker, or replace it """
     MODIFY = 0
@@ -77,37 +77,37 @@ class Marker(object):
 
         self.ns = ""
         """
-        name space, so that the ids of several programs do not meet
+        namespace, so that ids of several programs do not clash
         LCM Type: string
         """
 
         self.id = 0
         """
-        number of the marker in its name space
+        number of the marker in its namespace
         LCM Type: int32_t
         """
 
         self.type = 0
         """
-        what it is: ARROW to TRIANGLE_LIST
+        the type: ARROW to TRIANGLE_LIST
         LCM Type: int32_t
         """
 
         self.action = 0
         """
-        what to do with it: ADD, DELETE or DELETEALL
+        the action: ADD, DELETE or DELETEALL
         LCM Type: int32_t
         """
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        [m] where it stands in header.frame_id
+        [m] its pose in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
         self.scale = lcmtools.types.geometry_msgs.Vector3()
         """
-        [m] its size along x, y, z, 1 for a mesh as it is; the width of a line is x, the
+        [m] its size along x, y, z; 1 for a mesh of its own size; the width of a line is x, the
         height of a text is z
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
@@ -120,7 +120,7 @@ class Marker(object):
 
         self.lifetime = lcmtools.types.std_msgs.Duration()
         """
-        [s, ns] how long it stays, 0 for ever
+        [s, ns] lifetime, 0 for ever
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
@@ -138,7 +138,7 @@ class Marker(object):
 
         self.colors = []
         """
-        colour of each point, as many as points, or none to use color
+        colour of each point, or none to use color
         LCM Type: lcmtools.types.std_msgs.ColorRGBA[colors_length]
         """
 

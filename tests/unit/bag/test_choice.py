@@ -1,6 +1,7 @@
 """The topics that are recorded."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
@@ -45,7 +46,7 @@ def test_topics_are_chosen_by_name_pattern_and_node(
     topics: tuple[str, ...], options: dict[str, object], wanted: list[str]
 ) -> None:
     choice = RecordedTopics(topics, _NAMES, **options)  # type: ignore[arg-type]
-    choice.learn(_GRAPH)
+    choice.update(_GRAPH)
     assert [channel for channel in _CHANNELS if choice.includes(channel)] == wanted
 
 
@@ -54,9 +55,10 @@ def test_the_protocol_of_announcements_is_never_among_the_messages() -> None:
 
 
 def test_topics_that_are_named_are_known_before_they_are_published() -> None:
-    assert "/husky0/scan" in RecordedTopics(("scan",), _NAMES).learn(Graph())
+    assert "/husky0/scan" in RecordedTopics(("scan",), _NAMES).update(Graph())
 
 
 def test_a_node_that_is_not_there_is_named() -> None:
     choice = RecordedTopics((), _NAMES, nodes=["drivver", "/husky0/driver", "/*/d*"])
-    assert choice.silent(_GRAPH) == ["no node drivver yet; did you mean /husky0/driver?"]
+    (line,) = choice.silent(_GRAPH)
+    assert_says(line, "no node", "drivver", "did you mean /husky0/driver?")

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
@@ -155,7 +156,7 @@ def test_shift_moves_messages_and_announcements() -> None:
 def test_a_shift_that_no_log_can_hold_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     Path("far").write_bytes(encode_event(0, Packet("/a", b"", (2**63 - 1) * 1000)))
     assert main(["bag", "shift", "far", "out.lcmlog", "--by", "1s"]) == 2
-    assert "a log cannot have times so far from 1970" in capsys.readouterr().err
+    assert_says(capsys.readouterr().err, "times", "1970")
 
 
 def test_downsample_is_not_slowed_by_the_grid_of_the_messages() -> None:
@@ -224,9 +225,7 @@ def test_senders_are_not_guessed_where_events_are_damaged() -> None:
 def test_an_existing_target_stays_unless_forced(capsys: pytest.CaptureFixture[str]) -> None:
     Path("out.lcmlog").write_text("mine")
     assert main(["bag", "sort", "in.lcmlog", "out.lcmlog"]) == 1
-    assert capsys.readouterr().err == (
-        "lcmtools bag sort: out.lcmlog exists; name another file, or add --force\n"
-    )
+    assert_says(capsys.readouterr().err, "lcmtools bag sort: out.lcmlog exists; ", "--force\n")
     assert Path("out.lcmlog").read_text() == "mine"
     before = _read("in.lcmlog")
     _bag("sort", "in.lcmlog", "in.lcmlog", "--force")

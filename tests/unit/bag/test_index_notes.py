@@ -39,14 +39,14 @@ def test_losses_are_noted_with_the_time_of_the_message_that_showed_them(
         for time, lost in ((1000, Loss(0, 10)), (2000, Loss(2, 20)), (3000, Loss(1, 30))):
             known.update({_ONE: lost, _OTHER: Loss(5, 50)})
             notes.add([Packet("/a", b"", time, _ONE)], writer)
-            notes.look(writer)
+            notes.annotate(writer)
         assert notes.losses == {str(_ONE): Loss(1, 30)}
-        notes.look(writer, in_full=True)
+        notes.annotate(writer, in_full=True)
     with LogWriter(second) as writer:
         notes.begin(writer, is_split=True)
         known[_ONE] = Loss(4, 40)
         notes.add([Packet("/a", b"", 4000, _ONE), Packet("/b", b"", 4000, _OTHER)], writer)
-        notes.look(writer, in_full=True)
+        notes.annotate(writer, in_full=True)
     with LogFile(first) as log:
         noted = [(0, 10), (2, 10), (-1, 10)]
         assert log.index.lost == [

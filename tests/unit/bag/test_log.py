@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 import lcmtools.bag
 from lcmtools.bag.writer import LogWriter
@@ -71,7 +72,7 @@ def test_a_topic_is_arrays(path: Path) -> None:
         assert found["data"].tolist() == list(range(10, 20))
         assert found["%time"].tolist() == [_START + n * _SECOND for n in range(10, 20)]
         assert len(log.to_numpy("speed")["data"]) == 100
-        with pytest.raises(LcmtoolsError, match=r"no messages of /sped .*did you mean /speed"):
+        with raises_saying(LcmtoolsError, "no messages of /sped ", "did you mean /speed"):
             log.to_numpy("/sped")
-        with pytest.raises(DecodeError, match="too short for an LCM message"):
+        with raises_saying(DecodeError, "too short"):
             log.to_numpy("RAW")

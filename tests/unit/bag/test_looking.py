@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
@@ -68,8 +69,8 @@ def test_a_log_answers_as_a_bus_does(words: str, out: str, look: Bag) -> None:
 def test_info_has_the_recorded_senders(look: Bag) -> None:
     _, out, _ = look("info", "/speed", "PROBE", "-v")
     assert " * /driver (ada, pid 1)\n" in out
-    assert "     did not arrive here: 5 of 105 (4.8 %), all its topics together\n" in out
-    assert " * probe.py (pid 7) (when it was recorded)\n     seen messages: 100" in out
+    assert_says(out, " * probe.py (pid 7)", "recorded", "\n", "messages: 100")
+    assert_says(out, "did not arrive", "5 of 105 (4.8 %)", "all its topics")
 
 
 def test_spy_and_graph_have_the_recorded_senders(look: Bag) -> None:
@@ -96,7 +97,7 @@ def test_node_info_asks_nobody(look: Bag) -> None:
 def test_what_only_a_node_could_answer_is_refused(words: str, look: Bag) -> None:
     code, out, error = look(*words.split())
     assert (code, out) == (2, "")
-    assert error.endswith("a log cannot answer; leave out -b to ask the nodes on the bus\n")
+    assert_says(error, "a log", "; leave out -b")
 
 
 def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
@@ -106,23 +107,17 @@ def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
     assert set(found) == {"loss", "not-finite"}
     assert "'PROBE' from probe.py (pid 7)" in json.dumps(found["not-finite"])
     assert "5 of 105" in json.dumps(found["loss"])
-    assert "in a log only messages are judged" in error
+    assert_says(error, "log", "only messages")
     code, _, error = look("wtf", "--rule", "link")
-    assert (code, error) == (
-        64,
-        "lcmtools wtf: a log does not show what link judges; leave out --bag\n",
-    )
+    assert code == 64
+    assert_says(error, "lcmtools wtf: ", "log", "link", "; leave out --bag\n")
 
 
 def test_a_log_is_read_in_place_of_a_bus(look: Bag) -> None:
     code, _, error = look("list", "--domain", "3")
     assert code == 2
-    assert error == (
-        "lcmtools list: -b reads a log instead of the bus; leave out --lcm-url and --domain\n"
-    )
-    assert look("spy")[2] == (
-        "lcmtools spy: the live view needs a bus; --once shows the channels of a log\n"
-    )
+    assert_says(error, "lcmtools list: -b", "log", "; leave out --lcm-url and --domain\n")
+    assert_says(look("spy")[2], "lcmtools spy: ", "live view", "; --once")
 
 
 def test_a_thousand_channels_are_not_each_a_reason_to_look_at_all(

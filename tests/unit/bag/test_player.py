@@ -27,7 +27,7 @@ def player(messages: list[Played], length: float = 10.0, **options: object) -> P
 def played(one: Player, now: float) -> list[float]:
     """The times in the log of what is due until then [s]."""
     found = []
-    while message := one.take(round(now * S)):
+    while message := one.pop_due(round(now * S)):
         found.append((message.time - START) / S)
     return found
 
@@ -36,7 +36,7 @@ def played(one: Player, now: float) -> list[float]:
 def test_a_message_is_due_by_its_time_in_the_log(rate: float, last: float) -> None:
     one = player(at(last), rate=rate, now=5 * S)
     assert one.wait(5 * S) == 2.0
-    assert one.take(7 * S - 1) is None
+    assert one.pop_due(7 * S - 1) is None
     assert played(one, 7.0) == [last]
     assert one.is_over
 
@@ -109,7 +109,7 @@ def test_a_loop_begins_again_when_the_last_message_is_due() -> None:
     assert one.wait(4 * S - S // 10) == pytest.approx(0.1)
     assert played(one, 4) == [1]
     one.seek_part(1.0, 4 * S)
-    one.take(4 * S)
+    one.pop_due(4 * S)
     assert not one.is_over
 
 

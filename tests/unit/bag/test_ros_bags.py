@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bag.ros_bags import McapFile, RosBag
 from lcmtools.bag.ros_import import Imported, RosImport
@@ -114,7 +115,9 @@ def test_messages_in_other_encodings_are_counted(tmp_path: Path) -> None:
         writer.finish()
     reading = RosImport()
     assert not list(reading.read(path))
-    assert reading.left_out == {"/x is encoded as json, not in a format of ROS": 3}
+    ((reason, count),) = reading.left_out.items()
+    assert_says(reason, "/x", "json")
+    assert count == 3
 
 
 @pytest.mark.parametrize("name", ["a.mcap", "a.bag"])
@@ -122,7 +125,7 @@ def test_a_damaged_file_is_one_line(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     _written(_TARGETS[name], path, [String()] * 200)
     path.write_bytes(path.read_bytes()[:-700])
-    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of an unknown kind"):
+    with raises_saying(LcmtoolsError, str(name), "damaged"):
         list(RosImport().read(path))
 
 
@@ -134,16 +137,16 @@ def test_a_damaged_chunk_is_one_line(name: str, tmp_path: Path) -> None:
     magic = b"\x28\xb5\x2f\xfd" if name == "a.mcap" else b"\x04\x22\x4d\x18"
     place = written.index(magic) + 4
     path.write_bytes(written[:place] + b"\xff" * 20 + written[place + 20 :])
-    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of an unknown kind"):
+    with raises_saying(LcmtoolsError, str(name), "damaged"):
         list(RosImport().read(path))
 
 
 def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"\x89PNG....")
     (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
-    with pytest.raises(LcmtoolsError, match=r"a\.png is neither a ROS bag nor an MCAP file"):
+    with raises_saying(LcmtoolsError, "a.png", "ROS bag", "MCAP"):
         list(RosImport().read(tmp_path / "a.png"))
-    with pytest.raises(LcmtoolsError, match=r"part of a ROS 2 bag; name its folder"):
+    with raises_saying(LcmtoolsError, "ROS 2 bag", "; ", "folder"):
         list(RosImport().read(tmp_path / "a.db3"))
-    with pytest.raises(LcmtoolsError, match=r"cannot read .*gone\.bag: No such file"):
+    with raises_saying(LcmtoolsError, "cannot read", "gone.bag: No such file"):
         list(RosImport().read(tmp_path / "gone.bag"))

@@ -4,11 +4,11 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bag.recorder import Progress
 from lcmtools.bag.series import LogSeries
-from lcmtools.cli.bag.recording import last_word
+from lcmtools.cli.bag.recording import summary
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import index_path
 
@@ -26,9 +26,8 @@ def test_files_of_a_split_recording_are_numbered_and_the_oldest_go(tmp_path: Pat
     assert _names(tmp_path) == sorted(
         [p.name for p in wanted] + [index_path(p).name for p in wanted]
     )
-    assert last_word(Progress(40, 3000, 4, {}), series) == (
-        f"40 messages (3.00 KB), the last ones in {wanted[0]} to ride_3.lcmlog; no losses"
-    )
+    line = summary(Progress(40, 3000, 4, {}), series)
+    assert_says(line, "40 messages (3.00 KB)", f"{wanted[0]} to ride_3.lcmlog", "no losses")
 
 
 def test_a_name_has_the_date_and_a_folder_takes_the_usual_name(tmp_path: Path) -> None:
@@ -56,5 +55,5 @@ def test_snapshots_within_a_second_have_names_of_their_own(tmp_path: Path) -> No
 
 def test_a_file_that_exists_is_refused(tmp_path: Path) -> None:
     (tmp_path / "ride_0.lcmlog").touch()
-    with pytest.raises(LcmtoolsError, match=r"ride_0.lcmlog exists; name another file"):
+    with raises_saying(LcmtoolsError, "ride_0.lcmlog exists; "):
         LogSeries(str(tmp_path / "ride.lcmlog"), numbered=True).next()

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
 from lcmtools.bag.playlist import Choice, Playlist
@@ -136,7 +137,7 @@ def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[st
     assert "in 224 messages\n" in text
     assert "duration:  2m 00s\n" in text
     assert "index:     complete\n" in text
-    assert "lost:      3 of 500 (0.6 %) of /talker, before they were recorded\n" in text
+    assert_says(text, "lost: ", "3 of 500 (0.6 %)", "/talker", "recorded")
     row = next(line for line in text.splitlines() if line.startswith("/chatter"))
     cells = "/chatter std_msgs/String 200 1.67 Hz 18 B 3.60 KB 20.5 s /talker"
     assert " ".join(row.split()) == cells
@@ -157,14 +158,13 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["bag", "info", str(path)]) == 0
     text = capsys.readouterr().out
     assert "in 5 messages" in text
-    assert "do not belong to any message" in text
+    assert_says(text, "do not belong")
     assert "\x1b" not in text
     assert main(["bag", "info", str(path), "--json"]) == 0
     path.write_text("hello\n" * 100)
     assert main(["bag", "info", str(path)]) == 1
-    assert capsys.readouterr().err == (
-        f"lcmtools bag info: there are no messages in {path}; it is not an LCM log\n"
-    )
+    error = capsys.readouterr().err
+    assert_says(error, "lcmtools bag info: ", "no messages", str(path), "not an LCM log\n")
 
 
 def test_a_log_whose_times_go_back_is_said_to_be(
@@ -179,16 +179,14 @@ def test_a_log_whose_times_go_back_is_said_to_be(
     data = b"".join(encode_event(n, packet) for n, packet in enumerate(packets))
     (tmp_path / "a.log").write_bytes(data)
     for _ in range(2):  # by the log, and by its index
-        assert (
-            "order:     times go back, by up to 7 s; lcmtools bag sort"
-            in said("bag", "info", log)[0]
-        )
+        assert_says(said("bag", "info", log)[0], "order: ", "7 s", "lcmtools bag sort")
         (record,) = json.loads(said("bag", "info", log, "--json")[0])
         assert record["disorder"] == 7.0
         notes: list[str] = []
         Playlist([log], Choice(), notes.append).close()
-        assert notes == [f"the times of {log} go back; lcmtools bag sort sorts them"]
-        assert "go back; lcmtools bag sort" in said("hz", "-b", log, "A")[1]
+        (note,) = notes
+        assert_says(note, str(log), "go back; lcmtools bag sort")
+        assert_says(said("hz", "-b", log, "A")[1], "go back; lcmtools bag sort")
         said("bag", "reindex", log)
     said("bag", "sort", log, ordered)
     assert "order:" not in said("bag", "info", ordered)[0]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import lcm
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
@@ -73,7 +74,7 @@ def test_types_announcements_and_losses_are_kept(path: Path) -> None:
 
 def test_a_file_that_exists_is_replaced_only_when_forced(path: Path) -> None:
     path.write_text("mine")
-    with pytest.raises(LcmtoolsError, match="exists; name another file, or add --force"):
+    with raises_saying(LcmtoolsError, "exists; ", "--force"):
         LogWriter(path)
     assert path.read_text() == "mine"
     LogWriter(path, force=True).close()
@@ -84,7 +85,7 @@ def test_a_full_disk_leaves_whole_events(path: Path, small_files: int) -> None:
     writer = LogWriter(path)
     for number in range(100):
         writer.add(_packet(number, size=300))
-    with pytest.raises(LcmtoolsError, match=r"cannot write .*ride.lcmlog: File too large"):
+    with raises_saying(LcmtoolsError, "cannot write", "ride.lcmlog: File too large"):
         writer.flush()
     writer.close()
     assert small_files - 400 < path.stat().st_size <= small_files
@@ -163,7 +164,7 @@ def test_a_full_disk_leaves_whole_frames(path: Path, small_files: int) -> None:
         writer.add(Packet("/a", os.urandom(3000), number))
         writer.flush()
     writer.add(Packet("/a", os.urandom(3000), 4))
-    with pytest.raises(LcmtoolsError, match=r"cannot write .*ride.lcmlog: File too large"):
+    with raises_saying(LcmtoolsError, "cannot write", "ride.lcmlog: File too large"):
         writer.flush()
     writer.close()
     assert path.stat().st_size <= small_files

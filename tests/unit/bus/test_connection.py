@@ -1,6 +1,7 @@
 """The times at which a lost connection is tried again."""
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus import liblcm
 from lcmtools.bus.channel_filter import ChannelFilter
@@ -78,10 +79,10 @@ def test_a_connection_that_is_back_subscribes_again_and_says_so(server: _Server)
     assert (connection.is_lost, server.subscribed) == (False, 2)
     assert connection.instance is not None
     lost = "the connection to tcpq://localhost:7700 is lost; it is tried again until it is back"
-    assert server.outages == [
-        (lost, lost),
-        ("the connection to tcpq://localhost:7700 is back", ""),
-    ]
+    outage, (note, trouble) = server.outages
+    assert outage == (lost, lost)
+    assert_says(note, "tcpq://localhost:7700", "back")
+    assert trouble == ""
 
 
 def test_the_next_outage_begins_with_short_pauses_again(server: _Server) -> None:

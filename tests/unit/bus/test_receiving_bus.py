@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.bus import receive_right
 from lcmtools.bus.receiving_bus import ReceivingBus
@@ -147,5 +148,5 @@ def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never: WakeupEv
 def test_a_bus_of_a_parent_refuses_requests() -> None:
     bus = PipeBus()
     bus.leave_to_parent()
-    with pytest.raises(BusError, match="the bus belongs to the parent process"):
+    with raises_saying(BusError, "bus", "parent process"):
         bus.on_receiver(lambda: None)

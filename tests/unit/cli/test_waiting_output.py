@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.output import lines, may_wait
+from lcmtools.cli.output import may_wait, write_lines
 
 
 def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
@@ -24,5 +24,5 @@ def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
 def test_a_byte_that_is_no_utf_8_is_written_as_everywhere(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    lines(["a\udcff\x1b"])
+    write_lines(["a\udcff\x1b"])
     assert capsys.readouterr().out == "a\\xff\\x1b\n"

@@ -37,10 +37,10 @@ def test_many_new_topics_are_offered_a_few_at_a_time() -> None:
     counts = []
     has_more = True
     while has_more:
-        has_more = bridge.look(graph, cast("FoxgloveServer", server))
+        has_more = bridge.update_offers(graph, cast("FoxgloveServer", server))
         counts.append(len(server.offered))
     assert counts == [32, 64, 70]
-    assert not bridge.look(Graph(), cast("FoxgloveServer", server))
+    assert not bridge.update_offers(Graph(), cast("FoxgloveServer", server))
     assert server.offered == []
 
 
@@ -51,5 +51,5 @@ def test_names_that_are_not_for_clients_are_left_out() -> None:
     ends = [Endpoint(name, Role.PUBLISHER, ("std_msgs/String",)) for name in names]
     bridge = Bridge(cast("BusMonitor", monitor), RecordedTopics((), GLOBAL), print)
     graph = Graph((Node("/n", "/n", "h", 7, endpoints=tuple(ends)),))
-    bridge.look(graph, cast("FoxgloveServer", server))
+    bridge.update_offers(graph, cast("FoxgloveServer", server))
     assert server.offered == ["/a"]

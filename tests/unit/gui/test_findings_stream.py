@@ -5,11 +5,11 @@ import threading
 from typing import Any
 
 import pytest
+from fixtures.gui import FakeSource
 
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import findings
 from lcmtools.gui.streams.findings import DoctorFindings
-from tests.fixtures.gui import FakeSource
 
 
 def test_closing_ends_a_look_that_is_just_being_started(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,9 +2,19 @@
 
 from typing import Any
 
+import pytest
+from fixtures.other_version import other_version
+from fixtures.protocol.messages import NODE
+
+from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams.graph import GraphMaker
+from lcmtools.messages.codec import encode
+from lcmtools.observe.reports.bus_diagram import diagram_of
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Packet, Sender
 
 
 def _diagram(*more: Member) -> Diagram:
@@ -57,3 +67,16 @@ def test_tools_are_drawn_where_they_are_wanted() -> None:
     assert len(_made(_diagram(tool))["vertices"]) == 3
     assert _made(_diagram(tool))["leftOut"].startswith("not drawn: 1 command")
     assert len(_made(_diagram(tool), tools=True)["vertices"]) == 4
+
+
+@pytest.mark.parametrize("kind", ["newer", "older", "unreadable", "before"])
+def test_a_node_of_another_version_is_drawn_with_its_topics(kind: str) -> None:
+    builder, sender = GraphBuilder(), Sender("127.0.0.1", 4001)
+    payload = encode_announcement(Announcement(NODE._replace(tool=False)))
+    builder.add(Packet(NODE_CHANNEL, other_version(payload, kind), 1, sender))
+    builder.add(Packet("/husky0/odometry", encode(String()), 2, sender))
+    made = _made(diagram_of(builder.snapshot(3), [], None))
+    assert {"node:/husky0/driver", "topic:/husky0/odometry"} <= {
+        one["key"] for one in made["vertices"]
+    }
+    assert not any(one.get("stale") for one in made["vertices"])

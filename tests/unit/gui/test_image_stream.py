@@ -5,12 +5,13 @@ import time
 import zlib
 
 import pytest
+from fixtures.gui import FakeSource
+from fixtures.says import assert_says
 
-from lcmtools.gui.protocol import Parameters, Rubbish
+from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.streams.image import NewestImage
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
-from tests.fixtures.gui import FakeSource
 
 
 def _open(source: FakeSource, **parameters: float) -> NewestImage:
@@ -158,9 +159,9 @@ def test_an_unknown_topic_is_named_with_the_near_one() -> None:
     source = FakeSource()
     source.know(camera=Image)
     stream = NewestImage(source, Parameters({"topic": "/camra"}))
-    assert stream.problem() == "there is no topic /camra; did you mean /camera?"
+    assert_says(stream.problem(), "no topic /camra", "did you mean /camera?")
 
 
 def test_pixels_have_to_be_a_number() -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         NewestImage(FakeSource(), Parameters({"topic": "/camera", "pixels": "many"}))

@@ -7,13 +7,15 @@ import math
 import pytest
 
 from lcmtools.gui.protocol import (
+    MalformedRequest,
     Parameters,
-    Rubbish,
     binary_frame,
     read_request,
     text_frame,
 )
 from lcmtools.gui.requests import ACTIONS, ASKS, answer
+from lcmtools.gui.streams import STREAMS, stream_class
+from lcmtools.gui.streams.base import PageStream
 
 
 @pytest.mark.parametrize(
@@ -27,13 +29,13 @@ from lcmtools.gui.requests import ACTIONS, ASKS, answer
     ids=itertools.count(),
 )
 def test_rubbish_is_refused(data: str | bytes) -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         read_request(data)
 
 
 @pytest.mark.parametrize("number", [-1, 2**40, "7", True, None, [], 1e400, 10**400])
 def test_a_requests_number_is_a_small_one(number: object) -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         read_request(json.dumps({"op": "close", "id": number}, allow_nan=True)).id  # noqa: B018
 
 
@@ -55,13 +57,14 @@ def test_parameters_are_checked() -> None:
         *(lambda: values.texts("c"), lambda: values.texts("d"), lambda: values.texts("e")),
         *(lambda: values.number("d", highest=4), lambda: values.flag("d")),
     ):
-        with pytest.raises(Rubbish):
+        with pytest.raises(MalformedRequest):
             read()
 
 
-def test_numbers_that_json_lacks_are_null() -> None:
-    text = text_frame({"id": 1, "data": {"a": [math.inf, 1.5, (math.nan,)], "b": -math.inf}})
-    assert json.loads(text)["data"] == {"a": [None, 1.5, [None]], "b": None}
+def test_numbers_that_json_lacks_are_texts_and_null_is_a_missing_value() -> None:
+    data = {"a": [math.inf, 1.5, (math.nan,)], "b": -math.inf, "c": None}
+    text = text_frame({"id": 1, "data": data})
+    assert json.loads(text)["data"] == {"a": ["inf", 1.5, ["nan"]], "b": "-inf", "c": None}
 
 
 @pytest.mark.parametrize("name", ["", "x", "xy", "xyz", "ä" * 9])
@@ -77,5 +80,10 @@ def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
 def test_each_request_has_its_function(table: dict[str, str]) -> None:
     for name in table:
         assert callable(answer(name, table))
-    with pytest.raises(Rubbish, match="there is no request 'x'"):
+    with pytest.raises(MalformedRequest, match="there is no request 'x'"):
         answer("x", table)
+
+
+@pytest.mark.parametrize("name", STREAMS)
+def test_each_stream_has_its_class(name: str) -> None:
+    assert issubclass(stream_class(name), PageStream)

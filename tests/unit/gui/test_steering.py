@@ -3,6 +3,8 @@
 import queue
 from typing import cast
 
+from fixtures.says import assert_says
+
 from lcmtools.errors import BusError
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
@@ -46,9 +48,9 @@ def _request(op: str, **values: float | str) -> PageRequest:
 
 def test_commands_are_published_until_the_page_lets_go_then_a_stop_and_silence() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("drive", forward=0.5, turn=-0.25)) == ""
+    assert steering.execute(1, _request("drive", forward=0.5, turn=-0.25)) == ""
     assert publishers.next() == ("/v", 0.5, -0.25)
-    assert steering.take(1, _request("release")) == ""
+    assert steering.execute(1, _request("release")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
     assert publishers.sent.empty()
@@ -82,7 +84,7 @@ def test_a_page_that_is_gone_is_stopped() -> None:
 
 def test_a_stop_is_published_though_nobody_drives() -> None:
     steering, publishers = _steering()
-    assert steering.take(1, _request("stop")) == ""
+    assert steering.execute(1, _request("stop")) == ""
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
 
@@ -90,8 +92,8 @@ def test_a_stop_is_published_though_nobody_drives() -> None:
 def test_commands_that_cannot_be_published_are_refused_with_the_reason() -> None:
     steering, publishers = _steering()
     refusal = steering.drive(1, "/v", "sensor_msgs/JointState", (0.5, 0.0))
-    assert refusal == "JointState commands no velocity"
-    assert "unknown type 'no_msgs/Such'" in steering.drive(1, "/v", "no_msgs/Such", (0.5, 0.0))
+    assert_says(refusal, "JointState", "no velocity")
+    assert_says(steering.drive(1, "/v", "no_msgs/Such", (0.5, 0.0)), "type", "'no_msgs/Such'")
     publishers.is_broken = True
     assert steering.drive(1, "/v", _TWIST, (0.5, 0.0)) == "the network is away"
     steering.close()

@@ -5,7 +5,7 @@ from typing import Any, cast
 import pytest
 
 from lcmtools.errors import UnknownType, ValueMismatch
-from lcmtools.gui.protocol import Parameters, Rubbish
+from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.type_forms import describe, filled_in
 
@@ -25,7 +25,7 @@ def message(kind: str, **values: Any) -> Any:
 def test_a_type_has_its_comments_units_and_defaults() -> None:
     about = described("Odometry")
     assert about["type"] == "nav_msgs/Odometry"
-    assert about["comment"].startswith("Estimate of where a robot is")
+    assert about["comment"].startswith("Estimate of a robot's pose")
     by_name = {field["name"]: field for field in about["fields"]}
     assert by_name["pose"]["unit"] == "m, rad"
     (linear, _) = by_name["twist"]["fields"][0]["fields"]
@@ -78,5 +78,5 @@ def test_a_value_that_does_not_fit_names_its_field() -> None:
 
 @pytest.mark.parametrize("values", [None, 7, [], {"linear": [1, 2]}, {"linear": {"x": None}}])
 def test_what_no_form_sends_is_rubbish(values: Any) -> None:
-    with pytest.raises(Rubbish):
+    with pytest.raises(MalformedRequest):
         filled_in(Parameters({"type": "geometry_msgs/Twist", "values": values}))

@@ -8,9 +8,19 @@ from xml.etree import ElementTree as ET
 
 import PIL.Image
 import pytest
+from fixtures.json_page import unlisted
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
+from lcmtools.labs.checks.check_report import (
+    class_rows,
+    heading,
+    junit,
+    read_record,
+    record,
+    summary,
+)
+from lcmtools.labs.checks.check_report import rows as rows_of
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.observations import (
     CommandMessage,
@@ -20,15 +30,6 @@ from lcmtools.labs.checks.observations import (
     TrueState,
 )
 from lcmtools.labs.checks.plot import draw_check, velocity_curves
-from lcmtools.labs.checks.reporters import (
-    heading,
-    junit,
-    read_record,
-    record,
-    result_lines,
-    summary,
-    table,
-)
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
 from lcmtools.labs.commands.checking import picture_file
@@ -82,13 +83,13 @@ def test_a_heading_says_whose_program_is_checked() -> None:
 
 
 def test_a_row_that_is_not_ok_has_its_cause_the_last_words_and_findings_below_it() -> None:
-    assert len(result_lines(OK)) == 1
-    assert [row.strip() for row in result_lines(WRONG)[1:]] == [
+    assert len(rows_of(OK)) == 1
+    assert [row.strip() for row in rows_of(WRONG)[1:]] == [
         "-> wrong sign of speed",
         "it printed last: KeyError: 'a\x1b' (c.py:3)",
         "wtf: unconnected: /a -> start it with a:=b",
     ]
-    assert result_lines(FOLLOWS)[1].strip() == "-> follows from: drive at 0.1 m/s"
+    assert rows_of(FOLLOWS)[1].strip() == "-> follows from: drive at 0.1 m/s"
 
 
 def test_the_summary_ends_with_the_first_cause() -> None:
@@ -110,6 +111,8 @@ def test_json_says_whose_programs_and_what_follows_from_what() -> None:
     assert [row["follows"] for row in rows] == ["", "", "drive at 0.1 m/s"]
     assert rows[1]["cause"] == "speed-sign"
     assert not as_specified([])
+    written = json.loads(json.dumps(plain))
+    assert unlisted("lab check", [written, [{"submission": "anna", **written}]]) == []
 
 
 def test_a_record_can_be_read_back() -> None:
@@ -121,7 +124,7 @@ def test_a_record_can_be_read_back() -> None:
 
 
 def test_findings_about_a_program_that_is_right_are_a_note() -> None:
-    rows = result_lines(replace(OK, findings=("2 nodes have the name /a",)))
+    rows = rows_of(replace(OK, findings=("2 nodes have the name /a",)))
     assert rows[0].split()[0] == "note"
     assert rows[1].strip() == "wtf: 2 nodes have the name /a"
 
@@ -141,7 +144,7 @@ def test_junit_counts_a_cause_once_and_is_legal_xml() -> None:
 def test_a_class_gets_a_table_with_each_submission_s_first_cause() -> None:
     row = CheckResult("can be run", "a program", "none", is_ok=False, hint="no program")
     missing = Report("", (), [row])
-    rows = list(table({"anna": [REPORT], "bo": [missing]}))
+    rows = list(class_rows({"anna": [REPORT], "bo": [missing]}))
     assert [row.split() for row in rows] == [
         ["submission", "controller", "first", "cause"],
         ["anna", "1", "of", "3", "controller:", "wrong", "sign", "of", "speed"],

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
@@ -32,7 +33,7 @@ def test_wrong_word_is_refused(word: str) -> None:
 
 
 def test_an_argument_that_is_misspelt_is_no_second_file() -> None:
-    with pytest.raises(UsageError, match=r"a=1: this is not an argument; did you mean a:=1\?"):
+    with raises_saying(UsageError, "a=1", "a:=1"):
         read_words(["f", "a=1"], None, "/")
 
 

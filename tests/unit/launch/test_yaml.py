@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidFile
 from lcmtools.launch.plan import Output, Plan
@@ -101,7 +102,7 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
     program = folder / "node"
     program.write_text("#!/bin/sh\n")
     text = "nodes: [{run: ./node}]"
-    with pytest.raises(InvalidFile, match=r"a.yaml:1: .*/node is not executable; type: chmod"):
+    with raises_saying(InvalidFile, "a.yaml:1", "/node", "not executable", "chmod"):
         yaml(text)
     program.chmod(0o755)
     assert yaml(text).nodes[0].command[:2] == (str(program), "__ns:=/")
@@ -168,12 +169,12 @@ def test_parameter_that_is_empty_is_given_and_not_left_out(yaml: Make) -> None:
 def test_aliases_cannot_fill_the_memory(yaml: Make) -> None:
     rows = ["param:", "  a0: &a0 {x: 1, y: 2}"]
     rows += [f"  a{i}: &a{i} {{x: *a{i - 1}, y: *a{i - 1}}}" for i in range(1, 40)]
-    with pytest.raises(InvalidFile, match="aliases repeat more than 100000 values"):
+    with raises_saying(InvalidFile, "aliases", "100000"):
         yaml("\n".join(rows))
 
 
 def test_deep_nesting_is_refused_and_no_crash(yaml: Make) -> None:
-    with pytest.raises(InvalidFile, match="nested more than 100 levels deep"):
+    with raises_saying(InvalidFile, "nested", "100"):
         yaml("[" * 5000)
 
 

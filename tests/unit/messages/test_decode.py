@@ -5,6 +5,7 @@ from collections.abc import Callable
 from types import ModuleType
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode, encode
@@ -128,7 +129,7 @@ def test_a_broken_payload_is_refused(cls: type, payload: bytes, line: str) -> No
 def test_a_few_bytes_cannot_ask_for_millions_of_empty_messages(odd: ModuleType) -> None:
     head = encode(odd.Many())[:8]
     assert len(decode(odd.Many, head + struct.pack(">i", 1000)).items) == 1000
-    with pytest.raises(DecodeError, match="2147483647 elements of no size claimed at odd/Many"):
+    with raises_saying(DecodeError, "2147483647 elements", "odd/Many"):
         decode(odd.Many, head + b"\x7f\xff\xff\xff")
     with pytest.raises(DecodeError, match="negative length"):
         decode(odd.Many, head + b"\x80\x00\x00\x00")
@@ -136,7 +137,7 @@ def test_a_few_bytes_cannot_ask_for_millions_of_empty_messages(odd: ModuleType) 
 
 def test_a_few_bytes_cannot_ask_for_millions_of_empty_rows(odd: ModuleType) -> None:
     head = encode(odd.Flat())[:8]
-    with pytest.raises(DecodeError, match="2147483647 elements of no size claimed at odd/Flat"):
+    with raises_saying(DecodeError, "2147483647 elements", "odd/Flat"):
         decode(odd.Flat, head + struct.pack(">ii", 0x7FFFFFFF, 0))
     for sizes in ((-1, -1), (-1, 0), (0, -1), (1, -1)):
         with pytest.raises(DecodeError, match="negative length"):
@@ -145,7 +146,7 @@ def test_a_few_bytes_cannot_ask_for_millions_of_empty_rows(odd: ModuleType) -> N
 
 def test_a_payload_nested_too_deeply_is_refused(odd: ModuleType) -> None:
     payload = encode(odd.Tree())[:8] + struct.pack(">ih", 1, 0) * 100_000
-    with pytest.raises(DecodeError, match="broken odd/Tree: nested more than 100 levels deep"):
+    with raises_saying(DecodeError, "odd/Tree: ", "nested", "100"):
         decode(odd.Tree, payload)
 
 

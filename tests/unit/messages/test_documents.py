@@ -4,6 +4,7 @@ import json
 import time
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages import documents as module
@@ -13,7 +14,7 @@ from lcmtools.messages.documents import Document, Documents
 def steps(*lines: str) -> list[list[object]]:
     """The values that come out at each line, and at the end."""
     documents = Documents()
-    found = [[document.value for document in documents.take(line)] for line in lines]
+    found = [[document.value for document in documents.add_line(line)] for line in lines]
     return [*found, [document.value for document in documents.end()]]
 
 
@@ -30,7 +31,7 @@ def test_a_document_is_whole_at_the_dashes_behind_it() -> None:
 def test_empty_documents_are_kept_where_each_is_a_message_without_fields() -> None:
     documents = Documents(keeps_empty=True)
     lines = ["", "---", "# /start", "", "---", "---", "{}", "---", ""]
-    found = [document.value for line in lines for document in documents.take(line)]
+    found = [document.value for line in lines for document in documents.add_line(line)]
     assert [*found, *documents.end()] == [{}, {}, {}]
 
 
@@ -76,20 +77,20 @@ def test_directives_belong_to_the_document_behind_them() -> None:
 def test_documents_know_their_line_and_empty_ones_are_left_out() -> None:
     documents = Documents()
     lines = ["\ufeff", "# a comment", "data: a", "---", "---", "~", "---", "# c", "data: b"]
-    found = [document for line in lines for document in documents.take(line)]
+    found = [document for line in lines for document in documents.add_line(line)]
     assert [*found, *documents.end()] == [Document({"data": "a"}, 3), Document({"data": "b"}, 9)]
 
 
 def test_blank_lines_without_end_take_no_memory() -> None:
     documents = Documents()
     for _ in range(1000):
-        assert not list(documents.take("# nothing"))
+        assert not list(documents.add_line("# nothing"))
     assert not documents._lines
 
 
 def test_a_document_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "LONGEST", 100)
-    with pytest.raises(ValueMismatch, match="line 34: the document does not end"):
+    with raises_saying(ValueMismatch, "line 34: ", "does not end"):
         steps(*["ab"] * 100)
 
 

@@ -6,10 +6,11 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
-from lcmtools.types import geometry_msgs, lcmtools_msgs, sensor_msgs, std_msgs
+from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, trajectory_msgs
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
 
@@ -28,12 +29,13 @@ def test_a_payload_is_what_lcm_gen_makes() -> None:
 
 
 def test_length_fields_are_set_here_and_in_nested_messages() -> None:
-    message = lcmtools_msgs.Announcement()
-    message.endpoints = [lcmtools_msgs.Endpoint()]
-    message.endpoints[0].types = ["std_msgs/String"]
+    message = trajectory_msgs.JointTrajectory()
+    message.points = [trajectory_msgs.JointTrajectoryPoint()]
+    message.points[0].positions = [0.5]
     payload = encode(message)
-    assert (message.endpoints_length, message.endpoints[0].types_length) == (1, 1)
-    assert lcmtools_msgs.Announcement.decode(payload).endpoints[0].types == ["std_msgs/String"]
+    assert (message.points_length, message.points[0].positions_length) == (1, 1)
+    decoded = trajectory_msgs.JointTrajectory.decode(payload)
+    assert list(decoded.points[0].positions) == [0.5]
 
 
 def test_encoding_changes_nothing_but_length_fields() -> None:
@@ -270,7 +272,7 @@ def test_arrays_that_share_a_length_must_agree(odd: ModuleType) -> None:
     message.left, message.right = [1.0, 2.0], ["a"]
     with pytest.raises(ValueMismatch) as caught:
         encode(message)
-    assert str(caught.value) == "right: has 1 elements where left has 2; they must be equal"
+    assert_says(str(caught.value), "right: ", "1 elements", "left has 2")
 
 
 def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleType) -> None:
@@ -278,7 +280,7 @@ def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleTyp
     message.left, message.right = [0.0] * 128, [""] * 128
     with pytest.raises(ValueMismatch) as caught:
         encode(message)
-    assert str(caught.value) == "left: has 128 elements; its length field, int8, holds 127 at most"
+    assert_says(str(caught.value), "left: ", "128 elements", "int8", "127")
 
 
 @pytest.mark.parametrize(
@@ -316,5 +318,5 @@ def test_a_message_that_contains_itself_is_refused(odd: ModuleType) -> None:
 
 
 def test_what_is_no_message_is_refused() -> None:
-    with pytest.raises(ValueMismatch, match="str: expected a message, got 'hello'"):
+    with raises_saying(ValueMismatch, "str: expected a message", "'hello'"):
         encode("hello")  # type: ignore[arg-type] # wrong on purpose

@@ -3,6 +3,7 @@
 from contextlib import suppress
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -166,26 +167,24 @@ def test_what_a_type_does_not_have_is_said_with_what_it_has(text: str, error: st
 def test_an_index_outside_of_an_array_is_an_error(scan: LaserScan) -> None:
     with pytest.raises(ValueMismatch) as caught:
         select(scan, parse_path("ranges[9]"))
-    assert str(caught.value) == "ranges[9]: the array has 5 elements, none at [9]"
+    assert_says(str(caught.value), "ranges[9]: ", "5 elements", "[9]")
 
 
 def test_an_index_outside_of_an_array_of_fixed_size_is_found_without_a_message() -> None:
     with pytest.raises(ValueMismatch) as caught:
         target(Odometry, parse_path("pose.covariance[36]"))
-    assert str(caught.value) == "pose.covariance[36]: the array has 36 elements"
+    assert_says(str(caught.value), "pose.covariance[36]: ", "36 elements")
 
 
 def test_a_name_after_an_array_asks_for_an_index() -> None:
     with pytest.raises(ValueMismatch) as caught:
         target(TFMessage, parse_path("transforms.header"))
-    assert str(caught.value) == (
-        "transforms is an array of geometry_msgs/TransformStamped, which has no field 'header';"
-        " put an index before it: [0]"
-    )
+    parts = ("transforms", "array of geometry_msgs/TransformStamped", "'header'", "; ", "[0]")
+    assert_says(str(caught.value), *parts)
 
 
 def test_length_fields_are_not_selected(scan: LaserScan) -> None:
-    with pytest.raises(ValueMismatch, match="has no field 'ranges_length'"):
+    with raises_saying(ValueMismatch, "no field 'ranges_length'"):
         select(scan, parse_path("ranges_length"))
 
 
@@ -212,7 +211,7 @@ def test_a_times_fields_have_the_names_of_both_ros(name: str, scan: LaserScan) -
 
 
 def test_only_a_time_has_them(scan: LaserScan) -> None:
-    with pytest.raises(ValueMismatch, match=r"header\.secs: std_msgs/Header has no field 'secs'"):
+    with raises_saying(ValueMismatch, "header.secs: ", "std_msgs/Header", "no field 'secs'"):
         select(scan, parse_path("header.secs"))
 
 

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
@@ -84,7 +85,7 @@ def test_half_characters_are_no_text() -> None:
     for message in (std_msgs.String(), sensor_msgs.CompressedImage()):
         with pytest.raises(ValueMismatch) as caught:
             fill(message, {"data": "\ud800"})
-        assert str(caught.value) == "data: expected text, got half a character in '\\ud800'"
+        assert_says(str(caught.value), "data: expected text", "'\\ud800'")
 
 
 def test_bytes_that_are_not_utf_8_are_text_as_json_and_yaml_have_them() -> None:

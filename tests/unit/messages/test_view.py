@@ -2,6 +2,7 @@
 
 import pytest
 
+from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.path import Path, parse_path, select
 from lcmtools.messages.plain import (
@@ -9,7 +10,6 @@ from lcmtools.messages.plain import (
     Plain,
     View,
     cells,
-    plain_json,
     plain_value,
     to_plain,
 )
@@ -90,7 +90,7 @@ def test_longer_arrays_and_strings_are_cut(joints: JointState) -> None:
     assert FREE.block(shown(joints, "position", view)) == "[1.0, 2.0, ...]"
     assert FREE.block(shown(joints, "name", view)) == "- le...\n- ri..."
     assert FREE.block(shown(joints, "name[1:]", view)) == "- ri..."
-    assert plain_json(shown(joints, "position", view)) == '[1.0,2.0,"..."]'
+    assert write_json(shown(joints, "position", view)) == '[1.0,2.0,"..."]'
     assert FREE.block(shown(joints, "position", View(longest=3))) == "[1.0, 2.0, 3.0]"
     few = View(most_elements=1, ellipsis="... {} more")
     assert FREE.block(shown(joints, "position", few)) == "[1.0, ... 2 more]"

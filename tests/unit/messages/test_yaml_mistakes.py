@@ -3,6 +3,7 @@
 import contextlib
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -341,7 +342,7 @@ def test_bad_yaml_is_named_with_its_place(text: str, line: str) -> None:
 def test_aliases_may_not_fill_the_memory() -> None:
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 10)]
-    with pytest.raises(ValueMismatch, match="aliases repeat more than 100000 values"):
+    with raises_saying(ValueMismatch, "aliases", "100000"):
         parse_values(["\n".join(lines)])
 
 
@@ -351,7 +352,7 @@ def test_a_wrong_document_is_named_with_its_line_after_those_before_it() -> None
     assert next(drafts)
     with pytest.raises(ValueMismatch) as caught:
         next(drafts)
-    assert str(caught.value) == "document 2, line 4: data: expected an integer, got 'x'"
+    assert_says(str(caught.value), "document 2, line 4: data: ", "integer", "'x'")
 
 
 @pytest.mark.parametrize(

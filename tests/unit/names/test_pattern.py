@@ -43,7 +43,7 @@ def test_a_pattern_means_the_same_in_every_command(
     assert ChannelSelection((pattern,)).has(name) == matches  # spy
     assert is_meant(name, pattern, is_topic=True) == (matches or is_hidden(name))  # graph
     echo = TopicPattern(pattern)
-    echo.learn(Graph(traffic=(Traffic(name, None, (), 1, 8, 1, 1),)))
+    echo.update(Graph(traffic=(Traffic(name, None, (), 1, 8, 1, 1),)))
     assert (echo.path_on(name) is not None) == matches
 
 

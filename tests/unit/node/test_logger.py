@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node
@@ -148,4 +149,4 @@ def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(
     lcmtools.spin(node)
     log = capsys.readouterr().err
     assert log.count("\n") == 1
-    assert "there is no parameter 'gian'; did you mean gain?" in log
+    assert_says(log, "no parameter 'gian'", "did you mean gain?")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 
 import pytest
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
@@ -108,9 +109,9 @@ def test_callbacks_are_asked_before_a_change_and_may_refuse(node: Node) -> None:
 def test_a_parameter_is_declared_once_and_within_its_range(begin: Begin) -> None:
     begin("_gain:=11")
     node = Node("a")
-    with pytest.raises(UsageError, match=r"parameter gain: 11\.0 is more than 10\.0"):
+    with raises_saying(UsageError, "parameter gain", "11.0", "10.0"):
         node.declare_parameter("gain", 1.0, maximum=10.0)
-    with pytest.raises(UsageError, match="/a declares its parameter 'use_sim_time' twice"):
+    with raises_saying(UsageError, "/a", "'use_sim_time'", "twice"):
         node.declare_parameter("use_sim_time", default=False)
 
 
@@ -130,10 +131,9 @@ def test_another_node_changes_all_or_none(node: Node, remote: Remote) -> None:
     assert node.get_parameter("steps").value == [3, 4]
     with pytest.raises(RefusedParameters) as caught:
         remote(5.0, {"gain": "3", "name": "x", "steps": "[a]", "gian": "1"})
-    assert caught.value.reasons == (
-        "parameter steps[0]: expected an integer, got 'a'",
-        "/driver has no parameter 'gian'; did you mean gain?",
-    )
+    step, gain = caught.value.reasons
+    assert_says(step, "parameter steps[0]: ", "integer", "'a'")
+    assert_says(gain, "/driver", "'gian'", "did you mean gain?")
     assert node.get_parameter("gain").value == 2.5
     assert node.get_parameter("name").value == "on"
 
@@ -155,7 +155,7 @@ def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
 
 
 def test_a_node_that_does_not_spin_does_not_answer(node: Node) -> None:
-    with pytest.raises(ServiceTimeout, match=r"/driver did not answer within 0\.05 s") as caught:
+    with pytest.raises(ServiceTimeout, match=r"/driver .* 0\.05 s") as caught:
         request_parameters(Node("other", tool=True), node.name, 0.05)
     assert caught.value.exit_code == 4
 

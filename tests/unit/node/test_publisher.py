@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -63,7 +64,7 @@ def test_messages_are_counted_whether_the_bus_sends_them_together_or_not() -> No
 def test_a_message_of_another_type_is_refused(begin: Begin, message: object, name: str) -> None:
     begin()
     publisher = Node("a").create_publisher(String, "chatter")
-    with pytest.raises(ValueMismatch, match=f"/chatter: expected std_msgs/String, got {name}"):
+    with raises_saying(ValueMismatch, "/chatter: expected std_msgs/String", name):
         publisher.publish(message)
     assert publisher.endpoint().messages == 0
 
@@ -71,7 +72,7 @@ def test_a_message_of_another_type_is_refused(begin: Begin, message: object, nam
 def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin: Begin) -> None:
     begin()
     publisher = Node("a").create_publisher(Point, "p")
-    with pytest.raises(ValueMismatch, match="Point, got geometry_msgs/Vector3"):
+    with raises_saying(ValueMismatch, "geometry_msgs/Point", "geometry_msgs/Vector3"):
         publisher.publish(Vector3())
 
 

@@ -106,7 +106,7 @@ def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any
     begin()
     client = Node("client").create_client(Trigger, "/nobody")
     watch = stopwatch()
-    with pytest.raises(ServiceError, match=r"/nobody did not answer within 0\.1 s") as caught:
+    with pytest.raises(ServiceError, match=r"/nobody .* 0\.1 s") as caught:
         client.call(Trigger.Request(), timeout=0.1)
     assert watch.seconds() < 0.5
     assert "lcmtools node list" in caught.value.hint
@@ -279,5 +279,5 @@ def test_a_response_that_lcm_cannot_carry_fails_the_call(
     node.create_service(Trigger, "much", answer)
     serve(node)
     client = Node("client").create_client(Trigger, "much")
-    with pytest.raises(ServiceError, match=r"/much: the response has 20\d\d bytes, more than LCM"):
+    with pytest.raises(ServiceError, match=r"/much: .*20\d\d bytes"):
         client.call(Trigger.Request())

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import raises_saying
 
 import lcmtools
 from lcmtools import Node
@@ -63,7 +64,7 @@ def test_an_error_for_the_caller_is_passed_on_without_a_traceback(
     node.create_service(Trigger, "go", refuse)
     serve(node)
     client = Node("client").create_client(Trigger, "go")
-    with pytest.raises(ServiceError, match="/go: the robot is not enabled; enable it first"):
+    with raises_saying(ServiceError, "/go: the robot is not enabled; enable it first"):
         client.call(Trigger.Request())
     assert capsys.readouterr().err == ""
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node
@@ -39,7 +40,7 @@ def test_it_answers_logs_who_asks_and_ends(
     assert _answers(bus) == ["/driver"]
     assert not context.ok()
     lcmtools.spin(node)
-    assert "[/driver]: shutdown requested by a test\n" in capsys.readouterr().err
+    assert_says(capsys.readouterr().err, "[/driver]: ", "shutdown", "by a test\n")
 
 
 def test_asked_again_it_answers_again_and_logs_once(

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from fixtures.driver import Begin, Call, Driver
+from fixtures.says import assert_says
 
 import lcmtools
 import lcmtools.types.std_msgs
@@ -235,9 +236,7 @@ def test_a_period_that_is_meant_in_milliseconds_is_a_warning(
     node.create_timer(60.0, print)
     assert capsys.readouterr().err == ""
     node.create_timer(500, print)
-    assert "create_timer: a period of 500 s; if 500 ms are meant, write 0.5\n" in (
-        capsys.readouterr().err
-    )
+    assert_says(capsys.readouterr().err, "create_timer: ", "500 s", "500 ms", "0.5\n")
 
 
 def _filled(message: Any, **values: object) -> Any:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from lcmtools.observe.channels.channel_report import rows as table
 from lcmtools.observe.channels.columns import (
     COLUMNS,
     TableView,
@@ -12,7 +13,7 @@ from lcmtools.observe.channels.columns import (
     type_text,
 )
 from lcmtools.observe.channels.rows import ChannelRow, matching
-from lcmtools.observe.channels.table import cut, table, width_of
+from lcmtools.observe.channels.table import cut, width_of
 from lcmtools.observe.reports.describe import size_text
 
 ROWS = (

@@ -1,6 +1,7 @@
 """The type that a channel's messages are taken for, and what cannot be decoded."""
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import encode
@@ -29,7 +30,7 @@ def test_the_likeliest_is_meant_where_none_is_announced_or_another_type_is() -> 
 
 def test_the_type_that_the_person_names_wins() -> None:
     assert isinstance(decoder("geometry_msgs/Vector3", named=Point).decode(VECTOR), Point)
-    with pytest.raises(DecodeError, match="the type is not std_msgs/String but geometry_msgs/V"):
+    with raises_saying(DecodeError, "not std_msgs/String", "geometry_msgs/Vector3"):
         decoder(named=String).decode(VECTOR)
 
 
@@ -44,7 +45,7 @@ def test_the_type_is_settled_once_for_a_channel() -> None:
 def test_what_is_no_message_of_a_known_type_says_why() -> None:
     with pytest.raises(UnknownFingerprint, match="unknown type, fingerprint 0x0000000000000000"):
         decoder().decode(Packet("/a", bytes(20), 7))
-    with pytest.raises(DecodeError, match="too short for an LCM message"):
+    with raises_saying(DecodeError, "too short"):
         decoder().decode(Packet("/a", b"short", 7))
     with pytest.raises(DecodeError, match="Vector3"):
         decoder().decode(Packet("/a", VECTOR.payload[:12], 7))

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import ClassVar
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.observe.channels.feed import Feed, Snapshot
@@ -118,7 +119,7 @@ def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot])
         return packets()
 
     found = snapshot_of(behaviour, lambda snapshot: snapshot.is_over)
-    assert found.trouble == "a fault of lcmtools (ZeroDivisionError: by zero)"
+    assert_says(found.trouble, "lcmtools", "ZeroDivisionError: by zero")
 
 
 def test_who_listens_is_looked_up_again_where_there_are_other_sockets(

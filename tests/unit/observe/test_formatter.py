@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.codec import encode
@@ -46,10 +47,8 @@ def test_a_type_without_the_field_is_passed_over_when_another_had_it(
     assert one.text(match(String(), "header.seq")) is None
     assert one.text(match(String(), "header.seq")) is None
     assert one.text(match(PointStamped(), "header.seq")) == "0\n---"
-    assert capsys.readouterr().err == (
-        "a message on /a is left out: header: std_msgs/String has no field 'header'"
-        " (fields: data)\n"
-    )
+    (line,) = capsys.readouterr().err.splitlines()
+    assert_says(line, "/a", "left out", "std_msgs/String", "'header'", "fields: data")
 
 
 def test_arrays_that_are_too_short_at_times_are_said_once(
@@ -82,7 +81,7 @@ def test_the_first_message_without_the_field_is_a_mistake() -> None:
 def test_one_topic_of_many_without_the_field_is_none(capsys: pytest.CaptureFixture[str]) -> None:
     one = formatter(DisplayOptions(), many=True)
     assert one.text(match(String(), "header")) is None
-    assert capsys.readouterr().err.startswith("a message on /a is left out: ")
+    assert_says(capsys.readouterr().err, "message on /a", "left out: ")
 
 
 def test_raw_has_no_fields() -> None:

@@ -1,6 +1,7 @@
 """The meaning of echo's arguments: topics, patterns, and the field paths behind them."""
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Traffic
@@ -88,7 +89,7 @@ def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
 
 
 def test_an_empty_name_is_refused() -> None:
-    with pytest.raises(UsageError, match="the topic's name is empty"):
+    with raises_saying(UsageError, "topic", "empty"):
         select_topics("")
 
 

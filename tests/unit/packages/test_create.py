@@ -4,6 +4,7 @@ import compileall
 from pathlib import Path
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.packages.create import NewPackage, create
@@ -40,7 +41,7 @@ def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path: Path) -> No
     folder = tmp_path / "lab"
     folder.mkdir()
     (folder / "README.md").write_text("mine")
-    with pytest.raises(LcmtoolsError, match=r"README\.md already exists; --force overwrites"):
+    with raises_saying(LcmtoolsError, "README.md already exists", "--force"):
         create(NewPackage("lab", "drive"), folder)
     assert files(folder) == {"README.md"}
     assert (folder / "README.md").read_text() == "mine"

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import pytest
+from fixtures.says import raises_saying
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -38,18 +39,18 @@ def test_a_type_is_told_from_a_value(
 def test_a_type_is_needed_where_none_is_announced() -> None:
     pair, values = split_type(_offered(""), ["std_srvs/Trigger"])
     assert (pair, values) == (service_class("std_srvs/Trigger"), [])
-    with pytest.raises(LcmtoolsError, match="the type of /it is not known"):
+    with raises_saying(LcmtoolsError, "type", "/it", "not known"):
         split_type(_offered(""), ["true"])
 
 
 def test_another_type_than_the_services_is_refused() -> None:
-    with pytest.raises(UsageError, match="/it is of type std_srvs/SetBool, not std_srvs/Trigger"):
+    with raises_saying(UsageError, "/it", "std_srvs/SetBool", "not std_srvs/Trigger"):
         split_type(_offered("std_srvs/SetBool"), ["std_srvs/Trigger"])
-    with pytest.raises(UnknownType, match="unknown service type 'std_srvs/SetBol'"):
+    with raises_saying(UnknownType, "service type", "'std_srvs/SetBol'"):
         split_type(_offered("std_srvs/SetBool"), ["std_srvs/SetBol"])
 
 
 def test_a_type_that_is_not_known_here_is_named() -> None:
-    with pytest.raises(LcmtoolsError, match="/it: unknown service type 'theirs/Thing'") as caught:
+    with pytest.raises(LcmtoolsError, match=r"/it: .*'theirs/Thing'") as caught:
         split_type(_offered("theirs/Thing"), ["true"])
     assert caught.value.exit_code == 1

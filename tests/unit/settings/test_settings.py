@@ -11,9 +11,9 @@ from lcmtools.settings import (
     NO_FILE,
     SETTINGS,
     UserFile,
+    lookup,
     parse_duration,
     read_user_file,
-    said,
     user_path,
     usual_namespace,
 )
@@ -118,22 +118,22 @@ def test_a_change_of_the_file_is_seen(write: Write) -> None:
 def test_flag_wins_over_variable_over_file_over_default(write: Write) -> None:
     environment = write("domain: 3\n")
     file = read_user_file(environment)
-    assert said("domain", None, {}, NO_FILE).source == "default"
-    assert said("domain", None, environment, file).source == f"{file.path}:1"
+    assert lookup("domain", None, {}, NO_FILE).source == "default"
+    assert lookup("domain", None, environment, file).source == f"{file.path}:1"
     environment["LCMTOOLS_DOMAIN"] = "4"
-    assert said("domain", None, environment, file).source == "LCMTOOLS_DOMAIN"
-    assert said("domain", "5", environment, file).source == "--domain"
-    assert said("domain", None, environment | {"LCMTOOLS_DOMAIN": ""}, file).value == "3"
+    assert lookup("domain", None, environment, file).source == "LCMTOOLS_DOMAIN"
+    assert lookup("domain", "5", environment, file).source == "--domain"
+    assert lookup("domain", None, environment | {"LCMTOOLS_DOMAIN": ""}, file).value == "3"
 
 
 @pytest.mark.parametrize("name", SETTINGS)
 def test_every_setting_has_its_rank_in_all_three_places(name: str) -> None:
     setting = SETTINGS[name]
     file = UserFile(Path("/f"), {name: "c"}, {name: 1})
-    assert said(name, "a", {setting.variable: "b"}, file).value == "a"
-    assert said(name, None, {setting.variable: "b"}, file).value == "b"
-    assert said(name, None, {}, file).value == "c"
-    assert said(name, None, {}, NO_FILE).value == setting.default
+    assert lookup(name, "a", {setting.variable: "b"}, file).value == "a"
+    assert lookup(name, None, {setting.variable: "b"}, file).value == "b"
+    assert lookup(name, None, {}, file).value == "c"
+    assert lookup(name, None, {}, NO_FILE).value == setting.default
 
 
 def test_the_namespace_of_the_file_is_usual(write: Write) -> None:

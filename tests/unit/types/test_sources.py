@@ -32,7 +32,7 @@ def test_file_holds_the_struct_that_it_is_named_for() -> None:
     for name, lines in FILES.items():
         package, struct = name.removesuffix(".lcm").split("/")
         assert lines[0] == f"package {package};"
-        assert [line for line in lines if "struct" in line.split()] == [f"struct {struct}"]
+        assert [line for line in lines if line.split()[:1] == ["struct"]] == [f"struct {struct}"]
 
 
 def test_struct_says_what_it_is() -> None:

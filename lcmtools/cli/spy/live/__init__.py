@@ -12,7 +12,7 @@ from lcmtools.observe.channels.rows import ChannelSelection
 
 
 def watch(selection: ChannelSelection, view: TableView) -> int:
-    """Show the channels until the person leaves; return the exit code."""
+    """Show the channels until the user quits, and return the exit code."""
     if chosen_log() is not None:
         raise UsageError("the live view needs a bus", "--once shows the channels of a log")
     if not (sys.stdin.isatty() and sys.stderr.isatty() and clearing()):
@@ -21,7 +21,7 @@ def watch(selection: ChannelSelection, view: TableView) -> int:
         from lcmtools.cli.spy.live.app import show
     if not stream_wants_color(sys.stderr, os.environ):
         os.environ["NO_COLOR"] = "1"
-    for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
+    for name in ("COLUMNS", "LINES"):  # textual would keep them as the terminal's size
         os.environ.pop(name, None)
     with open_monitor("spy", plays=True) as monitor:
         return show(monitor, selection, view)

@@ -1,4 +1,4 @@
-"""The live view: a table, one channel closely, a number over time, and the way out."""
+"""The app of the live view."""
 
 import asyncio
 import gc
@@ -98,10 +98,10 @@ class SpyApp(App[int]):
                 loop.add_signal_handler(number, self.exit, BY_SIGNAL + number)
 
     def on_ready(self) -> None:
-        gc.freeze()  # a search for garbage in all that was imported takes 50 ms
+        gc.freeze()  # collecting garbage among all imported objects takes 50 ms
 
     async def on_event(self, event: Event) -> None:
-        # keys that come while the screens are taken down are dropped
+        # drop keys that arrive while the screens close
         if self.screen_stack or not isinstance(event, InputEvent):
             await super().on_event(event)
 
@@ -119,13 +119,13 @@ class SpyApp(App[int]):
         self.exit(INTERRUPTED)
 
     def action_suspend(self) -> None:
-        """Give the terminal back until "fg"; not where no shell could say that."""
+        """Suspend the app until "fg", unless there is no shell to resume it."""
         if os.getpgrp() != os.getsid(0):
             self.action_suspend_process()
 
 
 def show(monitor: BusMonitor, selection: ChannelSelection, view: TableView) -> int:
-    """Show the live view until it is left; return the exit code."""
+    """Show the live view until the user quits, and return the exit code."""
     feed = Feed(monitor, selection, _PERIOD)
     app = SpyApp(str(monitor.url), feed, view)
     feed.start()

@@ -1,4 +1,4 @@
-"""One channel on the screen: its latest message, decoded; and a number over time."""
+"""Screens of one channel: its latest message, and the curve of a field."""
 
 from collections.abc import Callable
 from typing import ClassVar
@@ -92,8 +92,8 @@ class Detail(LivePage):
         row, state = self._row, self._state
         text = Text.assemble((printable(row.channel), "bold"), f"  {flow_text(row)}", no_wrap=True)
         text.append("  PAUSED" if self.is_paused else "", "bold yellow")
-        for label, said in properties(row, state):
-            text.append(f"\n{label:<12}", "dim").append(said)
+        for label, value in properties(row, state):
+            text.append(f"\n{label:<12}", "dim").append(value)
         if state.problem:
             text.append(f"\n{printable(state.problem)}", "bold yellow")
         self.show_title(text)
@@ -113,7 +113,7 @@ class Detail(LivePage):
 
 
 class CurveScreen(LivePage):
-    """A number over time, as large as the screen."""
+    """The curve of a field on the whole screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,q,enter,left", "back", "Back"),

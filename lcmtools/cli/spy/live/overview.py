@@ -1,4 +1,4 @@
-"""The table of channels on the screen, and its keys."""
+"""The screen with the table of channels, and its keys."""
 
 from dataclasses import replace
 from functools import partial
@@ -155,7 +155,7 @@ class Overview(LivePage):
             self._snapshot = latest
         self._rows = self.view.rows(self._snapshot.rows, steady=True)
         for name, widest in natural_widths(self._rows, COLUMNS.values()).items():
-            self._widest[name] = max(widest, self._widest.get(name, 0))  # it does not jump about
+            self._widest[name] = max(widest, self._widest.get(name, 0))  # columns do not jump
         self._layout = layout(list(COLUMNS.values()), self._widest, width)
         self.show_title(Text("\n").join(filter(None, (self._heading(), self._remarks()))))
         rows = {row.channel: row for row in self._rows}
@@ -203,7 +203,7 @@ class Overview(LivePage):
 
 
 def cell_style(row: ChannelRow, column: Column) -> str:
-    """The style of a cell: loss, silence and unknown types stand out."""
+    """Return the style of a cell, which highlights losses, silence and unknown types."""
     if column.name == "loss" and row.lost:
         return "bold red" if (row.loss or 0.0) >= _MUCH_LOSS else "bold yellow"
     if row.is_silent:

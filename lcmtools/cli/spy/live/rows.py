@@ -16,7 +16,7 @@ CURVE = Color.parse("ansi_cyan").rich_color
 
 
 class Cell(NamedTuple):
-    """A text in a style, and the key of its row."""
+    """A styled text, and the key of its row."""
 
     key: str
     text: str
@@ -53,7 +53,7 @@ Cells = tuple[Cell | CurveCell, ...]
 
 
 class RowTable(DataTable[Cell | CurveCell]):
-    """A table whose cursor stays on its row; on the first row it stays on top."""
+    """A table whose cursor stays on its row; on the first row, it stays at the top."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "select_cursor", "Open"),
@@ -74,7 +74,7 @@ class RowTable(DataTable[Cell | CurveCell]):
 
     @property
     def cursor_key(self) -> str | None:
-        """The key of the row that the cursor is on; None in an empty table."""
+        """The key of the row at the cursor, or None in an empty table."""
         return self._keys[self.cursor_row] if self.cursor_row < len(self._keys) else None
 
     def go_to(self, key: str) -> None:
@@ -84,14 +84,14 @@ class RowTable(DataTable[Cell | CurveCell]):
     def show(
         self, headings: Sequence[tuple[str, int]], keys: list[str], cells: Callable[[str], Cells]
     ) -> None:
-        """Show rows in the order of their keys; ``headings`` are with widths.
+        """Show rows in the order of their keys. ``headings`` include widths.
 
         ``cells`` gives the cells of a row, when it is seen.
         """
         cursor = self.cursor_key if self.cursor_row else None
         if headings != self._headings or self._shown.keys() - set(keys):
             self._headings, self._shown, self._keys = headings, {}, []
-            self.clear(columns=True)  # it scrolls, which would look for rows that have gone
+            self.clear(columns=True)  # scrolling would look up removed rows
             for number, (label, width) in enumerate(headings):
                 self.add_column(Text(label), key=f"{number}", width=width)
         for key in keys:
@@ -111,7 +111,7 @@ class RowTable(DataTable[Cell | CurveCell]):
         self._update_seen()
 
     def refresh(self, *regions: Region, **parts: bool) -> "RowTable":
-        # each cell that changes would have all lines drawn again
+        # each changed cell would redraw all lines
         return self if self._is_updating and not regions else super().refresh(*regions, **parts)
 
     def _update_seen(self) -> None:

@@ -1,4 +1,4 @@
-"""The base of the screens, and the small ones in front of others: help and sorting."""
+"""The base classes of the screens, and the dialogs for help and sorting."""
 
 from collections.abc import Callable
 from typing import ClassVar
@@ -39,7 +39,7 @@ dim           silent for three seconds, or ever"""
 
 
 class Page(Screen[ScreenResultType]):
-    """A screen that is left once, however fast somebody types."""
+    """A screen that closes once, however often the key is pressed."""
 
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
         in_front = self.app.screen_stack[-1:] == [self]
@@ -57,7 +57,7 @@ class Page(Screen[ScreenResultType]):
 
 
 class LivePage(Page[None]):
-    """A screen that ``draw`` draws several times a second, unless it is paused."""
+    """A screen that is redrawn several times a second unless paused."""
 
     period: float | None = 0.2  # between two looks at what is new [s]; None for no looks
 
@@ -69,7 +69,7 @@ class LivePage(Page[None]):
         self._title = Text()
 
     def show_title(self, text: Text) -> None:
-        """Show a text at the top; all is laid out again only where it has other lines."""
+        """Show a text at the top. The layout changes only with the number of lines."""
         before, self._title = self._title, text
         if text != before:
             self.top.update(text, layout=text.plain.count("\n") != before.plain.count("\n"))
@@ -92,7 +92,7 @@ class LivePage(Page[None]):
 
 
 class HelpScreen(ModalScreen[None], Page[None]):
-    """The keys, and the meaning of the columns."""
+    """The dialog with the keys and the meaning of the columns."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,q,enter,f1,h,question_mark", "back", "Back", show=False)
@@ -105,7 +105,7 @@ class HelpScreen(ModalScreen[None], Page[None]):
 
 
 class SortScreen(ModalScreen[str | None], Page[str | None]):
-    """The columns to sort by, in front of the table; returns the one chosen."""
+    """The dialog with the columns to sort by; its result is the chosen column."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,q,f6", "back", "Back", show=False)]
 

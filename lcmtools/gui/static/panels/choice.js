@@ -1,4 +1,4 @@
-// A field for a topic's name, or for a field's, with what is there to choose from.
+// An input for the name of a topic or a field, with suggestions.
 
 import { element, fill } from "../elements.js";
 import { stylesheet } from "./stylesheet.js";
@@ -6,13 +6,13 @@ import { stylesheet } from "./stylesheet.js";
 let count = 0;
 
 /**
- * Make a field with suggestions, which are asked for when it is used.
+ * Create an input with suggestions, which are requested when it is used.
  * @param {object} options
  * @param {string} options.label
  * @param {string} [options.value]
  * @param {string} [options.placeholder]
  * @param {(text: string) => Promise<{value: string, detail?: string}[]>} options.suggest
- * @param {(value: string) => void} options.choose called with what has been entered
+ * @param {(value: string) => void} options.choose called with the entered text
  */
 export function choiceField({ label, value = "", placeholder = "", suggest, choose }) {
   stylesheet("./choice.css");

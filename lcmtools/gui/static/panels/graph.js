@@ -1,4 +1,4 @@
-// The graph: nodes, programs and topics as they are connected, with wtf's findings in it.
+// The graph of nodes, programs and topics, with wtf's findings.
 
 import { button, element, fill, iconButton, write } from "../elements.js";
 import { GraphDrawing } from "./graph/drawing.js";
@@ -13,7 +13,7 @@ import { stylesheet } from "./stylesheet.js";
 
 const GRAVEST = ["error", "warning", "note"];
 
-/** What can be drawn or not: the parameter, the button, and how it begins. */
+/** The options of the drawing: parameter, button, and initial value. */
 const CHOICES = [
   { name: "topics", label: "Topics", title: "Draw topics; else nodes are connected directly", usual: true },
   { name: "groups", label: "Groups", title: "A band for each namespace", usual: false },
@@ -159,7 +159,7 @@ export default class GraphPanel {
   }
 
   /**
-   * Return the findings at each vertex, the gravest first.
+   * Return the findings at each vertex, the most severe first.
    * @param {Graph} graph
    */
   marks(graph) {
@@ -175,7 +175,7 @@ export default class GraphPanel {
   }
 
   /**
-   * Return the vertices that stand out; null for all.
+   * Return the highlighted vertices; null for all.
    * @param {Graph} graph
    * @param {Map<string, Finding[]>} marks
    */

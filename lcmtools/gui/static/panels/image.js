@@ -1,4 +1,4 @@
-// Images of a topic: colour, grey and depth, with the value under the pointer.
+// The images of a topic: colour, grey and depth, with the value under the pointer.
 
 import { button, element, fill, iconButton, set, write } from "../elements.js";
 import { mistakeText, rateText } from "../texts.js";
@@ -10,11 +10,11 @@ import { Viewport } from "./viewport.js";
 
 /** @typedef {import("./pixels.js").Picture} Picture */
 
-const RATE_TIME = 2; // [s] that the rate is about
+const RATE_TIME = 2; // [s] over which the rate is measured
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const LARGE_STEP = 10; // pixels, with Shift
 
-/** The panel of an image. */
+/** The image panel. */
 export default class ImagePanel {
   /**
    * @param {import("../context.js").Context} context
@@ -25,7 +25,7 @@ export default class ImagePanel {
     this.context = context;
     this.topic = typeof settings.topic === "string" ? settings.topic : "";
     this.map = typeof settings.map === "string" ? settings.map : "warm";
-    /** The ends of a scale that is set [m, or grey]; null where it fits each picture. */
+    /** The limits of a fixed scale [m, or grey]; null if it adapts to each picture. */
     /** @type {{near: number, far: number} | null} */
     this.fixed = readScale(settings.near, settings.far);
     /** The highest rate of pictures [Hz]; undefined for as many as can be shown. @type {number | undefined} */
@@ -36,11 +36,11 @@ export default class ImagePanel {
     this.picture = null;
     this.isPaused = false;
     this.isReading = false;
-    /** The newest image, until it is read. @type {{header: any, payload: ArrayBuffer} | null} */
+    /** The newest image that has not been decoded yet. @type {{header: any, payload: ArrayBuffer} | null} */
     this.waiting = null;
     /** @type {{count: number, time: number}[]} */
     this.arrivals = [];
-    /** The pixel whose value is shown. @type {{x: number, y: number} | null} */
+    /** The pixel with the shown value. @type {{x: number, y: number} | null} */
     this.mark = null;
     this.canvas = document.createElement("canvas");
     const choice = choiceField({
@@ -79,8 +79,8 @@ export default class ImagePanel {
     this.about = element("span", { class: "muted" });
     this.element = this.layOut(choice.element);
     this.pixels = 0;
-    this.stream = context.open("image", this.wanted(), (data, payload) => this.take(data, payload));
-    context.ask("color maps").then((maps) => this.takeMaps(maps), () => {});
+    this.stream = context.open("image", this.wanted(), (data, payload) => this.receive(data, payload));
+    context.ask("color maps").then((maps) => this.setMaps(maps), () => {});
   }
 
   get title() {
@@ -135,7 +135,7 @@ export default class ImagePanel {
     return { width: this.picture?.width ?? 0, height: this.picture?.height ?? 0 };
   }
 
-  /** The stream's parameters: no more pixels than can be seen. */
+  /** Return the stream's parameters, which request no more pixels than are visible. */
   wanted() {
     const { width, height } = this.size;
     const step = Math.max(1, Math.floor(1 / this.viewport.view.scale));
@@ -167,8 +167,8 @@ export default class ImagePanel {
    * @param {any} header
    * @param {ArrayBuffer} [payload]
    */
-  take(header, payload) {
-    if (header.topic !== this.topic) return; // it was on its way when the topic was changed
+  receive(header, payload) {
+    if (header.topic !== this.topic) return; // sent before the topic was changed
     this.arrivals.push({ count: header.count, time: header.time });
     const oldest = header.time - RATE_TIME;
     while (this.arrivals.length > 2 && (this.arrivals[0]?.time ?? 0) < oldest) this.arrivals.shift();
@@ -177,7 +177,7 @@ export default class ImagePanel {
     if (!this.isReading) this.read();
   }
 
-  /** Read the newest image when the screen shows a new picture: a slow page is not kept busy. */
+  /** Decode only the newest image, with the next animation frame, so that a slow page keeps up. */
   async read() {
     this.isReading = true;
     await new Promise(requestAnimationFrame);
@@ -189,10 +189,10 @@ export default class ImagePanel {
         this.picture?.bitmap?.close();
         this.picture = await readPicture(waiting.header, waiting.payload);
         if (isFirst) this.viewport.view.fit();
-        this.context.tell(this, "");
+        this.context.showProblem(this, "");
       }
     } catch (error) {
-      this.context.tell(this, `the image cannot be read: ${mistakeText(error)}`);
+      this.context.showProblem(this, `the image cannot be read: ${mistakeText(error)}`);
     }
     this.show();
     this.isReading = false;
@@ -200,7 +200,7 @@ export default class ImagePanel {
   }
 
   /** @param {Record<string, number[][]>} maps */
-  takeMaps(maps) {
+  setMaps(maps) {
     this.maps = maps;
     if (!maps[this.map]) this.map = Object.keys(maps)[0] ?? "warm";
     const options = Object.keys(maps).map((name) => element("option", { value: name }, name));
@@ -243,7 +243,7 @@ export default class ImagePanel {
   }
 
   /**
-   * Show the value at a point of the picture; outside of it that of no point.
+   * Show the value at a point of the picture; nothing outside of it.
    * @param {number} x
    * @param {number} y
    */
@@ -329,7 +329,7 @@ export default class ImagePanel {
 }
 
 /**
- * The ends of a scale, or null where they are none.
+ * Return the limits of a scale, or null if they are invalid.
  * @param {any} near
  * @param {any} far
  */

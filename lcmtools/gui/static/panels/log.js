@@ -1,10 +1,10 @@
-// The log lines of the nodes: by level, node and text; repeated lines are one with a number.
+// The log of the nodes, filtered by level, node and text; repeated lines are shown once, counted.
 
 import { element, fill, iconButton, set, write } from "../elements.js";
 import { clockText } from "../texts.js";
 
-const MOST = 2000; // lines that are kept
-const NEAR = 12; // lines back that a repeated one is looked for
+const MOST = 2000; // lines kept
+const NEAR = 12; // last lines that are searched for an equal one
 /** @type {[number, string][]} */
 const LEVELS = [
   [1, "DEBUG"],
@@ -19,7 +19,7 @@ const LEVELS = [
  *   count: number, row: HTMLTableRowElement | null}} LogLine
  */
 
-/** The panel of the log. */
+/** The log panel. */
 export default class Log {
   /**
    * @param {import("../context.js").Context} context
@@ -76,7 +76,7 @@ export default class Log {
       this.scroller,
     );
     this.showNodes();
-    context.open("log", {}, (data) => this.take(data));
+    context.open("log", {}, (data) => this.receive(data));
   }
 
   settings() {
@@ -110,10 +110,10 @@ export default class Log {
   }
 
   /** @param {{lines: [number, number, string, string, string][], leftOut: number}} data */
-  take({ lines, leftOut }) {
+  receive({ lines, leftOut }) {
     const [first] = lines;
     const last = this.lines[this.lines.length - 1];
-    if (first && last && first[0] < last.time - 1) this.clear(); // a log was wound back
+    if (first && last && first[0] < last.time - 1) this.clear(); // a played log has jumped back
     const nodes = new Set(this.lines.map((line) => line.node));
     for (const [time, level, node, text, place] of lines) this.add({ time, level, node, text, place, count: 1, row: null });
     this.leftOut += leftOut;

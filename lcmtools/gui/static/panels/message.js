@@ -1,7 +1,6 @@
-// A topic's latest message as a tree that unfolds, with the comments and units of its type.
+// A topic's latest message as a tree, with the comments and units of its type.
 
 import { element, iconButton, set, write } from "../elements.js";
-import { PANELS } from "./index.js";
 
 /**
  * @typedef {{name: string, type: string, comment: string, unit: string, isArray: boolean,
@@ -16,7 +15,7 @@ export class MessageTree {
   /**
    * @param {import("../context.js").Context} context
    * @param {string} topic
-   * @param {(text: string) => void} onAbout called with what is known of each message
+   * @param {(text: string) => void} onAbout called with a summary of each message
    */
   constructor(context, topic, onAbout) {
     this.context = context;
@@ -36,7 +35,7 @@ export class MessageTree {
       "aria-label": `Message of ${topic}`,
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
     });
-    this.stream = context.open("message", this.parameters(), (data) => this.take(data));
+    this.stream = context.open("message", this.parameters(), (data) => this.receive(data));
   }
 
   parameters() {
@@ -48,16 +47,16 @@ export class MessageTree {
   }
 
   /** @param {any} data */
-  take(data) {
+  receive(data) {
     const { type, size, lines, bytes } = data;
     this.onAbout(`${type || "unknown type"}, ${size} B`);
-    if (type !== this.type) this.learn(type);
+    if (type !== this.type) this.loadType(type);
     this.lines = lines ?? hexLines(bytes ?? "");
     this.show();
   }
 
   /** @param {string} type */
-  async learn(type) {
+  async loadType(type) {
     this.type = type;
     this.fields = new Map();
     if (!type) return;
@@ -66,7 +65,7 @@ export class MessageTree {
       if (type === this.type) this.fields = byPath(about.fields, "");
       this.show();
     } catch {
-      // without its comments
+      // the message is shown without comments
     }
   }
 
@@ -118,7 +117,7 @@ export class MessageTree {
    */
   offerPlot(row, path, isNumber) {
     const button = row.children[4];
-    if (!isNumber || !("plot" in PANELS)) button?.remove();
+    if (!isNumber) button?.remove();
     else if (!button) {
       const plot = (/** @type {Event} */ event) => {
         event.stopPropagation();
@@ -177,7 +176,7 @@ export class MessageTree {
 }
 
 /**
- * Return the fields of a type by their paths, without the places in arrays.
+ * Return the fields of a type by their paths, without array indices.
  * @param {Field[]} fields
  * @param {string} before
  * @returns {Map<string, Field>}
@@ -194,7 +193,7 @@ function byPath(fields, before) {
 }
 
 /**
- * Return the lines of bytes that cannot be decoded.
+ * Return the lines for bytes that cannot be decoded.
  * @param {string} hex
  * @returns {Line[]}
  */

@@ -1,17 +1,17 @@
-// A picture that is fitted into an element, zoomed and moved, by pointers, fingers and keys.
+// Fitting, zooming and panning a picture in an element, by pointer, touch and keys.
 
-const STEP = 1.25; // of a zoom by key, and by 100 px of a wheel
+const STEP = 1.25; // zoom factor for a key, and for 100 px of a wheel
 const FAR = 5; // [px] before a press becomes a drag
 
-/** Where a picture is in an element: its scale, and the place of its corner. */
+/** The position of a picture in an element: its scale, and the place of its corner. */
 export class PanZoom {
   /**
-   * @param {HTMLElement | SVGElement} target takes the events
+   * @param {HTMLElement | SVGElement} target receives the events
    * @param {object} options
    * @param {() => {width: number, height: number}} options.size of the picture; 0 for none
    * @param {() => [number, number]} options.limits of the scale
-   * @param {(isZoomed: boolean) => void} options.changed called when its place, or its scale, is another one
-   * @param {number} [options.largestFit] the scale that a small picture is not fitted beyond
+   * @param {(isZoomed: boolean) => void} options.changed called when its position or scale has changed
+   * @param {number} [options.largestFit] the largest scale to fit a small picture
    * @param {() => number} [options.unit] of the scale and the place [1/px]
    */
   constructor(target, { size, limits, changed, largestFit = Infinity, unit = () => 1 }) {
@@ -26,7 +26,7 @@ export class PanZoom {
     this.top = 0;
     /** True while the picture follows the size of the element. */
     this.isFitted = true;
-    /** The way of the pointer since it was pressed [px]: a click moves less than a drag. */
+    /** The distance that the pressed pointer has moved [px]: a click moves less than a drag. */
     this.moved = 0;
     /** @type {Map<number, {x: number, y: number}>} */
     this.pointers = new Map();
@@ -50,13 +50,13 @@ export class PanZoom {
     return this.moved >= FAR;
   }
 
-  /** The size of the element. */
+  /** Return the size of the element. */
   room() {
     const unit = this.unit();
     return { width: Math.round(this.target.clientWidth * unit), height: Math.round(this.target.clientHeight * unit) };
   }
 
-  /** Show all of it. */
+  /** Fit the whole picture into the element. */
   fit() {
     const [{ width, height }, room] = [this.size(), this.room()];
     this.isFitted = true;
@@ -68,7 +68,7 @@ export class PanZoom {
   }
 
   /**
-   * Zoom about a point of the element, else about its middle.
+   * Zoom about a point of the element, by default its centre.
    * @param {number} scale
    * @param {number} [x]
    * @param {number} [y]
@@ -95,7 +95,7 @@ export class PanZoom {
   }
 
   /**
-   * The place of an event in the element.
+   * Return the position of an event in the element.
    * @param {MouseEvent} event
    */
   place(event) {
@@ -105,7 +105,7 @@ export class PanZoom {
   }
 
   /**
-   * The point of the picture at an event.
+   * Return the point of the picture at an event.
    * @param {MouseEvent} event
    */
   point(event) {
@@ -125,7 +125,7 @@ export class PanZoom {
     const before = this.pointers.get(event.pointerId);
     if (!before) return;
     if (!(event.buttons & 1)) {
-      this.pointers.delete(event.pointerId); // it was let go elsewhere
+      this.pointers.delete(event.pointerId); // it was released elsewhere
       return;
     }
     const now = this.place(event);

@@ -1,4 +1,4 @@
-// The pixels of an image from the server: their values, and their colours for the screen.
+// The pixels of an image from the server: their values, and their colours on the screen.
 
 import { decodeGrey16 } from "./png.js";
 
@@ -16,19 +16,19 @@ const ROUNDING = 0.5; // [m] an automatic scale has round ends, so that it seldo
 const NO_READING = 0xff000000;
 const FARTHEST = 1e6; // [m]
 
-/** One image. */
+/** An image with its pixels' values. */
 export class Picture {
   /**
    * @param {Header} header
    * @param {ArrayLike<number> | null} values of a single channel, or of all
-   * @param {ImageBitmap | null} bitmap in place of values
+   * @param {ImageBitmap | null} bitmap instead of values
    */
   constructor(header, values, bitmap) {
     this.header = header;
     this.values = values;
     this.bitmap = bitmap;
     this.kind = header.kind ?? "color";
-    /** Pixels of this picture; each is one of ``step`` by ``step`` of the image. */
+    /** The size of this picture [pixels]; each is one of ``step`` by ``step`` pixels of the image. */
     this.columns = bitmap?.width ?? header.columns;
     this.rows = bitmap?.height ?? header.rows;
     this.step = bitmap ? 1 : header.step;
@@ -38,7 +38,7 @@ export class Picture {
   }
 
   /**
-   * The value of a pixel: depth [m] or grey, NaN for no reading; null for colours.
+   * Return the value of a pixel: depth [m] or grey, NaN for no reading; null for colours.
    * @param {number} column
    * @param {number} row
    */
@@ -50,7 +50,7 @@ export class Picture {
     return depth > 0 && depth < FARTHEST ? depth : NaN;
   }
 
-  /** The least and the largest value, null where there is none. */
+  /** Return the smallest and the largest value, or null if there are none. */
   range() {
     const { values, factor } = this;
     if (!values || this.kind === "color") return null;
@@ -66,7 +66,7 @@ export class Picture {
     return least <= most ? { least, most } : null;
   }
 
-  /** The ends of a scale that fits, round where the picture is of depth; null for none. */
+  /** Return the limits of a fitting scale, rounded for depth; null if there are no values. */
   usualScale() {
     if (this.kind === "color") return null;
     if (this.kind === "grey" && this.header.number === "B") return { near: 0, far: 255 };
@@ -78,7 +78,7 @@ export class Picture {
   }
 
   /**
-   * Put its colours on a canvas of its size.
+   * Draw the picture on a canvas of its size.
    * @param {HTMLCanvasElement} canvas
    * @param {Scale} scale
    */
@@ -134,7 +134,7 @@ export class Picture {
 }
 
 /**
- * Return colours as the pixels of a canvas have them, evenly between those given.
+ * Return evenly interpolated colours, as pixels of a canvas.
  * @param {Color[]} colors
  */
 function colorTable(colors) {
@@ -145,7 +145,7 @@ function colorTable(colors) {
 }
 
 /**
- * The colour at a position from 0 to 1.
+ * Return the colour at a position from 0 to 1.
  * @param {Color[]} colors
  * @param {number} position
  * @returns {Color}
@@ -158,7 +158,7 @@ export function mix(colors, position) {
 }
 
 /**
- * Read an image from the server.
+ * Decode an image from the server.
  * @param {Header} header
  * @param {ArrayBuffer} payload
  * @returns {Promise<Picture>}

@@ -20,7 +20,7 @@ const WINDOWS = [5, 10, 30, 60, 300, 600, 0]; // [s], and all
 const LONGEST = 3600;
 const USUAL = 10;
 
-/** The panel of a plot. */
+/** The plot panel. */
 export default class Plot {
   /**
    * @param {import("../context.js").Context} context
@@ -37,17 +37,17 @@ export default class Plot {
     this.curves = new Curves();
     const usual = this.isLog ? 0 : USUAL;
     this.span = new Span(this.curves, settings.window >= 0 && settings.window !== null ? Math.min(LONGEST, Number(settings.window)) : usual);
-    /** The curves as the server numbers them; the samples of one stay when others are added. */
+    /** The curves by the server's numbers; a curve keeps its samples when others are added. */
     /** @type {string[]} */
     this.labels = [];
-    /** The place of each label among the curves. @type {Map<string, number>} */
+    /** The index of each label among the curves. @type {Map<string, number>} */
     this.places = new Map();
     /** @type {About[]} */
     this.about = [];
     this.leftOut = 0;
-    /** Of a log, the n-th messages that are plotted. */
+    /** Of a log, every n-th message is plotted. */
     this.every = 1;
-    /** Updates of fields that were chosen before are still on their way. */
+    /** The number of the present choice of fields, to ignore updates of earlier choices. */
     this.choiceNumber = 0;
     this.isWaiting = false;
     this.chart = new Chart(this.curves, this.span, {
@@ -90,7 +90,7 @@ export default class Plot {
     );
     this.clock.value = this.chart.isClock ? "clock" : "seconds";
     this.element = this.layOut();
-    this.stream = context.open("plot", { fields: this.fields }, (data, payload) => this.take(data, payload));
+    this.stream = context.open("plot", { fields: this.fields }, (data, payload) => this.receive(data, payload));
     context.onChange(() => this.moveHand());
   }
 
@@ -175,7 +175,7 @@ export default class Plot {
    *   every?: number}} data ``start`` begins a log anew
    * @param {ArrayBuffer} [payload]
    */
-  take(data, payload) {
+  receive(data, payload) {
     if (data.choice !== this.choiceNumber) return;
     if (data.start !== undefined) {
       const { chosen } = this.span;
@@ -190,7 +190,7 @@ export default class Plot {
       for (const label of this.labels) if (!this.places.has(label)) this.places.set(label, this.places.size);
       this.rebuild();
       const problems = data.fields.filter(({ problem }) => problem);
-      this.context.tell(this, problems.map(({ problem }) => problem).join("\n"));
+      this.context.showProblem(this, problems.map(({ problem }) => problem).join("\n"));
     }
     this.leftOut += data.leftOut ?? 0;
     if (payload) {
@@ -200,12 +200,12 @@ export default class Plot {
     this.draw();
   }
 
-  /** @param {number} curve as the server numbers it */
+  /** @param {number} curve by the server's number */
   place(curve) {
     return this.places.get(this.labels[curve] ?? "") ?? 0;
   }
 
-  /** Make the chart and the table anew: the curves are others. */
+  /** Rebuild the chart and the table after the curves have changed. */
   rebuild() {
     const series = this.about.flatMap(({ text, curves }) =>
       curves.map((curve) => {
@@ -233,7 +233,7 @@ export default class Plot {
     this.draw();
   }
 
-  /** Show where the log is played. */
+  /** Show the playback position of the log. */
   moveHand() {
     const time = this.context.connection.state.log?.time;
     if (time === undefined || time === this.span.hand) return;

@@ -1,9 +1,9 @@
-// PNG files of 16-bit grey: browsers' own decoders keep eight bits of them.
+// A decoder of 16-bit grey PNG files: browsers' own decoders keep only eight bits.
 
 const SIGNATURE = 8; // bytes
 
 /**
- * Return the numbers of a PNG file of 16-bit grey.
+ * Return the pixel values of a 16-bit grey PNG file.
  * @param {ArrayBuffer} file
  * @returns {Promise<Uint16Array>}
  */
@@ -29,8 +29,8 @@ export async function decodeGrey16(file) {
 }
 
 /**
- * Undo the filters of the rows.
- * @param {Uint8Array} data of each row its filter and its bytes
+ * Reverse the filters of the rows.
+ * @param {Uint8Array} data each row's filter and bytes
  * @param {number} width
  * @param {number} height
  */

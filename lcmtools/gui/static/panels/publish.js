@@ -1,4 +1,4 @@
-// A form that publishes a message: a field for each number and text, arrays as YAML.
+// A form that publishes a message: an input for each number and text, arrays as YAML.
 
 import { button, element, fill, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
@@ -7,12 +7,12 @@ let forms = 0;
 
 /** @typedef {import("./message.js").Field} Field */
 
-/** The form for one topic, or for one that the person names. */
+/** The form for a given topic, or for a topic that the user enters. */
 export class PublishForm {
   /**
    * @param {import("../context.js").Context} context
-   * @param {string} topic "" for one that the person names
-   * @param {string} type "" for unknown
+   * @param {string} topic "" if the user enters it
+   * @param {string} type "" if unknown
    */
   constructor(context, topic, type) {
     this.context = context;
@@ -30,7 +30,7 @@ export class PublishForm {
       placeholder: "Type",
       spellcheck: "false",
       list,
-      onchange: () => this.learn(),
+      onchange: () => this.loadType(),
     });
     this.type.value = type;
     this.types = element("datalist", { id: list });
@@ -55,7 +55,7 @@ export class PublishForm {
       element("div", { class: "form-foot" }, this.once, this.repeat, element("label", {}, "at ", this.rate, " Hz"), this.rights, this.result),
     );
     context.onChange(() => this.showRights());
-    this.learn();
+    this.loadType();
     this.listTypes();
   }
 
@@ -75,11 +75,11 @@ export class PublishForm {
       const names = await this.context.ask("types");
       fill(this.types, names.map((/** @type {string} */ name) => element("option", { value: name })));
     } catch {
-      // it can be typed
+      // the type can be typed without suggestions
     }
   }
 
-  async learn() {
+  async loadType() {
     const type = this.type.value.trim();
     this.stop();
     this.inputs.clear();

@@ -1,9 +1,9 @@
-// Saving what a panel shows as a file.
+// Saving the content of a panel as a file.
 
 import { element } from "../elements.js";
 
 /**
- * Let the browser save a file.
+ * Save a file through the browser.
  * @param {string} name
  * @param {Blob} content
  */
@@ -14,7 +14,7 @@ export function saveFile(name, content) {
 }
 
 /**
- * Let the browser save a picture.
+ * Save a canvas as a picture through the browser.
  * @param {string} name
  * @param {HTMLCanvasElement} canvas
  */
@@ -23,7 +23,7 @@ export function savePicture(name, canvas) {
 }
 
 /**
- * A topic as a part of a file's name.
+ * Convert a topic into a part of a file's name.
  * @param {string} topic
  */
 export function fileName(topic) {

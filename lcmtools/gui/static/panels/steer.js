@@ -1,4 +1,4 @@
-// Steering: a joystick, sliders, keys and a gamepad, which drive while they are held.
+// Steering by joystick, sliders, keys and gamepad, which drive while they are held.
 
 import { button, element, set, write } from "../elements.js";
 import { choiceField } from "./choice.js";
@@ -13,12 +13,12 @@ import { stylesheet } from "./stylesheet.js";
  */
 
 const PERIOD = 100; // [ms] between two commands while something is held
-const SHORTEST = 40; // [ms] between two commands that differ
-const RIM = 50 / 0.34; // [%] of the knob, which is 0.34 of the joystick
+const SHORTEST = 40; // [ms] between two different commands
+const RIM = 50 / 0.34; // [%] of the knob's size, which is 0.34 of the joystick's
 const GAMEPAD_PERIOD = 50; // [ms]
 const HELP = "Hold W A S D or the arrows; with Shift at full speed. Space or Esc stops.";
 
-/** The panel that steers. */
+/** The steering panel. */
 export default class Steer {
   /**
    * @param {import("../context.js").Context} context
@@ -36,11 +36,11 @@ export default class Steer {
     this.state = {};
     this.refusal = "";
     this.isReady = false;
-    /** What is held: of the joystick and of both sliders. */
+    /** The commands of the controls that are held. */
     /** @type {Record<"pad" | "forward" | "turn" | "gamepad", Share | null>} */
     this.held = { pad: null, forward: null, turn: null, gamepad: null };
     this.keys = new HeldKeys();
-    /** What was held when all was let go has to be let go indeed before it drives again. */
+    /** Controls that were held at a stop must be released before they drive again. */
     this.isEnded = { slider: false, gamepad: false };
     this.pointer = -1;
     this.lastSent = 0;
@@ -88,7 +88,7 @@ export default class Steer {
     this.gamepadName = element("span", {}, "Gamepad");
     this.element = this.layOut(choice.element);
     this.show();
-    this.stream = context.open("steer", { topic: this.topic }, (data) => this.take(data));
+    this.stream = context.open("steer", { topic: this.topic }, (data) => this.receive(data));
     context.onChange(() => this.showAccess());
     const { signal } = context;
     addEventListener("blur", () => this.letGo(), { signal });
@@ -179,7 +179,7 @@ export default class Steer {
   }
 
   /** @param {State} data */
-  take(data) {
+  receive(data) {
     if (data.refused !== undefined) {
       this.refusal = data.refused;
       if (data.refused) this.context.announce(data.refused);
@@ -189,7 +189,7 @@ export default class Steer {
     this.show();
   }
 
-  /** Whether commands may be sent now, or the reason against it. */
+  /** Return the reason why no commands can be sent now; "" if they can. */
   obstacle() {
     if (!this.context.connection.isOpen) return "The server is gone: nothing is sent.";
     if (this.context.source === "log") return "This is a log: nothing obeys.";
@@ -224,7 +224,7 @@ export default class Steer {
     const isStop = event.key === "Escape" || event.key === " ";
     if (event.type === "keydown" && isStop && !(event.key === " " && target.matches("input, button"))) {
       this.stop();
-    } else if (target.matches("input") || !this.keys.take(event)) {
+    } else if (target.matches("input") || !this.keys.handle(event)) {
       return;
     } else {
       this.refresh();
@@ -258,7 +258,7 @@ export default class Steer {
     this.refresh();
   }
 
-  /** Let go of everything. */
+  /** Release all controls. */
   letGo() {
     this.keys.clear();
     this.isEnded = { slider: true, gamepad: true };
@@ -268,7 +268,7 @@ export default class Steer {
     this.refresh();
   }
 
-  /** Stop the robot, whoever drives it. */
+  /** Stop the robot, even if another page drives it. */
   stop() {
     this.letGo();
     if (this.obstacle()) return;
@@ -281,7 +281,7 @@ export default class Steer {
     return together([pad, forward, turn, gamepad, this.keys.share(this.part)]);
   }
 
-  /** Send what is held, and go on with it; or that nothing is held any more. */
+  /** Send the held command periodically, or the release of all controls once. */
   refresh() {
     const share = this.obstacle() ? null : this.share();
     if (share) {
@@ -332,7 +332,7 @@ export default class Steer {
     for (const control of [this.forward, this.turn, this.stopButton]) control.disabled = Boolean(obstacle);
     const others = this.state.others ?? [];
     const also = others.length && !obstacle ? `${others.join(", ")} commands ${this.topic} too` : "";
-    this.context.tell(this, this.refusal || also);
+    this.context.showProblem(this, this.refusal || also);
     write(this.status, obstacle || this.stateText(Boolean(share)));
   }
 

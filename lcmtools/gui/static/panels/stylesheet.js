@@ -1,8 +1,8 @@
-// Styles that a panel brings along when it is first opened.
+// Style sheets of panels, loaded when a panel is first opened.
 
 import { element } from "../elements.js";
 
-/** What has been loaded, or is, by address. @type {Map<string, Promise<unknown>>} */
+/** The style sheets that are loaded or being loaded, by address. @type {Map<string, Promise<unknown>>} */
 const sheets = new Map();
 
 /**
@@ -17,7 +17,7 @@ export function stylesheet(path) {
   document.head.append(link);
 }
 
-/** Wait until all of them are there: what is shown before would move away under the pointer. */
+/** Wait until all style sheets are loaded, so that elements do not move under the pointer. */
 export function styled() {
   return Promise.all(sheets.values());
 }

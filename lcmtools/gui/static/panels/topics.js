@@ -1,22 +1,22 @@
-// The topics: a table of all, sorted and filtered; of the chosen one the message, and a form.
+// The table of all topics, sorted and filtered, with the chosen topic's message or a form to publish.
 
 import { button, element, fill, iconButton, set, write } from "../elements.js";
-import { rateText } from "../texts.js";
+import { ageText, lossText, rateText, sizeText } from "../texts.js";
 import { MessageTree } from "./message.js";
 import { PublishForm } from "./publish.js";
 
 /**
- * @typedef {{topic: string, types: string[], isAnnounced: boolean, messages: number,
- *   rate: number | null, jitter: number | null, bandwidth: number | null, lost: number | null,
- *   loss: number | null, senders: string[], listeners: string[], age: number | null,
- *   isSilent: boolean}} Row
+ * @typedef {{channel: string, types: string[], announced: boolean, messages: number,
+ *   rate: number | null, jitter: number | null, bandwidth: number | null,
+ *   senders_lost: number | null, senders_loss: number | null, senders: string[],
+ *   listeners: string[], age: number | null, silent: boolean}} Row
  * @typedef {{name: string, title: string, isNumber?: boolean, text: (row: Row) => string,
  *   key: (row: Row) => string | number | null}} Column
  */
 
 /** @type {Column[]} */
 const COLUMNS = [
-  { name: "topic", title: "Topic", text: (row) => row.topic, key: (row) => row.topic },
+  { name: "topic", title: "Topic", text: (row) => row.channel, key: (row) => row.channel },
   { name: "type", title: "Type", text: typeText, key: (row) => row.types[0] ?? null },
   { name: "rate", title: "Rate", isNumber: true, text: ratedText, key: (row) => row.rate },
   {
@@ -26,13 +26,13 @@ const COLUMNS = [
     text: (row) => (row.bandwidth === null ? "–" : `${sizeText(row.bandwidth)}/s`),
     key: (row) => row.bandwidth,
   },
-  { name: "loss", title: "Loss", isNumber: true, text: lossText, key: (row) => row.loss },
-  { name: "age", title: "Last", isNumber: true, text: (row) => ageText(row.age), key: (row) => row.age },
+  { name: "loss", title: "Loss", isNumber: true, text: lostText, key: (row) => row.senders_loss },
+  { name: "age", title: "Last", isNumber: true, text: lastText, key: (row) => row.age },
   { name: "senders", title: "Senders", text: (row) => row.senders.join(", ") || "–", key: (row) => row.senders[0] ?? null },
   { name: "listeners", title: "Listeners", text: (row) => row.listeners.join(", ") || "–", key: (row) => row.listeners[0] ?? null },
 ];
 
-/** The panel of the topics. */
+/** The topics panel. */
 export default class Topics {
   /**
    * @param {import("../context.js").Context} context
@@ -55,7 +55,7 @@ export default class Topics {
     });
     this.filter.value = typeof settings.filter === "string" ? settings.filter : "";
     this.count = element("span", { class: "muted", role: "status" });
-    /** The topic in the lower part, null for none, "" for one to be named. @type {string | null} */
+    /** The topic in the lower part, null for none, "" if the user enters it. @type {string | null} */
     this.chosen = typeof settings.topic === "string" ? settings.topic : null;
     this.isPublishing = settings.publish === true;
     /** @type {MessageTree | PublishForm | null} */
@@ -127,7 +127,7 @@ export default class Topics {
     if (this.chosen === null) return;
     const topic = this.chosen;
     const about = element("span", { class: "muted" });
-    const row = this.rows.find((one) => one.topic === topic);
+    const row = this.rows.find((one) => one.channel === topic);
     this.part = this.isPublishing
       ? new PublishForm(this.context, topic, row?.types[0] ?? "")
       : new MessageTree(this.context, topic, (text) => write(about, text));
@@ -153,18 +153,18 @@ export default class Topics {
   }
 
   showFacts() {
-    const row = this.rows.find((one) => one.topic === this.chosen);
+    const row = this.rows.find((one) => one.channel === this.chosen);
     if (!row) {
       write(this.facts, "");
       return;
     }
     if (this.part instanceof PublishForm && !this.part.type.value && row.types[0]) {
-      this.part.type.value = row.types[0]; // it was opened before the topics were known
-      this.part.learn();
+      this.part.type.value = row.types[0]; // the form was opened before the topics were known
+      this.part.loadType();
     }
     const jitter = row.jitter === null ? "–" : `${(row.jitter * 1000).toFixed(1)} ms`;
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
-    const lost = row.lost ? `; ${row.lost} messages of its senders lost` : "";
+    const lost = row.senders_lost ? `; ${row.senders_lost} messages of its senders lost` : "";
     write(
       this.facts,
       `${row.messages} messages, ${ratedText(row)}, jitter ${jitter}${lost}${others}\n` +
@@ -222,10 +222,10 @@ export default class Topics {
   show() {
     const wanted = this.filter.value.toLowerCase();
     const found = this.rows.filter((row) =>
-      [row.topic, ...row.types, ...row.senders, ...row.listeners].some((text) => text.toLowerCase().includes(wanted)),
+      [row.channel, ...row.types, ...row.senders, ...row.listeners].some((text) => text.toLowerCase().includes(wanted)),
     );
     found.sort((a, b) => this.compare(a, b));
-    const names = new Set(found.map((row) => row.topic));
+    const names = new Set(found.map((row) => row.channel));
     for (const [name, line] of [...this.lines]) {
       if (!names.has(name)) {
         line.remove();
@@ -251,45 +251,45 @@ export default class Topics {
     const [one, other] = [column?.key(a) ?? null, column?.key(b) ?? null];
     if (one === null || other === null) return Number(one === null) - Number(other === null);
     const order = one < other ? -1 : one > other ? 1 : 0;
-    return (this.isReversed ? -order : order) || (a.topic < b.topic ? -1 : 1);
+    return (this.isReversed ? -order : order) || (a.channel < b.channel ? -1 : 1);
   }
 
   /** @param {Row} row */
   line(row) {
-    let line = this.lines.get(row.topic);
+    let line = this.lines.get(row.channel);
     if (!line) {
       line = element(
         "tr",
         {
           tabindex: -1,
           onclick: () => {
-            const isShown = this.chosen === row.topic && !this.isPublishing;
-            this.choose(isShown ? null : row.topic, false);
+            const isShown = this.chosen === row.channel && !this.isPublishing;
+            this.choose(isShown ? null : row.channel, false);
           },
         },
         COLUMNS.map(({ name, isNumber }) =>
           element("td", { class: isNumber ? "number" : null, "data-column": name }),
         ),
       );
-      this.lines.set(row.topic, line);
+      this.lines.set(row.channel, line);
     }
-    line.classList.toggle("is-silent", row.isSilent);
-    set(line, "aria-selected", String(row.topic === this.chosen));
+    line.classList.toggle("is-silent", row.silent);
+    set(line, "aria-selected", String(row.channel === this.chosen));
     COLUMNS.forEach((column, index) => {
       const cell = /** @type {HTMLElement} */ (line.children[index]);
       const text = column.text(row);
       write(cell, text);
       if (!column.isNumber) set(cell, "title", text);
     });
-    line.children[4]?.classList.toggle("is-bad", Boolean(row.lost));
+    line.children[4]?.classList.toggle("is-bad", Boolean(row.senders_lost));
     return line;
   }
 }
 
 /** @param {Row} row */
-function typeText({ types, isAnnounced }) {
+function typeText({ types, announced }) {
   const [first, ...others] = types;
-  return first ? (others.length && !isAnnounced ? `${first} +${others.length}` : first) : "unknown";
+  return first ? (others.length && !announced ? `${first} +${others.length}` : first) : "unknown";
 }
 
 /** @param {Row} row */
@@ -297,26 +297,13 @@ function ratedText({ rate }) {
   return rate === null ? "–" : rateText(rate);
 }
 
-/** @param {number} bytes */
-export function sizeText(bytes) {
-  const units = ["B", "KB", "MB", "GB"];
-  let value = bytes;
-  let unit = 0;
-  while (value >= 999.5 && unit < units.length - 1) {
-    value /= 1000;
-    unit += 1;
-  }
-  return `${value.toFixed(unit && value < 99.95 ? 1 : 0)} ${units[unit]}`;
+/** @param {Row} row */
+function lostText({ senders_loss: loss }) {
+  return loss === null ? "–" : lossText(loss);
 }
 
 /** @param {Row} row */
-function lossText({ loss }) {
-  if (loss === null) return "–";
-  return loss ? `${(loss * 100).toFixed(loss < 0.1 ? 1 : 0)} %` : "0";
-}
-
-/** @param {number | null} age */
-function ageText(age) {
+function lastText({ age }) {
   if (age === null) return "–";
-  return age < 1 ? "now" : age < 120 ? `${age.toFixed(0)} s ago` : `${(age / 60).toFixed(0)} min ago`;
+  return age < 1 ? "now" : `${ageText(age)} ago`;
 }

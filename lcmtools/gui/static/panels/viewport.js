@@ -1,15 +1,15 @@
-// A canvas with a picture that is fitted, zoomed and moved, and a mark at one of its pixels.
+// A canvas with a picture that can be zoomed and panned, and a mark at one of its pixels.
 
 import { element } from "../elements.js";
 import { PanZoom } from "./panzoom.js";
 
-const LARGEST = 64; // device pixels for a pixel of the picture
+const LARGEST = 64; // device pixels per pixel of the picture
 
-/** A canvas that shows a drawing of some size. */
+/** A canvas that shows a drawing. */
 export class Viewport {
   /**
    * @param {object} options
-   * @param {(context: CanvasRenderingContext2D) => void} options.draw draws it in its own pixels
+   * @param {(context: CanvasRenderingContext2D) => void} options.draw draws in the drawing's pixels
    * @param {() => {width: number, height: number}} options.size of the drawing
    * @param {(x: number, y: number) => void} options.point called with the point under the pointer
    * @param {() => void} options.zoomed called when the scale has changed
@@ -33,7 +33,7 @@ export class Viewport {
     this.element = element("div", { class: "viewport" }, this.canvas);
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.element);
-    /** In device pixels, and those for a pixel of the drawing. */
+    /** In device pixels; the scale is device pixels per pixel of the drawing. */
     this.view = new PanZoom(this.canvas, {
       size,
       limits: () => this.limits(),
@@ -62,7 +62,7 @@ export class Viewport {
     return [Math.min(1, this.canvas.width / (width || 1), this.canvas.height / (height || 1)) / 2, LARGEST];
   }
 
-  /** The device pixels that there are. */
+  /** Return the number of available device pixels, or a minimum. */
   room() {
     const { width, height } = this.view.room();
     return Math.max(100_000, width * height);
@@ -76,7 +76,7 @@ export class Viewport {
   }
 
   /**
-   * Mark a pixel of the drawing, of some size; null for none.
+   * Mark a pixel of the drawing; null removes the mark.
    * @param {{x: number, y: number} | null} mark
    * @param {number} size
    */

@@ -1,4 +1,4 @@
-// The world in 3D: robots by their shapes, what their sensors see, where they should go.
+// The world in 3D: robots, sensor data, and poses to send.
 
 import { button, element, fill, iconButton, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
@@ -9,6 +9,7 @@ import { Camera } from "./world/camera.js";
 import { Display } from "./world/displays.js";
 import { KINDS } from "./world/drawings.js";
 import { Frames } from "./world/frames.js";
+import { hasPlace, withNumbers } from "./world/numbers.js";
 import { Pointing } from "./world/pointing.js";
 import { Sidebar } from "./world/sidebar.js";
 import { Simulator } from "./world/simulator.js";
@@ -26,10 +27,10 @@ const TOOLS = /** @type {[Tool, string, string][]} */ ([
   ["pose", "Send pose", "Click a place and draw the heading: a PoseStamped is sent"],
 ]);
 const SERIES = 8;
-const SMOOTH = 200; // [ms] that the view is drawn on after a message
-const TOLD = 200; // [ms] between two looks at the poses for the list
+const SMOOTH = 200; // [ms] that the view keeps drawing after a message
+const TOLD = 200; // [ms] between two updates of the poses in the list
 
-/** The panel. */
+/** The world panel. */
 export default class World {
   /**
    * @param {import("../context.js").Context} context
@@ -56,7 +57,7 @@ export default class World {
       "aria-label": "World in 3D: arrow keys turn the view, plus and minus change the distance, the list has the poses",
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.camera?.press(event),
     });
-    this.simulator = new Simulator(context, (text) => this.tell(text));
+    this.simulator = new Simulator(context, (text) => this.say(text));
     this.sidebar = new Sidebar({
       isShown: (topic) => this.isShown(topic),
       color: (topic) => this.colorOf(topic),
@@ -72,7 +73,7 @@ export default class World {
     context.onChange(() => this.showTools());
   }
 
-  /** Begin to draw, where the browser can. */
+  /** Start drawing if the browser supports WebGL. */
   begin() {
     try {
       this.view = new View(this.stage);
@@ -216,7 +217,7 @@ export default class World {
     const stream = this.context.connection.open(
       kind.stream ?? "newest",
       { topic: topic.topic },
-      (data, payload) => this.take(display, data, payload),
+      (data, payload) => this.receive(display, data, payload),
       (problem) => this.sidebar.setStatus(topic.topic, problem || kind.name, Boolean(problem)),
     );
     this.displays.set(topic.topic, { display, close: stream.close });
@@ -235,17 +236,18 @@ export default class World {
 
   /**
    * @param {Display} display
-   * @param {any} data
+   * @param {any} sent
    * @param {ArrayBuffer} [payload]
    */
-  take(display, data, payload) {
+  receive(display, sent, payload) {
     const now = performance.now();
-    if (data.kind === "frames") this.takeFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
+    const data = withNumbers(sent);
+    if (data.kind === "frames") this.addFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
     else {
-      if (data.kind === "odometry" && data.child) {
-        this.frames.take(display.topic, data.frame, data.child, data.pose, now, true);
+      if (data.kind === "odometry" && data.child && hasPlace(data)) {
+        this.frames.add(display.topic, data.frame, data.child, data.pose, now, true);
       }
-      display.take(data, payload);
+      display.receive(data, payload);
       display.leaveTrail(this.frames, this.bodies.fixed, now);
     }
     this.view?.invalidate(SMOOTH);
@@ -257,13 +259,13 @@ export default class World {
    * @param {Float32Array} numbers
    * @param {number} now
    */
-  takeFrames(topic, data, numbers, now) {
+  addFrames(topic, data, numbers, now) {
     const before = this.frames.frames.size;
     data.frames.forEach(([parent, child], index) => {
       const pose = /** @type {Pose} */ (Array.from(numbers.subarray(7 * index, 7 * index + 7)));
-      this.frames.take(topic, parent, child, pose, now);
+      this.frames.add(topic, parent, child, pose, now);
     });
-    this.simulator.take(topic, data.stamp);
+    this.simulator.updateTime(topic, data.stamp);
     if (this.frames.frames.size !== before) this.offerFrames();
   }
 
@@ -277,7 +279,7 @@ export default class World {
   }
 
   /**
-   * Put all that is shown where it is.
+   * Place all displays at their poses.
    * @param {number} now
    */
   place(now) {
@@ -316,14 +318,14 @@ export default class World {
     const topic = this.kept.goal;
     try {
       await this.context.do("send-pose", { topic, frame: this.bodies.fixed, x, y, qz, qw });
-      this.tell(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
+      this.say(`sent x ${x.toFixed(2)} m, y ${y.toFixed(2)} m on ${topic}`);
     } catch (error) {
-      this.tell(mistakeText(error));
+      this.say(mistakeText(error));
     }
   }
 
   /** @param {string} text */
-  tell(text) {
+  say(text) {
     write(this.message, text);
     this.message.hidden = !text;
     clearTimeout(this.silence);

@@ -1,6 +1,5 @@
 """Displays that need no terminal: lines of text, and PNG files."""
 
-import json
 import re
 import sys
 from abc import ABC, abstractmethod
@@ -12,6 +11,7 @@ import PIL.Image
 
 from lcmtools import Node
 from lcmtools.folders import write_whole
+from lcmtools.formats.strict_json import write_json
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.messages.pixels import Kind
@@ -72,7 +72,7 @@ class LineDisplay(Display):
             _write_png(path, image)
             self._count += 1
             known, line = {"file": path, **known}, f"saved {path}  {line}"
-        print(json.dumps(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
+        print(write_json(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
 
 
 def numbered(file: str, number: int) -> str:

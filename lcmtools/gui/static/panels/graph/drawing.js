@@ -1,4 +1,4 @@
-// A graph as SVG: places come from the server; here are its look, panning, zooming and walking.
+// A graph as SVG: the server computes the layout; this draws, pans, zooms and moves the selection.
 
 import { drawing, element, set, write } from "../../elements.js";
 import { rateText } from "../../texts.js";
@@ -18,7 +18,7 @@ import { arrow, curve, saveDrawing } from "./svg.js";
  */
 
 const LIMITS = /** @type {[number, number]} */ ([0.08, 2.5]); // of the scale
-/** Shapes of the signs, 16 wide around their middle: each severity has another one. */
+/** The shapes of the signs by severity, 16 wide around their centre. */
 const SHAPES = {
   error: "M-4 -9H4L9 -4V4L4 9H-4L-9 4V-4Z",
   warning: "M0 -9L10 8H-10Z",
@@ -149,7 +149,7 @@ export class GraphDrawing {
     }
   }
 
-  /** Let what is wanted stand out: what is found, or the neighbours of what is selected. */
+  /** Highlight search results, or the neighbours of the selected vertex. */
   light() {
     const { marks, lit, selected } = this.look;
     const focus = this.hovered ?? selected;
@@ -196,7 +196,7 @@ export class GraphDrawing {
     return `${kind} ${rows.join(", ")}${stale ? ", stale" : ""}${found}`;
   }
 
-  /** Let one vertex be reached by the Tab key; arrow keys go on from there. */
+  /** Make one vertex reachable by the Tab key; arrow keys move from there. */
   makeWalkable() {
     const groups = [...this.vertices.values()];
     const active = groups.find((group) => group === document.activeElement || group.tabIndex === 0) ?? groups[0];
@@ -251,7 +251,7 @@ export class GraphDrawing {
   }
 
   /**
-   * Go to the nearest vertex in a direction, along an edge where there is one.
+   * Select the nearest vertex in a direction, preferably along an edge.
    * @param {string} key
    * @param {string} direction
    */
@@ -289,7 +289,7 @@ export class GraphDrawing {
 }
 
 /**
- * Remove what is there no more.
+ * Remove elements whose keys no longer exist.
  * @param {Map<string, Element>} elements
  * @param {Set<string>} keys
  */

@@ -1,13 +1,13 @@
-// Parts of the graph's drawing as SVG, and the drawing as a file.
+// SVG parts of the graph's drawing, and saving it as a file.
 
 import { drawing, set } from "../../elements.js";
 import { saveFile } from "../save.js";
 
-/** What a saved drawing takes along of the style sheet. */
+/** The style properties that are copied into a saved drawing. */
 const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "text-anchor", "paint-order"];
 
 /**
- * The head of an arrow, which edges name by its id.
+ * Create the head of an arrow, which edges refer to by its id.
  * @param {"plain" | "lit"} name
  */
 export function arrow(name) {
@@ -17,7 +17,7 @@ export function arrow(name) {
 }
 
 /**
- * Return a smooth line through points, level at each of them.
+ * Return a smooth path through points, horizontal at each of them.
  * @param {[number, number][]} way
  */
 export function curve(way) {

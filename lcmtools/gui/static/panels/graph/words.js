@@ -1,4 +1,4 @@
-// The words of the graph: what is at a vertex, and what wtf has found.
+// The texts of the graph: a vertex's connections, and wtf's findings.
 
 import { element } from "../../elements.js";
 
@@ -12,7 +12,7 @@ import { element } from "../../elements.js";
 export const SIGNS = { error: "✖", warning: "▲", note: "●" };
 
 /**
- * Return whether a finding's subject is this vertex.
+ * Return true if a finding's subject is this vertex.
  * @param {Vertex} vertex
  * @param {{kind: string, name: string, pid: number | null}} subject
  */
@@ -23,7 +23,7 @@ export function isMeant(vertex, { kind, name, pid }) {
 }
 
 /**
- * Return what goes into a vertex and out of it, a line each.
+ * Return a line for each connection into and out of a vertex.
  * @param {Graph} graph
  * @param {Vertex} vertex
  */

@@ -1,4 +1,4 @@
-// The drawing of a plot: its axes and curves, and zooming and moving by pointer, wheel and keys.
+// The chart of a plot: axes and curves, and zooming and panning by pointer, wheel and keys.
 
 import uPlot from "../../vendor/uplot/uPlot.js";
 import { element } from "../../elements.js";
@@ -13,12 +13,12 @@ const COLORS = 8;
 const STYLES = ["solid", "dashed", "dotted"];
 const DASHES = [[], [8, 4], [2, 3]];
 const STEPS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600];
-const TICK_ROOM = 80; // [px] between two ticks of the time
-const PAN = 0.1; // of what is shown
+const TICK_ROOM = 80; // [px] between two ticks of the time axis
+const PAN = 0.1; // of the shown span
 const ZOOM = 0.8;
 
 /**
- * The look of the n-th curve: its colour in style.css, and how its line is drawn.
+ * Return the style of the n-th curve: its colour in style.css, and its line.
  * @param {number} index
  */
 export function lineOf(index) {
@@ -26,7 +26,7 @@ export function lineOf(index) {
   return { color: `--series-${(index % COLORS) + 1}`, style: STYLES[style] ?? "solid", dash: DASHES[style] };
 }
 
-/** A drawing of curves over a span of time. */
+/** A chart of curves over a span of time. */
 export class Chart {
   /**
    * @param {import("./curves.js").Curves} curves
@@ -65,13 +65,13 @@ export class Chart {
     this.chart?.destroy();
   }
 
-  /** The time of the axis' zero [s since 1970] where it shows the time of the day; else null. */
+  /** The time of the axis' zero [s since 1970] if it shows the time of day; else null. */
   get origin() {
     return this.isClock && !Number.isNaN(this.curves.start) ? this.curves.start : null;
   }
 
   /**
-   * Draw other curves.
+   * Replace the curves.
    * @param {Series[]} series
    */
   show(series) {
@@ -79,7 +79,7 @@ export class Chart {
     this.rebuild();
   }
 
-  /** Make the drawing anew: the curves, or the colours, are others. */
+  /** Rebuild the chart after the curves or the colours have changed. */
   rebuild() {
     this.chart?.destroy();
     this.chart = new uPlot(this.options(), this.data(), this.element);
@@ -92,7 +92,7 @@ export class Chart {
     this.showHand();
   }
 
-  /** Show where a log is played. */
+  /** Show the playback position of a log. */
   showHand() {
     const [from, to] = this.span.shown();
     const part = (this.span.hand - from) / (to - from);
@@ -159,7 +159,7 @@ export class Chart {
   }
 
   /**
-   * Where a curve has no line [px].
+   * Return the gaps of a curve, without a line [px].
    * @param {uPlot} chart
    * @param {number} curve
    * @returns {[number, number][]}
@@ -191,7 +191,7 @@ export class Chart {
     this.owner.moved();
   }
 
-  /** Hold what is shown, or follow again. */
+  /** Hold the shown span, or follow the newest samples again. */
   pause() {
     this.choose(this.span.chosen ? null : this.span.shown());
   }
@@ -238,7 +238,7 @@ export class Chart {
   }
 
   /**
-   * Move what is shown: by a finger, the middle button, or with Shift.
+   * Pan by touch, with the middle button, or with Shift.
    * @param {PointerEvent} event
    */
   pan(event) {
@@ -272,7 +272,7 @@ export class Chart {
   }
 
   /**
-   * Save what is shown as a picture, with the names of the curves above it.
+   * Save the chart as a picture, with the names of the curves above it.
    * @param {string} name of the file
    */
   savePicture(name) {
@@ -298,7 +298,7 @@ export class Chart {
 }
 
 /**
- * The ends of the axis of values: what there is, and some room.
+ * Return the limits of the value axis: the values with a margin.
  * @param {number | null} least
  * @param {number | null} most
  * @returns {[number, number]}

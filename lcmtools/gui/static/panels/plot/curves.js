@@ -1,4 +1,4 @@
-// The samples of curves, as rows of times with a value, or none, for each curve.
+// The samples of curves, as rows: a time, and a value or none for each curve.
 
 /**
  * @typedef {(number | null | undefined)[]} Column null is no number, undefined no sample of this curve
@@ -9,12 +9,12 @@
 
 const SAMPLE = 3; // numbers of a sample: its time [s since 1970], its value, its curve
 const MOST_ROWS = 200_000;
-const GAP = 5; // intervals of a curve without a sample
+const GAP = 5; // usual intervals without a sample that interrupt a curve
 const SHORTEST_GAP = 0.5; // [s]
 
-/** Times, and the values of each curve at these times. */
+/** Times, and the values of each curve at these. */
 export class Curves {
-  /** @param {number} [start] the time of zero [s since 1970]; else that of the first sample */
+  /** @param {number} [start] the time of zero [s since 1970], by default that of the first sample */
   constructor(start = NaN) {
     /** Seconds since ``start``, ascending. @type {number[]} */
     this.times = [];
@@ -26,7 +26,7 @@ export class Curves {
     this.count = 0;
   }
 
-  /** @param {number} [start] as the constructor's */
+  /** @param {number} [start] as in the constructor */
   clear(start) {
     Object.assign(this, new Curves(start));
   }
@@ -42,10 +42,10 @@ export class Curves {
   }
 
   /**
-   * Add samples; where time goes back, as in a log, all are of another time and go.
+   * Add samples; if time jumps back, as in a log, the earlier samples are removed.
    * @param {Float64Array} samples
    * @param {(curve: number) => number} place of a sample's curve among these
-   * @param {number} kept seconds before the last one that are kept
+   * @param {number} kept seconds of samples that are kept
    */
   add(samples, place, kept) {
     for (let at = 0; at < samples.length; at += SAMPLE) {
@@ -97,7 +97,7 @@ export class Curves {
   }
 
   /**
-   * The value of a curve at a row, or the last one before it; undefined for none.
+   * Return the value of a curve at a row, or its last value before; undefined if there is none.
    * @param {number} curve
    * @param {number} row
    */
@@ -108,7 +108,7 @@ export class Curves {
   }
 
   /**
-   * A table of what lies between two times: a line for each row, empty where there is no sample.
+   * Return the samples between two times as CSV: a line for each row, empty cells without a sample.
    * @param {number} from
    * @param {number} to
    * @param {{curve: number, label: string}[]} shown
@@ -132,7 +132,7 @@ function quoted(label) {
 }
 
 /**
- * The first row at a time or after it.
+ * Return the first row at a time or after it.
  * @param {number[]} times
  * @param {number} time
  */
@@ -147,7 +147,7 @@ export function rowAt(times, time) {
 }
 
 /**
- * The first row after a time.
+ * Return the first row after a time.
  * @param {number[]} times
  * @param {number} time
  */

@@ -1,14 +1,14 @@
-// The topics and their fields of numbers as a tree, to be ticked.
+// The topics and their numeric fields as a tree with checkboxes.
 
 import { element, fill } from "../../elements.js";
 import { stylesheet } from "../stylesheet.js";
 
 /** @typedef {{value: string, detail: string}} Choice */
 
-/** A tree that asks for the fields of a topic when it is opened. */
+/** A tree that requests the fields of a topic when it is unfolded. */
 export class FieldTree {
   /**
-   * @param {(text: string) => Promise<Choice[]>} suggest the topics, or the fields of one
+   * @param {(text: string) => Promise<Choice[]>} suggest returns the topics, or the fields of one
    * @param {(field: string) => boolean} isChosen
    * @param {(field: string, isChosen: boolean) => void} choose
    */

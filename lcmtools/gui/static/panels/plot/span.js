@@ -1,6 +1,6 @@
-// The times that a plot shows: the last ones as they come, all, or those that a person has chosen.
+// The span of time that a plot shows: the latest, all, or one that the user has chosen.
 
-export const KEPT = 600; // [s] of a bus that can be looked back at, and a longer window
+export const KEPT = 600; // [s] of a bus's samples that are kept at least
 
 /** A span of time [s since the first sample, or the start of a log]. */
 export class Span {
@@ -11,14 +11,14 @@ export class Span {
   constructor(curves, length) {
     this.curves = curves;
     this.length = length;
-    /** What a person has chosen; null to follow. @type {[number, number] | null} */
+    /** The span that the user has chosen; null to follow the newest samples. @type {[number, number] | null} */
     this.chosen = null;
-    /** Where a log is played [s]; NaN for a bus. */
+    /** The playback position of a log [s]; NaN for a bus. */
     this.hand = NaN;
   }
 
   /**
-   * The first and the last time that are shown; of a log those around its hand.
+   * Return the first and the last time shown; of a log, those around its position.
    * @returns {[number, number]}
    */
   shown() {
@@ -32,7 +32,7 @@ export class Span {
 
   /**
    * @param {number} factor below 1 shows less
-   * @param {number} [at] a time that stays where it is
+   * @param {number} [at] the time that keeps its place
    */
   zoom(factor, at) {
     const [from, to] = this.shown();

@@ -1,4 +1,4 @@
-// The table below a plot: its curves, their latest values, and those at the pointer.
+// The table below a plot: curves, their latest values, and their values at the pointer.
 
 import { button, element, fill, iconButton, write } from "../../elements.js";
 import { lineOf } from "./chart.js";
@@ -7,7 +7,7 @@ import { numberText, timeText } from "./texts.js";
 
 /** @typedef {import("./chart.js").Series} Series */
 
-const PERIOD = 200; // [ms] between two changes of the numbers
+const PERIOD = 200; // [ms] between two updates of the numbers
 
 /** The table of the curves. */
 export class CurveTable {
@@ -55,7 +55,7 @@ export class CurveTable {
   }
 
   /**
-   * Make the lines: a curve each, or a field that has none yet.
+   * Create the rows: one for each curve, and for each field without a curve yet.
    * @param {{text: string}[]} fields
    */
   make(fields) {
@@ -108,7 +108,7 @@ export class CurveTable {
     this.show();
   }
 
-  /** Show the numbers, some times a second. */
+  /** Update the numbers, several times a second. */
   show() {
     const now = performance.now();
     clearTimeout(this.timer);

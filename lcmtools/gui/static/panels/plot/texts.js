@@ -29,10 +29,10 @@ export function lengthText(seconds) {
 }
 
 /**
- * A time on the axis, as exact as its ticks.
+ * Format a time on the axis, as exactly as its ticks require.
  * @param {number} time [s since ``start``]
  * @param {number} step between two ticks
- * @param {number | null} start [s since 1970] for the time of the day, null for seconds
+ * @param {number | null} start [s since 1970] for the time of day, null for seconds
  */
 export function timeText(time, step, start) {
   const digits = step >= 1 ? 0 : Math.min(3, Math.ceil(-Math.log10(step)));
@@ -42,7 +42,7 @@ export function timeText(time, step, start) {
 }
 
 /**
- * The ticks of the time: from 0 or, by the clock, from a round time of the day.
+ * Return the ticks of the time axis: from 0 or, by the clock, from a round time of day.
  * @param {number} from
  * @param {number} to
  * @param {number} step

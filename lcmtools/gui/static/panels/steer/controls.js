@@ -1,13 +1,13 @@
-// The controls of steering: sliders that spring back, and the fields of the limits.
+// The steering controls: sliders that spring back, and inputs for the limits.
 
 import { drawing, element, write } from "../../elements.js";
 
 /**
- * A slider that drives while it is held.
+ * Create a slider that drives while it is held.
  * @param {"forward" | "turn"} kind
  * @param {string} label
  * @param {{isEnded: () => boolean, begin: () => void, hold: (value: number | null) => void}} owner
- *   after a stop it has to be let go before it drives again
+ *   after a stop it must be released before it drives again
  */
 export function heldSlider(kind, label, { isEnded, begin, hold }) {
   const letGo = () => {
@@ -89,7 +89,7 @@ export function partField(part, change) {
   return element("label", {}, element("span", {}, "Keys"), input, shown);
 }
 
-/** The lines of the joystick. */
+/** Create the lines of the joystick. */
 export function cross() {
   const arrows = ["M50 9l5 7H45z", "M50 91l5-7H45z", "M9 50l7-5v10z", "M91 50l-7-5v10z"];
   return drawing(

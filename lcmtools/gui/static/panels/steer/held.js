@@ -1,17 +1,17 @@
-// What is held to drive: the joystick, sliders, keys and a gamepad, each as shares of the limits.
+// The commands of joystick, sliders, keys and gamepad while held, as fractions of the limits.
 
 /**
  * @typedef {{forward: number, turn: number}} Share from -1 to 1; turn is positive to the left
  */
 
-/** By key: forward, and left. Letters as rqt's robot steering has them; X and Z let go. */
+/** Forward and left by key. Letters as in rqt's robot steering; X and Z stop driving and turning. */
 const KEYS = {
   w: [1, 0], s: [-1, 0], a: [0, 1], d: [0, -1],
   arrowup: [1, 0], arrowdown: [-1, 0], arrowleft: [0, 1], arrowright: [0, -1],
 };
 const DEAD_ZONE = 0.06;
 
-/** The keys that are held; Shift is full speed. */
+/** The keys that are held; Shift means full speed. */
 export class HeldKeys {
   constructor() {
     /** @type {Set<string>} */
@@ -20,10 +20,10 @@ export class HeldKeys {
   }
 
   /**
-   * Take a key that goes down or up; returns whether it has a meaning.
+   * Process a key that goes down or up; return true if it has a meaning.
    * @param {KeyboardEvent} event
    */
-  take(event) {
+  handle(event) {
     const key = event.key.toLowerCase();
     if (event.ctrlKey || event.altKey || event.metaKey) return false;
     this.isFull = event.shiftKey;
@@ -34,7 +34,7 @@ export class HeldKeys {
     }
     if (!(key in KEYS)) return false;
     if (event.type === "keydown") {
-      if (!event.repeat) this.down.add(key); // after a stop it has to be pressed again
+      if (!event.repeat) this.down.add(key); // after a stop it must be pressed again
     } else this.down.delete(key);
     return true;
   }
@@ -45,8 +45,8 @@ export class HeldKeys {
   }
 
   /**
-   * What they mean, or null where none is held.
-   * @param {number} share the part of the limits that keys give without Shift
+   * Return the command of the held keys, or null if none is held.
+   * @param {number} share the fraction of the limits without Shift
    * @returns {Share | null}
    */
   share(share) {
@@ -68,7 +68,7 @@ export class HeldKeys {
 }
 
 /**
- * The sticks of a gamepad: the left one drives, and the right one turns too. Null at rest.
+ * Return the command of a gamepad's sticks: the left one drives, the right one also turns. Null at rest.
  * @param {Gamepad | null} gamepad
  * @returns {Share | null}
  */
@@ -80,7 +80,7 @@ export function gamepadShare(gamepad) {
 }
 
 /**
- * Sticks do not come back to 0 quite.
+ * Apply a dead zone: sticks do not return to exactly 0.
  * @param {number} value
  */
 function withoutRest(value) {
@@ -89,7 +89,7 @@ function withoutRest(value) {
 }
 
 /**
- * A point on the joystick, in radii right and down from its middle; nearly straight is straight.
+ * Return the command of a point on the joystick, in radii from its centre; nearly straight is straight.
  * @param {number} right
  * @param {number} down
  * @returns {Share}
@@ -102,7 +102,7 @@ export function joystickShare(right, down) {
 }
 
 /**
- * All that is held together, or null where nothing is.
+ * Return the sum of all commands, or null if nothing is held.
  * @param {(Share | null)[]} shares
  * @returns {Share | null}
  */

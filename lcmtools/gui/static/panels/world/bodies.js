@@ -1,4 +1,4 @@
-// The bodies of the world that move: robots, objects and odometries, and where they are.
+// The moving bodies of the world, which are robots, objects and odometries, and their poses.
 
 import { product } from "./frames.js";
 
@@ -16,12 +16,12 @@ export class Bodies {
   constructor(displays, frames) {
     this.displays = displays;
     this.frames = frames;
-    /** The frame that poses are given in. */
+    /** The fixed frame, in which poses are given. */
     this.fixed = "world";
   }
 
   /**
-   * The bodies by their names: robots, objects, odometries.
+   * Return the bodies by name: robots, objects, odometries.
    * @returns {Body[]}
    */
   list() {
@@ -33,7 +33,7 @@ export class Bodies {
       }
       const { latest } = display;
       if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
-        // transforms may say of the same frame what another odometry measures
+        // transforms may give the same frame the pose of another odometry
         const isSame = this.frames.frames.get(latest.child)?.parent === latest.frame;
         found.set(display.topic, isSame ? { frame: latest.child } : { frame: latest.frame, at: latest.pose });
       }
@@ -46,7 +46,7 @@ export class Bodies {
   }
 
   /**
-   * A body's pose in the fixed frame; null where nothing connects them.
+   * Return a body's pose in the fixed frame; null if they are not connected.
    * @param {Body | undefined} body
    * @param {number} now [ms]
    * @returns {Pose | null}
@@ -57,7 +57,7 @@ export class Bodies {
   }
 
   /**
-   * The pose of the body of a name; null for none.
+   * Return the pose of the body with a name; null if there is none.
    * @param {string} name
    * @param {number} now [ms]
    */
@@ -66,7 +66,7 @@ export class Bodies {
   }
 
   /**
-   * A frame that is known, for a sensor's that may not be: that of the odometry in its namespace.
+   * Return a sensor's frame, or if it is unknown, the frame of the odometry in its namespace.
    * @param {string} frame
    * @param {string} topic
    */
@@ -85,7 +85,7 @@ export class Bodies {
   }
 
   /**
-   * The body that a mesh belongs to, where one of these simulators can move it.
+   * Return the body that a mesh belongs to if one of these simulators can move it.
    * @param {any} object
    * @param {string[]} simulators
    */

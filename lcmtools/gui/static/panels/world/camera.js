@@ -1,4 +1,4 @@
-// The camera of the world: what it looks at, the body that it follows, and its keys.
+// The camera of the world: its target, the body that it follows, and its keys.
 
 const KEYS = /** @type {Record<string, [number, number, number]>} */ ({
   ArrowLeft: [-0.1, 0, 1],
@@ -10,7 +10,7 @@ const KEYS = /** @type {Record<string, [number, number, number]>} */ ({
   "-": [0, 0, 1 / 0.9],
 });
 
-/** The camera's place, which is kept between runs. */
+/** The camera's pose, which is saved between runs. */
 export class Camera {
   /**
    * @param {import("./view.js").View} view
@@ -23,15 +23,15 @@ export class Camera {
     this.bodies = bodies;
     this.kept = kept;
     this.changed = changed;
-    /** Where the followed body was. @type {import("./frames.js").Pose | null} */
+    /** The last pose of the followed body. @type {import("./frames.js").Pose | null} */
     this.followed = null;
     this.hasLooked = Boolean(kept.camera);
-    if (kept.camera) view.look(kept.camera.position, kept.camera.target);
+    if (kept.camera) view.lookAt(kept.camera.position, kept.camera.target);
     view.controls.addEventListener("end", () => this.keep());
   }
 
   /**
-   * Go along with the body that is followed, but for one that the pointer drags.
+   * Move with the followed body, unless the pointer drags it.
    * @param {number} now [ms]
    */
   follow(now) {
@@ -50,7 +50,7 @@ export class Camera {
     this.changed();
   }
 
-  /** Look at the followed body, else at the first one, from behind. */
+  /** Look at the followed body, or else the first one, from behind. */
   reset() {
     const now = performance.now();
     const pose = this.bodies.poseNamed(this.kept.follow, now) ?? this.bodies.poseOf(this.bodies.list()[0], now);

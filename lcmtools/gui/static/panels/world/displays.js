@@ -1,8 +1,9 @@
-// The displays of the world: one for each topic, by the kind of its messages.
+// The displays of the world: one for each topic, by the type of its messages.
 
 import { Group } from "../../vendor/three/three.js";
 import { KINDS, LIFT, band } from "./drawings.js";
 import { dispose, matrixOf } from "./geometry.js";
+import { hasPlace } from "./numbers.js";
 import { MESH, bodyOf } from "./shapes.js";
 
 /**
@@ -13,7 +14,7 @@ import { MESH, bodyOf } from "./shapes.js";
 const TRAIL = 4000; // points
 const TRAIL_STEP = 0.03; // [m]
 
-/** What a topic shows. Its group is placed in its frame each time that the view is drawn. */
+/** The display of a topic. Its group is placed in its frame whenever the view is drawn. */
 export class Display {
   /**
    * @param {string} topic
@@ -23,9 +24,9 @@ export class Display {
     this.topic = topic;
     this.type = type;
     this.color = "#ff8800";
-    /** Points are in this colour, and not in their own. */
+    /** True if points are drawn in this colour instead of their own. */
     this.isPainted = false;
-    /** What is wrong with it, or how much it shows. */
+    /** The display's problem, or the amount that it shows. */
     this.status = "";
     /** @type {{frame: string, group: any, ns?: string}[]} */
     this.parts = [];
@@ -33,7 +34,7 @@ export class Display {
     this.latest = null;
     /** @type {ArrayBuffer} */
     this.payload = new ArrayBuffer(0);
-    /** The latest message is made when the view is drawn, which may be seldom. */
+    /** True if the latest message must be converted when the view is drawn next. */
     this.isStale = false;
     /** @type {{fixed: string, places: [number, number, number][]}} */
     this.trail = { fixed: "", places: [] };
@@ -43,11 +44,11 @@ export class Display {
    * @param {any} data
    * @param {ArrayBuffer} [payload]
    */
-  take(data, payload = new ArrayBuffer(0)) {
+  receive(data, payload = new ArrayBuffer(0)) {
     this.latest = data;
     this.payload = payload;
     this.isStale = true;
-    if (data.kind === "markers") this.make(); // they have the names of bodies
+    if (data.kind === "markers") this.make(); // markers have the names of bodies
   }
 
   make() {
@@ -55,7 +56,11 @@ export class Display {
     if (!this.latest) return;
     const { kind, frame } = this.latest;
     if (kind === "markers") this.makeBodies(this.latest.markers);
-    else if (KINDS[kind]?.draw) {
+    else if (!hasPlace(this.latest)) {
+      this.clear();
+      this.status = "not drawn: its place is not finite";
+    } else if (KINDS[kind]?.draw) {
+      this.status = "";
       if (this.parts[0]?.frame !== frame) {
         this.clear();
         this.parts = [{ frame, group: new Group() }];
@@ -66,9 +71,10 @@ export class Display {
     }
   }
 
-  /** @param {import("./shapes.js").Marker[]} markers */
-  makeBodies(markers) {
+  /** @param {import("./shapes.js").Marker[]} all */
+  makeBodies(all) {
     this.clear();
+    const markers = all.filter(hasPlace);
     /** @type {Map<string, import("./shapes.js").Marker[]>} */
     const bodies = new Map();
     for (const marker of markers) {
@@ -83,7 +89,9 @@ export class Display {
     });
     const meshes = markers.filter(({ type }) => type === MESH).length;
     const files = meshes ? `, ${meshes} not drawn: files that messages name are not read` : "";
-    this.status = `${markers.length} markers${files}`;
+    const odd = all.length - markers.length;
+    const places = odd ? `, ${odd} not drawn: their places are not finite` : "";
+    this.status = `${markers.length} markers${files}${places}`;
   }
 
   /** @param {string} color */
@@ -95,7 +103,7 @@ export class Display {
   }
 
   /**
-   * Put everything where it is at a time.
+   * Place everything at its pose at a time.
    * @param {any} content
    * @param {Frames} frames
    * @param {import("./bodies.js").Bodies} bodies
@@ -117,14 +125,14 @@ export class Display {
   }
 
   /**
-   * Leave a trail where the odometry is.
+   * Extend the trail of an odometry.
    * @param {Frames} frames
    * @param {string} fixed
    * @param {number} now
    */
   leaveTrail(frames, fixed, now) {
     const { trail, latest } = this;
-    if (latest?.kind !== "odometry") return;
+    if (latest?.kind !== "odometry" || !hasPlace(latest)) return;
     if (trail.fixed !== fixed) Object.assign(trail, { fixed, places: [], group: undefined });
     const base = frames.pose(latest.frame, fixed, now);
     const pose = base && matrixOf(base).multiply(matrixOf(latest.pose));
@@ -133,7 +141,7 @@ export class Display {
     const last = trail.places.at(-1);
     const way = last ? Math.hypot(at[0] - last[0], at[1] - last[1]) : Infinity;
     if (way < TRAIL_STEP) return;
-    if (way > 1 && last) trail.places = []; // it was put elsewhere
+    if (way > 1 && last) trail.places = []; // the robot was moved elsewhere
     trail.places.push(at);
     if (trail.places.length > TRAIL) trail.places.shift();
     if (this.trailMesh) dispose(this.trailMesh);

@@ -1,4 +1,4 @@
-// What is drawn of a message, by its kind: points, bands, arrows, maps.
+// Functions that draw a message, by its kind: points, bands, arrows, maps.
 
 import {
   BufferAttribute,
@@ -24,9 +24,9 @@ import { matrixOf, ribbonOf, triples } from "./geometry.js";
  */
 
 const FLOAT = 7; // of sensor_msgs/PointField
-const FAR = 6; // [m] from where on points are all of one shade
+const FAR = 6; // [m] distance beyond which all points have the same shade
 const MOST_POINTS = 400_000;
-export const LIFT = 0.012; // [m] of what is drawn on the ground
+export const LIFT = 0.012; // [m] above the ground, for drawings on it
 
 /**
  * The kinds of drawings: their name in the list, and how a message is drawn in its frame.
@@ -44,7 +44,7 @@ export const KINDS = {
       /** @type {number[]} */
       const places = [];
       ranges.forEach((range, index) => {
-        if (!(range >= data.shortest && range <= data.longest)) return;
+        if (!(range >= data.shortest && range <= data.longest && Number.isFinite(range))) return;
         const angle = data.first + index * data.step;
         places.push(range * Math.cos(angle), range * Math.sin(angle), 0);
       });
@@ -111,7 +111,7 @@ function cloudOf(places, colors, color, size) {
 }
 
 /**
- * What a laser sees of the ground between its rays, as a veil.
+ * Draw the area that a laser sees as a translucent surface.
  * @param {Float32Array} ranges
  * @param {any} data
  * @param {string} color
@@ -119,7 +119,8 @@ function cloudOf(places, colors, color, size) {
 function fan(ranges, data, color) {
   const places = new Float32Array(9 * Math.max(0, ranges.length - 1));
   const ends = Array.from(ranges, (range, index) => {
-    const way = range >= data.shortest && range <= data.longest ? range : range > data.shortest ? data.longest : 0;
+    const seen = range >= data.shortest && range <= data.longest ? range : range > data.shortest ? data.longest : 0;
+    const way = Number.isFinite(seen) ? seen : 0;
     const angle = data.first + index * data.step;
     return [way * Math.cos(angle), way * Math.sin(angle)];
   });
@@ -152,7 +153,7 @@ export function band(places, width, color, opacity) {
 }
 
 /**
- * An arrow on the ground.
+ * Draw an arrow on the ground.
  * @param {Pose} pose
  * @param {string} color
  */
@@ -179,8 +180,8 @@ function arrowShape(length) {
 }
 
 /**
- * The points of sensor_msgs/PointCloud2 that are numbers, with their own colours; where they have
- * none, or one is chosen, its shade shows the distance.
+ * Draw the finite points of a sensor_msgs/PointCloud2 in their own colours; if they have none, or
+ * a colour is chosen, the shade shows the distance.
  * @param {any} data
  * @param {ArrayBuffer} payload
  * @param {string} chosen

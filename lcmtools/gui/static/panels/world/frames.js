@@ -1,6 +1,6 @@
-// Frames, each in its parent, and where they are between two messages. Knows no drawing.
+// The tree of frames, with poses interpolated between messages. Must not know drawing.
 
-const DELAY = 60; // [ms] behind the newest pose, so that there is one on each side
+const DELAY = 60; // [ms] behind the newest pose, so that there is a pose on each side
 const KEPT = 4;
 const DEEPEST = 50;
 
@@ -23,7 +23,7 @@ export class Frames {
   }
 
   /**
-   * Take a frame's pose in its parent. What odometry says of a frame counts only where no transform does.
+   * Add a frame's pose in its parent. An odometry's pose counts only without a transform.
    * @param {string} source the topic
    * @param {string} parent
    * @param {string} child
@@ -31,7 +31,7 @@ export class Frames {
    * @param {number} now [ms]
    * @param {boolean} isWeak
    */
-  take(source, parent, child, pose, now, isWeak = false) {
+  add(source, parent, child, pose, now, isWeak = false) {
     let frame = this.frames.get(child);
     if (isWeak && frame && frame.source !== source) return;
     if (!frame || frame.parent !== parent) {
@@ -44,7 +44,7 @@ export class Frames {
   }
 
   /**
-   * Forget the frames of a topic.
+   * Remove the frames of a topic.
    * @param {string} source
    */
   drop(source) {
@@ -52,7 +52,7 @@ export class Frames {
   }
 
   /**
-   * Show a frame elsewhere until it is let go (null), as while it is dragged.
+   * Override a frame's pose, as while it is dragged, until it is released (null).
    * @param {string} name
    * @param {Pose | null} pose in its parent
    */
@@ -72,7 +72,7 @@ export class Frames {
   }
 
   /**
-   * Return the frame that most others hang on: "world" where it is one of the roots.
+   * Return the root with the most descendants, or "world" if that is a root.
    * @returns {string}
    */
   root() {
@@ -96,7 +96,7 @@ export class Frames {
   }
 
   /**
-   * Return a frame's pose in another one at a time; null where nothing connects them.
+   * Return a frame's pose in another frame at a time; null if they are not connected.
    * @param {string} name
    * @param {string} fixed
    * @param {number} now [ms]
@@ -127,7 +127,7 @@ export class Frames {
 }
 
 /**
- * The pose at a time, between the samples around it.
+ * Return the pose at a time, interpolated between samples.
  * @param {Sample[]} samples
  * @param {number} time
  * @returns {Pose}
@@ -160,7 +160,7 @@ export function mixed(a, b, share) {
 }
 
 /**
- * The pose `inner`, which is given in the frame at `outer`, in the outer one's.
+ * Compose two poses: return `inner`, given in the frame at `outer`, in the frame of `outer`.
  * @param {Pose} outer
  * @param {Pose} inner
  * @returns {Pose}
@@ -192,7 +192,7 @@ export function inverse([x, y, z, qx, qy, qz, qw]) {
 }
 
 /**
- * @param {Pose} pose whose rotation counts
+ * @param {Pose} pose of which only the rotation is used
  * @param {number} x
  * @param {number} y
  * @param {number} z
@@ -210,7 +210,7 @@ function rotated([, , , qx, qy, qz, qw], x, y, z) {
 }
 
 /**
- * The heading of a pose [rad].
+ * Return the heading of a pose [rad].
  * @param {Pose} pose
  */
 export function heading([, , , x, y, z, w]) {

@@ -1,4 +1,4 @@
-// Geometry of the world: poses as matrices, bands along lines, and the end of what was drawn.
+// Geometry of the world: poses as matrices, bands along lines, and freeing graphics memory.
 
 import { BufferAttribute, BufferGeometry, Matrix4, Quaternion, Vector3 } from "../../vendor/three/three.js";
 
@@ -7,7 +7,7 @@ import { BufferAttribute, BufferGeometry, Matrix4, Quaternion, Vector3 } from ".
 export const UNIT = new Vector3(1, 1, 1);
 
 /**
- * Flat bands along lines, as painted on the ground.
+ * Create flat bands along lines, as if painted on the ground.
  * @param {[number, number, number][][]} strips
  * @param {number} width [m]
  */
@@ -31,7 +31,7 @@ export function ribbonOf(strips, width) {
 }
 
 /**
- * The two edges of a band at one of its points.
+ * Return the two edges of a band at one of its points.
  * @param {[number, number, number][]} strip
  * @param {number} index
  * @param {number} half
@@ -62,7 +62,7 @@ function difference(a = [0, 0, 0], b = [0, 0, 0]) {
 /** @param {Pose} pose */
 export function matrixOf([x, y, z, qx, qy, qz, qw]) {
   const turn = new Quaternion(qx, qy, qz, qw);
-  if (turn.lengthSq() === 0) turn.w = 1; // as rviz takes a rotation that was left out
+  if (turn.lengthSq() === 0) turn.w = 1; // like rviz, read an all-zero rotation as none
   return new Matrix4().compose(new Vector3(x, y, z), turn.normalize(), UNIT);
 }
 
@@ -84,7 +84,7 @@ export function triples(numbers) {
 }
 
 /**
- * Free what an object and its children have on the graphics card.
+ * Free the graphics memory of an object and its children.
  * @param {any} object
  */
 export function dispose(object) {

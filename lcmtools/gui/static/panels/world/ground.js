@@ -1,13 +1,13 @@
-// The ground's material: lines a metre apart are a part of it, so that nothing flickers.
+// The ground's material, which contains the grid lines, so that they do not flicker.
 
 import { Color, Mesh, MeshStandardMaterial, PlaneGeometry, Vector3 } from "../../vendor/three/three.js";
 
 const SIZE = 500; // [m]
 
-/** What all grounds have in common: the colour of the lines, and the place where they are strong. */
+/** The parameters shared by all grounds: the colour of the lines, and the centre from which they fade. */
 export const lines = { color: { value: new Color() }, centre: { value: new Vector3() } };
 
-/** Make a material with lines at each metre, strong ones at each ten, that fade with the distance. */
+/** Create a material with a line every metre, a strong one every ten, fading with the distance. */
 export function groundMaterial() {
   const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.95 });
   material.onBeforeCompile = (/** @type {any} */ shader) => {
@@ -39,7 +39,7 @@ export function groundMaterial() {
   return material;
 }
 
-/** Make the ground where no message has one. */
+/** Create the ground that is shown if no message has one. */
 export function plainGround() {
   const material = groundMaterial();
   material.vertexColors = false;

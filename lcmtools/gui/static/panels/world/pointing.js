@@ -1,4 +1,4 @@
-// The pointer on the world: bodies are moved, poses are sent.
+// Moving bodies and choosing poses in the world with the pointer.
 
 import { pointer } from "./drawings.js";
 import { heading } from "./frames.js";
@@ -22,7 +22,7 @@ const TURN = 0.01; // [rad] for each pixel with Shift
  * }} Owner
  */
 
-/** Follows the pointer with the tool that is chosen. */
+/** Applies the chosen tool to the pointer's events. */
 export class Pointing {
   /** @param {Owner} owner */
   constructor(owner) {
@@ -50,7 +50,7 @@ export class Pointing {
     try {
       view.canvas.setPointerCapture(event.pointerId);
     } catch {
-      // the pointer has gone again
+      // the pointer was released already
     }
   }
 
@@ -62,7 +62,7 @@ export class Pointing {
   }
 
   /**
-   * Begin to move the body under the pointer; with Shift it is turned.
+   * Start to move the body under the pointer; with Shift, to turn it.
    * @param {PointerEvent} event
    */
   drag(event) {
@@ -111,7 +111,7 @@ export class Pointing {
   }
 
   /**
-   * Begin to choose a pose: the place, and by moving on the heading.
+   * Start to choose a pose: first the position, then, by dragging, the heading.
    * @param {PointerEvent} event
    */
   aim(event) {

@@ -1,4 +1,4 @@
-// Markers as meshes. The markers of one body are one mesh, so that many robots are drawn quickly.
+// Markers as meshes. All markers of a body share one mesh, so that many robots are drawn quickly.
 
 import {
   BoxGeometry,
@@ -43,16 +43,16 @@ const CUBE_LIST = 6;
 const SPHERE_LIST = 7;
 const POINTS = 8;
 const TEXT = 9;
-export const MESH = 10; // of a file
+export const MESH = 10; // from a file
 const TRIANGLES = 11;
-const LARGE = 30; // [m]; what is longer and wider is ground, and casts no shadow
+const LARGE = 30; // [m]; longer and wider boxes are ground, which casts no shadow
 const ROUNDING = 0.012; // [m] of edges
 
-/** The shapes that many markers have, by their sizes. */
+/** The cached shapes of markers, by type and size. */
 const known = new Map();
 
 /**
- * Make what shows the markers of one body, in its frame.
+ * Create a group with the markers of one body, in its frame.
  * @param {Marker[]} markers
  * @returns {any} a group
  */
@@ -83,7 +83,7 @@ const isLine = (marker) => marker.type === LINE_STRIP || marker.type === LINE_LI
 const isSolid = (marker) => marker.type <= SPHERE_LIST || marker.type === TRIANGLES;
 
 /**
- * One mesh of several markers, with a colour at each corner.
+ * Merge several markers into one mesh with vertex colours.
  * @param {Marker[]} markers
  * @param {{shadow?: boolean, opacity?: number, offset?: number}} look
  */
@@ -206,7 +206,7 @@ function newSolid(type, [x, y, z]) {
 }
 
 /**
- * A body of revolution about z, whose rings are flat along the outline and round about the axis.
+ * Create a solid of revolution about z, shaded flat along the outline and smooth about the axis.
  * @param {any[]} outline
  * @param {number} segments
  */

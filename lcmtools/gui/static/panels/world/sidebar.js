@@ -1,4 +1,4 @@
-// The list beside the world: displays with ticks and colours, and where the robots are.
+// The sidebar of the world: displays with checkboxes and colours, and the robots' poses.
 
 import { element, fill, set, write } from "../../elements.js";
 import { KINDS } from "./drawings.js";
@@ -16,7 +16,7 @@ import { heading } from "./frames.js";
  * }} Owner
  */
 
-/** The list. */
+/** The sidebar. */
 export class Sidebar {
   /** @param {Owner} owner */
   constructor(owner) {
@@ -91,7 +91,7 @@ export class Sidebar {
 
   /**
    * @param {string} topic
-   * @param {string} text what is wrong, or what it is
+   * @param {string} text the problem or the type
    * @param {boolean} isBad
    */
   setStatus(topic, text, isBad) {

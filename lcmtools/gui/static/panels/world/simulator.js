@@ -1,23 +1,23 @@
-// The buttons of a simulator: pause, step, reset, rate; and its time.
+// The controls of a simulator: pause, step, reset and rate; and its time.
 
 import { button, element, fill, icon, iconButton, set, write } from "../../elements.js";
 import { mistakeText } from "../../texts.js";
 
 const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"];
 
-/** The simulator's part of the tools. */
+/** The toolbar's controls of simulators. */
 export class Simulator {
   /**
    * @param {import("../../context.js").Context} context
-   * @param {(text: string) => void} tell
+   * @param {(text: string) => void} say
    */
-  constructor(context, tell) {
+  constructor(context, say) {
     this.context = context;
-    this.tell = tell;
-    /** The full names of simulators, the one that is controlled first. */
+    this.say = say;
+    /** The simulators' full names; the first one is controlled. */
     this.nodes = /** @type {string[]} */ ([]);
     this.isPaused = false;
-    /** Messages since the last one whose time was that of the one before. */
+    /** The number of latest messages in a row that advanced the time. */
     this.advances = 0;
     this.time = NaN;
     this.pause = iconButton("pause", "Pause", () => this.toggle());
@@ -49,11 +49,11 @@ export class Simulator {
   }
 
   /**
-   * Take the time of a message; the same one twice means that it is paused.
+   * Update the time from a message; an unchanged time means that the simulator is paused.
    * @param {string} topic
    * @param {number} stamp [s]
    */
-  take(topic, stamp) {
+  updateTime(topic, stamp) {
     if (!this.nodes.some((node) => topic.startsWith(`${node}/`))) return;
     this.advances = stamp === this.time ? 0 : this.advances + 1;
     const isPaused = this.advances === 0 || (this.isPaused && this.advances < 2);
@@ -85,7 +85,7 @@ export class Simulator {
   }
 
   /**
-   * Let the simulators do something; the first one's answer counts.
+   * Send a request to the simulators; the first one's response is used.
    * @param {string} verb
    * @param {object} [fields]
    * @param {string} [node]
@@ -94,10 +94,10 @@ export class Simulator {
     try {
       const { message } = await this.context.do("simulate", { node, verb, ...fields });
       this.advances = 0;
-      this.tell(verb === "set_pose" ? "" : message);
+      this.say(verb === "set_pose" ? "" : message);
       return true;
     } catch (error) {
-      this.tell(mistakeText(error));
+      this.say(mistakeText(error));
       return false;
     }
   }

@@ -1,4 +1,4 @@
-// The view: sky, sun, ground, camera. It draws only when something has changed.
+// The view: sky, sun, ground and camera. It is drawn only after changes.
 
 import {
   BackSide,
@@ -30,7 +30,7 @@ const SHADOW_REACH = 14; // [m]
 
 /** A scene on a canvas. */
 export class View {
-  /** @param {HTMLElement} place throws where there is no WebGL */
+  /** @param {HTMLElement} place throws without WebGL */
   constructor(place) {
     // three.js writes an error to the console before it throws
     if (!document.createElement("canvas").getContext("webgl2")) throw new Error("no WebGL");
@@ -61,7 +61,7 @@ export class View {
     this.ground = plainGround();
     this.scene.add(sky, sun, sun.target, dome, this.ground);
     this.scene.fog = new Fog("#ffffff", 30, 150);
-    this.look(START.toArray(), [0, 0, 0]);
+    this.lookAt(START.toArray(), [0, 0, 0]);
     this.sizes = new ResizeObserver(() => this.resize(place));
     this.sizes.observe(place);
     this.resize(place);
@@ -83,14 +83,14 @@ export class View {
   }
 
   /**
-   * Draw again, and for some time on [ms].
+   * Draw again, and keep drawing for some time [ms].
    * @param {number} [time]
    */
   invalidate(time = 100) {
     this.until = Math.max(this.until, performance.now() + time);
   }
 
-  /** Put all in its place, where the pointer does not wait for the next picture. */
+  /** Update all poses now, for pointer events that cannot wait for the next frame. */
   refresh() {
     this.beforeDrawing(performance.now());
     this.camera.updateMatrixWorld();
@@ -112,7 +112,7 @@ export class View {
     this.invalidate();
   }
 
-  /** The sun, the sky and the lines on the ground go with the camera. */
+  /** Move the sun, the sky and the ground's lines with the camera. */
   follow() {
     this.dome.position.copy(this.camera.position);
     lines.centre.value.copy(this.controls.target);
@@ -132,11 +132,11 @@ export class View {
   }
 
   /**
-   * Look from a place at another one.
+   * Place the camera at a position, looking at a target.
    * @param {number[]} position
    * @param {number[]} target
    */
-  look(position, target) {
+  lookAt(position, target) {
     this.camera.position.fromArray(position);
     this.controls.target.fromArray(target);
     this.controls.update();
@@ -146,17 +146,17 @@ export class View {
   /** @param {number[]} target */
   lookFromBehind(target) {
     const at = new Vector3().fromArray(target);
-    this.look(START.clone().add(at).toArray(), target);
+    this.lookAt(START.clone().add(at).toArray(), target);
   }
 
   lookFromAbove() {
     const { target } = this.controls;
     const distance = Math.max(6, this.camera.position.distanceTo(target));
-    this.look([target.x - 0.001 * distance, target.y, target.z + distance], target.toArray());
+    this.lookAt([target.x - 0.001 * distance, target.y, target.z + distance], target.toArray());
   }
 
   /**
-   * Move the camera and what it looks at.
+   * Move the camera and its target.
    * @param {number} x
    * @param {number} y
    * @param {number} z
@@ -171,7 +171,7 @@ export class View {
   }
 
   /**
-   * Turn about the target [rad], and change the distance by a factor.
+   * Turn the camera about the target [rad], and change its distance by a factor.
    * @param {number} turn
    * @param {number} rise
    * @param {number} factor
@@ -205,7 +205,7 @@ export class View {
   }
 
   /**
-   * Return where the ray through a point of the window meets a height; null where it does not.
+   * Return the intersection of the ray through a point of the window with a height; null if there is none.
    * @param {PointerEvent} event
    * @param {number} height
    * @returns {[number, number] | null}
@@ -236,7 +236,7 @@ export class View {
   }
 }
 
-/** The light of the sky and the sun, and the sky itself. */
+/** Create the light of the sky and the sun, and the sky itself. */
 function lights() {
   const sky = new HemisphereLight();
   const sun = new DirectionalLight("#fff4e2");

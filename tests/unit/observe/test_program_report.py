@@ -5,7 +5,7 @@ import pytest
 from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.observe.node_requests import program_names
 from lcmtools.observe.reading.senders import Program
-from lcmtools.observe.reports.node_report import command_text, listed_program, program_record
+from lcmtools.observe.reports.program_report import command_text, listed_rows, record
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
 
@@ -18,8 +18,8 @@ def _program(process: Process | None = None, drops: int = 0, **values: object) -
 def test_whose_a_shared_port_may_be_is_said_and_not_guessed() -> None:
     program = _program(candidates=JAVA)
     assert command_text(program) == "a program: maybe A (pid 5) or B (pid 7)"
-    record = program_record(program)
-    assert (record["pid"], record["candidates"]) == (None, [5, 7])
+    found = record(program)
+    assert (found["pid"], found["candidates"]) == (None, [5, 7])
 
 
 def test_of_a_program_of_which_nothing_is_known_nothing_is_said() -> None:
@@ -30,8 +30,8 @@ def test_of_a_program_of_which_nothing_is_known_nothing_is_said() -> None:
     ("drops", "text"), [(0, "listens"), (12, "listens (12 datagrams dropped so far)")]
 )
 def test_what_a_listener_has_lost_stands_beside_it(drops: int, text: str) -> None:
-    assert listed_program(_program(JAVA[0], drops))[1] == f"\t{text}"
-    assert program_record(_program(JAVA[0], drops))["drops"] == drops
+    assert listed_rows(_program(JAVA[0], drops))[1] == f"\t{text}"
+    assert record(_program(JAVA[0], drops))["drops"] == drops
 
 
 def test_a_program_without_a_process_is_meant_by_its_address() -> None:

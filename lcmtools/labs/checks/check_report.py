@@ -2,11 +2,12 @@
 
 import dataclasses
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
+from lcmtools.text_table import text_table
 
 _LINE = "  {:6}  {:34}  {:24}  {}"
 _BELOW = " " * 10
@@ -22,26 +23,26 @@ def heading(
     return ["", f"checking {whose}: {shlex.join(command)}", title]
 
 
-def result_lines(result: CheckResult) -> list[str]:
+def rows(result: CheckResult) -> list[str]:
     """Format a row, followed by its cause and further facts if it failed."""
     verdict = ("note" if result.findings else "ok") if result.is_ok else "NOT OK"
-    rows = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
+    found = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
     if result.hint:
-        rows.append(f"{_BELOW}-> {result.hint}")
+        found.append(f"{_BELOW}-> {result.hint}")
     if result.said and result.said not in result.hint:
         is_quote = not result.said.startswith("it printed nothing")
-        rows.append(f"{_BELOW}   {'it printed last: ' if is_quote else ''}{result.said}")
-    return [*rows, *(f"{_BELOW}   wtf: {finding}" for finding in result.findings)]
+        found.append(f"{_BELOW}   {'it printed last: ' if is_quote else ''}{result.said}")
+    return [*found, *(f"{_BELOW}   wtf: {finding}" for finding in result.findings)]
 
 
 def summary(reports: Sequence[Report]) -> list[str]:
     """Summarize: the number of passed rows, and the cause of the first failure."""
     total = sum(len(report.results) for report in reports)
-    rows = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
+    found = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
     first = next((report for report in reports if report.first_cause), None)
     if first is None or sum(len(r.results) - r.passed for r in reports) == 1:
-        return rows
-    return [*rows, f"first of all, {first.program}: {first.first_cause}"]
+        return found
+    return [*found, f"first of all, {first.program}: {first.first_cause}"]
 
 
 def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
@@ -116,7 +117,7 @@ def _add_case(suite: ET.Element, group: str, result: CheckResult) -> None:
     elif not result.is_ok:
         message = f"{result.measured}: {result.hint}" if result.hint else result.measured
         failure = ET.SubElement(case, "failure", message=_legal(message))
-        failure.text = _legal("\n".join(result_lines(result)))
+        failure.text = _legal("\n".join(rows(result)))
 
 
 def _legal(text: str) -> str:
@@ -128,14 +129,13 @@ def _cause(report: Report) -> str:
     return f"{report.program}: {report.first_cause}" if report.program else report.first_cause
 
 
-def table(submissions: Mapping[str, Sequence[Report]]) -> Iterator[str]:
+def class_rows(submissions: Mapping[str, Sequence[Report]]) -> list[str]:
     """Return a line for each submission: the passed rows of each program, and the first cause."""
     programs = (r.program for reports in submissions.values() for r in reports if r.program)
     options = list(dict.fromkeys(programs))
-    width = max(len("submission"), *map(len, submissions))
-    yield "  ".join((f"{'submission':{width}}", *(f"{o:10}" for o in options), "first cause"))
+    cells = [("submission", *options, "first cause")]
     for name, reports in submissions.items():
         passed = {r.program: f"{r.passed} of {len(r.results)}" for r in reports}
         causes = (_cause(report) for report in reports if report.first_cause)
-        cells = (f"{passed.get(option, '-'):10}" for option in options)
-        yield "  ".join((f"{name:{width}}", *cells, next(causes, ""))).rstrip()
+        cells.append((name, *(passed.get(option, "-") for option in options), next(causes, "")))
+    return text_table(cells)

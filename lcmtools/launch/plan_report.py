@@ -7,7 +7,6 @@ from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
 from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
-from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import ANY, read_setting, write_setting
 
 Answer = tuple[object, Sequence[str]]
@@ -43,7 +42,7 @@ def _names(plan: Plan, _node: str) -> Answer:
 
 def _line(plan: Plan, name: str) -> Answer:
     node = plan.find(name)
-    return _record(node), [node.command_line()]
+    return record(node), [node.command_line()]
 
 
 def _place(plan: Plan, name: str) -> Answer:
@@ -52,10 +51,11 @@ def _place(plan: Plan, name: str) -> Answer:
 
 
 def _dry_run(plan: Plan, _node: str) -> Answer:
-    return list(map(_record, plan.nodes)), [row for node in plan.nodes for row in _rows(node)]
+    return list(map(record, plan.nodes)), [row for node in plan.nodes for row in rows(node)]
 
 
-def _rows(node: NodePlan) -> Iterator[str]:
+def rows(node: NodePlan) -> Iterator[str]:
+    """Yield the lines of a planned node: a comment, and its command line."""
     about = [f"output {node.output.value}"]
     if node.respawn:
         about.append(f"respawn after {node.respawn_delay:g} s" if node.respawn_delay else "respawn")
@@ -65,7 +65,8 @@ def _rows(node: NodePlan) -> Iterator[str]:
     yield node.command_line()
 
 
-def _record(node: NodePlan) -> dict[str, object]:
+def record(node: NodePlan) -> dict[str, object]:
+    """Return a planned node for JSON."""
     return {
         "node": node.name,
         "command": list(node.command),
@@ -85,8 +86,7 @@ def _parameters(plan: Plan, _node: str) -> Answer:
     records, rows = [], []
     for node in plan.nodes:
         values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
-        plain = {name: finite(value) for name, value in values.items()}
-        records.append({"node": node.name, "parameters": plain})
+        records.append({"node": node.name, "parameters": values})
         rows += [f"{write_setting(node.name)}:"] if values else []
         rows += [f"  {write_setting(name)}: {write_setting(v)}" for name, v in values.items()]
     return records, rows

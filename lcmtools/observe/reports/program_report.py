@@ -1,0 +1,90 @@
+"""A program that is not a node, as lines of text and as values for JSON."""
+
+import socket
+
+from lcmtools.bus.kernel import receive_buffers
+from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
+from lcmtools.observe.node_requests import program_place
+from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reports.describe import UNKNOWN, candidates_text, seen_types
+from lcmtools.observe.reports.process_rows import usage_rows
+
+
+def listed_rows(program: Program) -> list[str]:
+    """Return a program as ``node list -a`` shows it: its place, command and role."""
+    user = f" (user {program.user})" if program.user else ""
+    parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
+    if program.listens:
+        lost = sum(row.drops for row in program.sockets)
+        parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
+    return [f"{program_place(program)} \t{command_text(program)}{user}", f"\t{', '.join(parts)}"]
+
+
+def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
+    """Return a program as ``node info`` shows it."""
+    found = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
+    types = {seen.channel: _types_text(seen.fingerprints) for seen in program.traffic}
+    found.append("Publications: " if types else "Publications: none seen")
+    found += [f" * {channel} [{text}]" for channel, text in types.items()]
+    listens = {True: "on unknown channels", False: "None", None: "not known"}
+    found += ["", f"Subscriptions: {listens[program.listens]}", "", ""]
+    if quiet:
+        return found
+    found.append(f"Host: {program_place(program).rpartition(':')[0]}")
+    if process := program.process:
+        found += [
+            f"Pid: {process.pid}",
+            f"Command: {process.command}",
+            *usage_rows(process.pid, now),
+        ]
+    sizes = receive_buffers() if program.sockets else {}
+    found += [
+        f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
+        f" {row.drops} datagrams dropped"
+        for row in program.sockets
+    ]
+    return [*found, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
+
+
+def record(program: Program) -> dict[str, object]:
+    """Return a program for JSON, with the keys of a node that are known."""
+    process = program.process
+    return {
+        "observed": True,
+        "node": None,
+        "host": socket.gethostname() if process else None,
+        "address": program.address or None,
+        "ports": list(program.ports),
+        "pid": process.pid if process else None,
+        "command": process.command if process else None,
+        "user": program.user or None,
+        "publications": [
+            {
+                "topic": seen.channel,
+                "type": _types_text(seen.fingerprints),
+                "messages": seen.messages,
+                "bytes": seen.bytes,
+                "rate": seen.rate(),
+            }
+            for seen in program.traffic
+        ],
+        "listens": program.listens,
+        "queued_bytes": sum(row.queued_bytes for row in program.sockets),
+        "drops": sum(row.drops for row in program.sockets),
+        "candidates": [process.pid for process in program.candidates],
+    }
+
+
+def command_text(program: Program) -> str:
+    """Return a program's name and arguments, as far as the system knows."""
+    if program.process:
+        return shortened(program.process.command, LONGEST_COMMAND)
+    return f"a program{candidates_text(program.candidates)}"
+
+
+def _types_text(fingerprints: tuple[int, ...]) -> str:
+    return ", ".join(seen_types(fingerprints)) or UNKNOWN
+
+
+def _kilobytes(size: int | None) -> str:
+    return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"

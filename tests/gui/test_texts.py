@@ -1,0 +1,47 @@
+"""Numbers as the page writes and reads them."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.programs import Program
+
+TABLE = json.loads((Path(__file__).parents[1] / "fixtures" / "texts.json").read_text())
+
+
+@pytest.fixture
+def run(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[[str, object], Any]:
+    """``run("...", data)``: what a JavaScript function returns in the page."""
+    page.goto(serve("topics")[1])
+    return page.evaluate
+
+
+@pytest.mark.parametrize("kind", TABLE)
+def test_numbers_have_the_same_texts_as_in_python(
+    kind: str, run: Callable[[str, object], Any]
+) -> None:
+    found = run(
+        """async ([kind, rows]) => {
+          const texts = await import("/texts.js");
+          return rows.map(([value]) => [value, texts[`${kind}Text`](value)]);
+        }""",
+        [kind, TABLE[kind]],
+    )
+    assert found == TABLE[kind]
+
+
+def test_numbers_that_json_lacks_are_read_and_texts_are_kept(
+    run: Callable[[str, object], Any],
+) -> None:
+    found = run(
+        """async (data) => {
+          const { hasPlace, withNumbers } = await import("/panels/world/numbers.js");
+          const { frame, longest, pose } = withNumbers(data);
+          const shown = pose.map(String);
+          return [frame, String(longest), shown, hasPlace({ pose }), hasPlace({ longest })];
+        }""",
+        {"kind": "scan", "frame": "nan", "longest": "inf", "pose": ["nan", 1, "-inf", None]},
+    )
+    assert found == ["nan", "Infinity", ["NaN", "1", "-Infinity", "null"], False, True]

@@ -1,0 +1,312 @@
+"""``--json`` of every command: strict JSON, whose keys are all on the page docs/json.md.
+
+Each line runs on a bus with nodes that have topics, services, parameters and faults, a plain LCM
+program, a relay and a simulator, beside logs, packages and a launch file.
+"""
+
+import json
+import math
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures import networks
+from fixtures.commands import COMMANDS, has_json
+from fixtures.json_page import PAGE, sections, unlisted
+
+pytest.importorskip("pybullet")
+
+_ROBOT = """
+import math, time
+import lcmtools
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.std_msgs import Float64
+from lcmtools.types.std_srvs import Trigger
+
+lcmtools.init()
+robot, driver = lcmtools.Node("robot"), lcmtools.Node("driver")
+robot.declare_parameter("gain", math.nan, description="of the loop")
+robot.declare_parameter("count", 3, minimum=0, maximum=9)
+robot.declare_parameter("named", "husky")
+robot.create_service(Trigger, "reset", lambda request, response: response)
+driver.create_client(Trigger, "reset")
+
+def fail(odometry):
+    time.sleep(0.001)
+    raise ValueError("no")
+
+driver.create_subscription(Odometry, "odometry", fail)
+odometry, twist = robot.create_publisher(Odometry, "odometry"), robot.create_publisher(Twist, "cmd")
+gauge = robot.create_publisher(Float64, "gauge")
+nothing = Float64()
+nothing.data = math.nan
+
+def tick():
+    message = Odometry()
+    message.header.stamp.sec, message.header.stamp.nsec = divmod(robot.get_clock().now(), 10**9)
+    odometry.publish(message)
+    gauge.publish(nothing)
+
+robot.create_timer(0.02, tick)
+print("ready", flush=True)
+lcmtools.spin(robot, driver)
+"""
+_TALKER = """
+import lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("talker")
+publisher = node.create_publisher(String, "chatter")
+node.create_timer(0.1, lambda: publisher.publish(String()))
+print("ready", flush=True)
+lcmtools.spin(node)
+"""
+_PLAIN = """
+import lcm
+from lcmtools.types.std_msgs import String
+
+plain = lcm.LCM()
+plain.subscribe("PLAIN", lambda *_: None)
+print("ready", flush=True)
+while True:
+    plain.publish("PLAIN", String().encode())
+    plain.publish("ODD", b"12345678 and more")
+    plain.handle_timeout(20)
+"""
+_WORLD = """\
+node: yard
+robots:
+  - {model: husky, namespace: /husky0}
+"""
+_LAUNCH = """\
+args:
+  robot: {default: husky0, doc: its name}
+nodes:
+  - {run: talker, name: hello, ns: $(arg robot), param: {gain: .nan}, respawn: true}
+"""
+_CONTRACT = "topics:\n  /odometry: {type: nav_msgs/Odometry, min_rate: 1000}\n  /none: {}\n"
+
+LINES = [
+    "list",
+    "list --hz",
+    "info /odometry PLAIN /chatter",
+    "echo /odometry -n 2",
+    "echo /odometry /gauge -n 3",
+    "echo /gauge -n 1",
+    "echo /odometry -n 1 --raw",
+    "echo -n 2 /odometry PLAIN --raw",
+    "echo ODD -n 1",
+    "hz /odometry -n 2",
+    "hz /odometry /nothing -n 1",
+    "bw /odometry -n 2",
+    "delay /odometry -n 2",
+    "type /odometry",
+    "type /odometry/pose/covariance",
+    "type PLAIN",
+    "find nav_msgs/Odometry",
+    "spy --once -a",
+    "node list -a",
+    "node info robot driver",
+    "node info plain.py",
+    "node machine",
+    "node ping robot -c 2",
+    "node ping --all",
+    "node cleanup",
+    "service list -a",
+    "service info /reset",
+    "service call /reset",
+    "service type /reset",
+    "service find std_srvs/Trigger",
+    "service args /reset",
+    "param list robot",
+    "param get robot gain",
+    "param get robot named",
+    "param get robot",
+    "param get /",
+    "param describe robot",
+    "param dump robot",
+    "graph --hz",
+    "graph --nodes-only",
+    "wtf",
+    "wtf --list",
+    "wtf --explain not-finite",
+    "wtf --watch",
+    "relay --status",
+    "sim pause",
+    "sim step 2",
+    "sim resume",
+    "sim set-rate 4",
+    "sim state husky0",
+    "sim set-pose husky0 1 2",
+    "sim spawn husky /husky9 0 8",
+    "sim delete /husky9",
+    "sim reset",
+    "bag record /odometry -n 3 -o new.lcmlog",
+    "bag info ride.lcmlog broken.lcmlog",
+    "bag filter ride.lcmlog out1.lcmlog -t /odometry",
+    "bag cut ride.lcmlog out2.lcmlog -e 1s",
+    "bag merge ride.lcmlog ride.lcmlog -o out3.lcmlog",
+    "bag sort ride.lcmlog out4.lcmlog",
+    "bag rename ride.lcmlog out5.lcmlog /odometry:=/pose",
+    "bag shift ride.lcmlog out6.lcmlog --by 1s",
+    "bag downsample ride.lcmlog out7.lcmlog --every 2",
+    "bag check ride.lcmlog --against contract.yaml",
+    "bag diff ride.lcmlog other.lcmlog",
+    "bag du ride.lcmlog",
+    "bag fix broken.lcmlog out8.lcmlog",
+    "bag reindex broken.lcmlog",
+    "bag export ride.lcmlog out9.jsonl",
+    "bag export ride.lcmlog outa.mcap",
+    "bag import outa.mcap outb.lcmlog",
+    "msg list",
+    "msg show std_msgs/Header",
+    "msg show std_srvs/srv/Trigger",
+    "msg proto std_msgs/Header",
+    "msg find-field covariance",
+    "msg package std_msgs",
+    "msg packages",
+    "msg fingerprint std_msgs/String",
+    "msg build air",
+    "msg build bad",
+    "msg generate --lang python generated std_msgs/String",
+    "srv list",
+    "srv show std_srvs/Trigger",
+    "gui all --port 0 --no-open",
+    "gui steer /cmd --port 0 --no-open",
+    "gui plot /gauge/data --port 0 --no-open",
+    "gui image /camera --port 0 --no-open",
+    "gui graph --port 0 --no-open",
+    "gui world --port 0 --no-open",
+    "gui topics --port 0 --no-open",
+    "gui log --port 0 --no-open",
+    "foxglove --port 0",
+    "run --list",
+    "lab list",
+    "lab skeleton --list",
+    "lab skeleton simple_controller made",
+    "lab check husky --bag ride.lcmlog",
+    "launch --list",
+    "launch robot.yaml --show-args",
+    "launch robot.yaml --nodes",
+    "launch robot.yaml --args /husky0/hello",
+    "launch robot.yaml --find-node /husky0/hello",
+    "launch robot.yaml --dump-params",
+    "launch robot.yaml --files",
+    "launch robot.yaml --dry-run",
+    "pkg create fresh --msg Reading",
+    "pkg add-node second --package air",
+    "pkg list",
+    "pkg find air",
+    "pkg build air",
+    "config",
+    "node kill talker",
+]
+
+
+@pytest.fixture(scope="module")
+def other_bus_url() -> Iterator[str]:
+    """The bus at the relay's other end."""
+    with networks.reserve_port() as lock:
+        yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
+
+
+@pytest.fixture(scope="module")
+def folder(
+    module_start: Callable[..., Any],
+    lcmtools_path: str,
+    tmp_path_factory: pytest.TempPathFactory,
+    module_bus_url: str,
+    other_bus_url: str,
+    cli: Callable[..., Any],
+) -> Path:
+    """A folder with logs, packages and files, while all kinds of programs run on the bus."""
+    folder = tmp_path_factory.mktemp("work")
+    for name, text in (
+        ("robot.py", _ROBOT),
+        ("talker.py", _TALKER),
+        ("plain.py", _PLAIN),
+        ("yard.yaml", _WORLD),
+        ("robot.yaml", _LAUNCH),
+        ("contract.yaml", _CONTRACT),
+        ("bad/Bad.lcm", "package bad; struct Bad { nothing x; }"),
+    ):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+    for script in ("robot.py", "talker.py", "plain.py"):
+        module_start(sys.executable, str(folder / script)).wait_for("ready")
+    gone = module_start(sys.executable, str(folder / "talker.py"))
+    gone.wait_for("ready")
+    os.kill(gone.pid, signal.SIGKILL)  # its node is stale from now on
+    world = str(folder / "yard.yaml")
+    module_start(lcmtools_path, "run", "sim", world).wait_for("simulating")
+    module_start(lcmtools_path, "relay", other_bus_url).wait_for("")
+    for words in (
+        ("bag", "record", "-a", "--duration", "1.5s", "-o", str(folder / "ride.lcmlog")),
+        ("bag", "record", "/odometry", "-n", "3", "-o", str(folder / "other.lcmlog")),
+        ("pkg", "create", "air", str(folder), "--msg", "Reading"),
+    ):
+        result = cli(*words, env={"LCM_DEFAULT_URL": module_bus_url})
+        assert result.code == 0, result
+    ride = (folder / "ride.lcmlog").read_bytes()
+    (folder / "broken.lcmlog").write_bytes(ride[:5000] + b"\0" * 3000 + ride[5000:9000])
+    return folder
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_keys_of_json_are_on_the_page(
+    line: str,
+    folder: Path,
+    use_module_bus: None,  # noqa: ARG001 - the commands look at it
+    cli: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(folder)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    words = shlex.split(line)
+    result = cli(*words, "--json", until=_is_complete, ends_by=signal.SIGTERM)
+    assert "Traceback" not in result.err, result
+    documents = _documents(result.out)
+    assert documents, result
+    path = next(path for path in COMMANDS if words[: len(path) - 1] == list(path[1:]))
+    assert unlisted(" ".join(path[1:]), documents) == []
+
+
+def _is_complete(written: str) -> bool:
+    """Return True if a command that goes on has printed a document; ``wtf --watch`` some lines."""
+    return "http://" in written or "ws://" in written or "change" in written
+
+
+def _documents(text: str) -> list[object]:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    try:
+        return [json.loads(text, parse_constant=refuse)]
+    except json.JSONDecodeError:
+        return [json.loads(row, parse_constant=refuse) for row in text.splitlines()]
+
+
+def test_what_a_page_does_not_list_is_found() -> None:
+    odd = {"topic": 3, "rate": math.nan, "new": {"key": None}, "min": "nan"}
+    assert unlisted("hz", [odd]) == ["new.key null", "topic integer/number"]
+
+
+def test_an_error_has_the_keys_on_the_page(
+    use_module_bus: None,  # noqa: ARG001 - the command looks at it
+    cli: Callable[..., Any],
+) -> None:
+    result = cli("node", "info", "nobody", "--json")
+    assert unlisted("error", [json.loads(result.err)]) == []
+
+
+def test_every_command_with_json_has_a_section_and_lines() -> None:
+    commands = {" ".join(path[1:]) for path in COMMANDS if has_json(path)}
+    assert commands - sections().keys() == set(), PAGE
+    typed = [f"{line} " for line in LINES]
+    assert [one for one in commands if not any(line.startswith(f"{one} ") for line in typed)] == []

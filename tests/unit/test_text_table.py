@@ -1,0 +1,23 @@
+"""Tables of text: plain ones, and with the heading of rostopic hz."""
+
+from lcmtools.text_table import text_table
+
+
+def test_columns_are_as_wide_as_they_need_and_no_line_ends_with_blanks() -> None:
+    assert text_table([("a", "bc", ""), ("def", "g", "h")]) == ["a    bc", "def  g   h"]
+    assert text_table([]) == []
+
+
+def test_a_heading_is_centred_above_a_rule() -> None:
+    heading = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
+    cells = ("/chatter", "10.0", "0.09982", "0.1002", "0.0001011", "10")
+    assert text_table([cells], heading) == [
+        " topic     rate   min_delta   max_delta    std_dev    window",
+        "=" * 60,
+        "/chatter   10.0   0.09982     0.1002      0.0001011   10",
+    ]
+
+
+def test_rows_below_a_heading_keep_their_cells() -> None:
+    rows = [("/a", "10"), ("/longer", "2")]
+    assert text_table(rows, ("topic", "window"))[2:] == ["/a        10", "/longer   2"]
