@@ -1,5 +1,7 @@
 """``lcmtools type`` and ``find``."""
 
+from collections.abc import Mapping
+
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
@@ -8,55 +10,65 @@ from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
-from lcmtools.names import is_hidden
-from lcmtools.observe.reading.find import find_topic_and_path, is_of_type
+from lcmtools.names import has_wildcard, is_hidden
+from lcmtools.observe.reading.find import is_of_type
+from lcmtools.observe.reading.selection import selected_fields
 from lcmtools.observe.reports.describe import UNKNOWN, fingerprint_rows, type_text
+
+_KEYS = ("type", "field", "field_type")
 
 
 @subcommand("type", json_option, looking_options)
 @examples(
     "type /husky0/odometry",
     "type /husky0/odometry/pose/covariance",
+    "type '/*/odometry'",
     "type /chatter | lcmtools msg show",
 )
 @argument("topic", completer="bus:topics")
 def print_type(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
-    For a field it prints the topic's type, the field and the field's type, as rostopic does.
+    For a field it prints the topic's type, the field and the field's type, as rostopic does. TOPIC
+    may be a pattern: each topic that matches has its line.
     """
     names = looking_names()
     names.spellings(topic)  # refuses an empty name on any bus
-    found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
-    text = type_text(found)
-    if path.steps:
-        _show_field(found, text, path, as_json=as_json)
+    found = selected_fields(look("type", foreign=True)[0], topic, names)
+    if has_wildcard(topic):
+        records = [_record(*one) for one in found]
+        write_result(records, map(_labelled, records), as_json=as_json)
         return
-    if text == UNKNOWN and not as_json:
-        raise _unknown(found)
-    write_result(
-        {"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json
-    )
+    ((one, path),) = found
+    record = _record(one, path)
+    if record["type"] is None and (path.steps or not as_json):
+        rows = "; ".join(fingerprint_rows(one))
+        raise LcmtoolsError(f"the type of {one.name} is not known", rows)
+    write_result(record, [_text(record)], as_json=as_json)
 
 
-def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
+def _record(topic: Topic, path: Path) -> dict[str, str | None]:
+    """Return a topic's type for JSON, None if it is not known, and that of a field."""
     from lcmtools.messages.definition import array_type
 
-    if text == UNKNOWN:
-        raise _unknown(topic)
+    text = type_text(topic)
+    record = {"topic": topic.name, "type": None if text == UNKNOWN else text}
+    if not path.steps or text == UNKNOWN:
+        return record
     try:
         found = target(message_class(text.partition(", ")[0]), path)
     except ValueMismatch as error:  # exit code 1, as for a missing topic
         raise LcmtoolsError(error.what, error.hint) from error
-    field = str(path).replace(".", "/")
     kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))
-    record = {"topic": topic.name, "type": text, "field": field, "field_type": kind}
-    write_result(record, [f"{text} {field} {kind}"], as_json=as_json)
+    return record | {"field": str(path).replace(".", "/"), "field_type": kind}
 
 
-def _unknown(topic: Topic) -> LcmtoolsError:
-    rows = "; ".join(fingerprint_rows(topic))
-    return LcmtoolsError(f"the type of {topic.name} is not known", rows)
+def _text(record: Mapping[str, str | None]) -> str:
+    return " ".join(str(record[key] or UNKNOWN) for key in _KEYS if key in record)
+
+
+def _labelled(record: Mapping[str, str | None]) -> str:
+    return f"{record['topic']}: {_text(record)}"
 
 
 @subcommand("find", all_option, json_option, looking_options)
