@@ -174,12 +174,7 @@ class Registry:
         bare = re.sub(r"^(?:msg|srv)/|\.(?:lcm|msg|srv)$", "", name)
         if bare != name or re.search(r"[{:\s]", name):
             return f"write a type as {bare if bare != name else 'geometry_msgs/Twist'}"
-        near = near_miss(name, known)
-        package = full_name(name).rpartition("/")[0]
-        for problem in self.problems():  # the missing type may be in that file
-            if f" {package}/" not in near:
-                return str(problem.error())
-        return near or "see: lcmtools msg list"
+        return near_miss(name, known) or "see: lcmtools msg list"
 
 
 def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
