@@ -14,6 +14,7 @@ class EnumValue(int):
 
     __members__: ClassVar[Mapping[str, int]] = {}
     __hash_number__: ClassVar[int] = 0
+    __file__: ClassVar[str] = ""  # that defines it
 
     def __repr__(self) -> str:
         """Return its name, or its number if it has none."""

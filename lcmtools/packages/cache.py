@@ -62,12 +62,12 @@ def cached_types(
             _make(files, keys, index, shipped, say)
             if (found := _read_index(index)) is None:
                 raise LcmtoolsError(f"cannot read {index}")
-        source, units = found
+        source, units, enums = found
         if index.stem not in sys.modules:
             from lcmtools.packages.loading import TypeLoader
 
             def read(name: str) -> Generated:
-                file = LcmFile(Path(source.files.get(name, "")), b"")
+                file = LcmFile(Path(source.files.get(name) or enums[name]), b"")
                 output = _read_unit(root, units[name], file) or Output([])
                 found = next((one for one in output.types if one.name == name), None)
                 if found is None:
@@ -95,8 +95,11 @@ def _keys(files: Sequence[LcmFile]) -> list[str]:
     return keys
 
 
-def _read_index(index: Path) -> tuple[TypeSource, Units] | None:
-    """Return the types of a set of files, and their keys; None if the index is incomplete."""
+def _read_index(index: Path) -> tuple[TypeSource, Units, Mapping[str, str]] | None:
+    """Return the types of a set of files, their keys, and the files of enums.
+
+    None if the index is incomplete.
+    """
     try:
         table = json.loads(index.read_text("utf-8"))
         source = TypeSource(
@@ -107,13 +110,13 @@ def _read_index(index: Path) -> tuple[TypeSource, Units] | None:
             [Problem(**problem) for problem in table["problems"]],
             table["notes"],
         )
-        units = dict(table["units"])
+        units, enums = dict(table["units"]), dict(table["enums"])
         if time.time() - index.stat().st_mtime > _DAY:  # mark them as used: see _forget_old
             for path in (index, *(index.parent / key for key in units.values())):
                 os.utime(path)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         return None
-    return source, units
+    return source, units, enums
 
 
 def _read_unit(root: Path, key: str, file: LcmFile) -> Output | None:
@@ -149,6 +152,7 @@ def _make(
             "services": made.services(),
             "problems": [problem._asdict() for problem in made.problems],
             "notes": made.notes,
+            "enums": {n: str(one.file.path) for n, one in made.types.items() if n not in numbers},
             "units": {name: homes[id(one)] for name, one in made.types.items()},
         }
         write_atomically(index, json.dumps(table), private=True)

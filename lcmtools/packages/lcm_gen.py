@@ -23,6 +23,9 @@ _OPTIONS = {
 }
 LANGUAGES = tuple(_OPTIONS)
 
+_FUNCTION = re.compile(r"(?:(?<=fp->v == )|(?<== \{ p, ))(\w+::getHash)")
+_CAST = r"reinterpret_cast<decltype(__lcm_hash_ptr::v)>(\1)"  # v is a void* in liblcm 1.3.1
+
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
 _HINTS = {
@@ -81,7 +84,8 @@ def run_lcm_gen(files: Sequence[Path], options: Sequence[str]) -> Problem | None
 def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
     """Write code for type files into a folder; return the written files, sorted.
 
-    Other files in the folder are kept; files with the same names are overwritten.
+    Other files in the folder are kept; files with the same names are overwritten. C++ compiles with
+    every liblcm from 1.3.1 on.
 
     Raises:
         InvalidFile: lcm-gen refuses a file; then nothing is written.
@@ -89,13 +93,6 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
         MissingExtra: There is no lcm-gen.
     """
     import tempfile
-
-    def copy(path: Path, source: Path, target: Path) -> None:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if path.name == "__init__.py" and target.exists():
-            write_whole(target, _joined(source, target))
-        else:
-            write_whole(target, source.read_bytes())
 
     try:
         with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
@@ -111,11 +108,21 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
-                copy(path, scratch / path, folder / path)
+                _copy(scratch / path, folder / path)
     except OSError as error:
         where = error.filename or folder
         raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
     return [folder / path for path in made]
+
+
+def _copy(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if source.name == "__init__.py" and target.exists():
+        write_whole(target, _joined(source, target))
+    elif source.suffix == ".hpp":
+        write_whole(target, _FUNCTION.sub(_CAST, source.read_text("utf-8")))
+    else:
+        write_whole(target, source.read_bytes())
 
 
 def _problem(files: Sequence[Path], output: str) -> Problem:

@@ -78,7 +78,9 @@ class TypeLoader:
     def _type(self, name: str, short: str) -> object:
         one, path = self._read(name), self._module(name.replace("/", "."))
         if one.tables is None:
-            return enum_class(short, path, one.values, one.number)
+            found = enum_class(short, path, one.values, one.number)
+            found.__file__ = str(one.file.path)
+            return found
         module = ModuleType(path)
         setattr(module, TREE, sys.modules[self._source.prefix])
         exec(marshal.loads(one.code), vars(module))  # noqa: S102, S302 - lcm-gen's, our own cache

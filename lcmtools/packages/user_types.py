@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from lcmtools.errors import UnknownType, os_errors_as
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import (
     Message,
@@ -174,7 +175,9 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     if not names:
         raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
     shipped = shipped_folder()
-    return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+    kinds = [part.type for name in names for part in fields(message_class(name))]
+    enums = {Path(kind.cls.__file__) for kind in kinds if isinstance(kind, EnumType)}
+    return sorted(enums | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
 def source_file(name: str) -> str:

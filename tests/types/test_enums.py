@@ -172,3 +172,8 @@ def test_commands_take_and_show_names(cli: Callable[..., Any]) -> None:
         "light": 0,  # lcm-gen counts from 1
         "level": 0,
     }
+
+
+def test_code_is_generated_for_the_enums_too(tmp_path: Path, cli: Callable[..., Any]) -> None:
+    made = cli("msg", "generate", "--lang", "c", str(tmp_path), "rover/state_t").out.split()
+    assert str(tmp_path / "rover_mode_t.h") in made
