@@ -56,9 +56,7 @@ def test_bw_measures_a_log_by_its_own_times(log: str, cli: Run) -> None:
 
 @pytest.mark.parametrize("pattern", ["/chat*", "**", "c?atter"])
 @pytest.mark.parametrize("verb", ["hz", "bw", "type", "info"])
-def test_a_pattern_means_all_topics_that_match(
-    verb: str, pattern: str, log: str, cli: Run
-) -> None:
+def test_a_pattern_means_all_topics_that_match(verb: str, pattern: str, log: str, cli: Run) -> None:
     result = cli(verb, pattern, "--json", "--lcm-url", f"file://{log}")
     assert (result.code, '"/chatter"' in result.out) == (0, True)
 
