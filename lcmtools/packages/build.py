@@ -11,6 +11,7 @@ from math import prod
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.generated import unknown_type
 from lcmtools.packages.unit import Generated, Output
+from lcmtools.packages.versions import version_place
 from lcmtools.wire.datagram import MESSAGE_MAX
 
 _MOST_HINTS = 50  # problems with a hint at a similar type, which takes milliseconds to find
@@ -28,6 +29,7 @@ class Build:
     types: dict[str, Generated] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
+    places: list[str] = field(default_factory=list)  # folders and files with other definitions
     _numbers: dict[str, int] = field(default_factory=dict)  # fingerprints that are known
 
     def add(self, output: Output) -> None:
@@ -38,6 +40,9 @@ class Build:
             if (one.tables, one.values) != (first.tables, first.values):
                 where = f"{first.file.path} and in {one.file.path}"
                 self.notes[one.name] = f"{one.name} is defined differently in {where}"
+                place = str(version_place(one.file.path, first.file.path))
+                if place not in self.places:
+                    self.places.append(place)
 
     def check(self) -> None:
         """Remove the types that cannot be used."""

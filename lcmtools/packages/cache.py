@@ -19,13 +19,16 @@ from threading import Lock
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.folders import cache_folder, write_atomically
-from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.messages.type_source import SHIPPED, Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.unit import Generated, Output, load
+from lcmtools.packages.versions import with_versions
 
-_FORM = "4"  # version of the files; a change invalidates the cache
+_FORM = "5"  # version of the files; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
+VERSION_PREFIX = f"{_PREFIX}v_"
+"""The beginning of a package with other versions of types."""
 _DAY = 86400.0
 _KEPT = 30 * _DAY
 _AT_ONCE = 64  # files compiled together
@@ -41,41 +44,46 @@ def cached_types(
     environment: Mapping[str, str],
     shipped: Mapping[str, int],
     say: Callable[[str], object] = str,
+    home: str = SHIPPED,
 ) -> TypeSource:
     """Return the types of some files, ready to import; compile the files that are new.
 
     The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types;
-    ``say`` is called with a line if it takes long.
+    ``home`` is the package that has them. ``say`` is called with a line if it takes long.
 
     Raises:
         MissingExtra: There is no lcm-gen.
         LcmtoolsError: The result cannot be written.
     """
     keys = _keys(files)
-    places = b"".join(
-        os.fsencode(f"{file.path}\n{key}\n") for file, key in zip(files, keys, strict=True)
-    )
+    paths = (f"{file.path}\n{key}\n" for file, key in zip(files, keys, strict=True))
+    total = hashlib.sha256(os.fsencode("".join((home, *paths)))).hexdigest()
+    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + total[:20]
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
-        index = root / f"{_PREFIX}{hashlib.sha256(places).hexdigest()[:20]}.json"
+        index = root / f"{prefix}.json"
         if (found := _read_index(index)) is None:
             _make(files, keys, index, shipped, say)
             if (found := _read_index(index)) is None:
                 raise LcmtoolsError(f"cannot read {index}")
-        source, units, enums = found
+        source, units, files_of = found
         if index.stem not in sys.modules:
             from lcmtools.packages.loading import TypeLoader
 
             def read(name: str) -> Generated:
-                file = LcmFile(Path(source.files.get(name) or enums[name]), b"")
+                file = LcmFile(Path(files_of[name]), b"")
                 output = _read_unit(root, units[name], file) or Output([])
                 found = next((one for one in output.types if one.name == name), None)
                 if found is None:
                     raise LcmtoolsError(f"cannot read {root / units[name]}, the type {name}")
                 return found
 
-            TypeLoader(source, units, read, shipped).open()
-        return source
+            TypeLoader(source, units, read, shipped, home).open()
+
+    def compiled(inside: Sequence[LcmFile], known: Mapping[str, int], home: str) -> TypeSource:
+        return cached_types(inside, environment, known, say, home)
+
+    return with_versions(source, files, shipped, compiled)
 
 
 def _keys(files: Sequence[LcmFile]) -> list[str]:
@@ -96,27 +104,30 @@ def _keys(files: Sequence[LcmFile]) -> list[str]:
 
 
 def _read_index(index: Path) -> tuple[TypeSource, Units, Mapping[str, str]] | None:
-    """Return the types of a set of files, their keys, and the files of enums.
+    """Return the types of a set of files, their keys, and their files.
 
     None if the index is incomplete.
     """
     try:
         table = json.loads(index.read_text("utf-8"))
+        files = dict(table["files"])
         source = TypeSource(
             index.stem,
             {name: int(digits, 16) for name, digits in table["fingerprints"].items()},
             table["services"],
-            table["files"],
+            {name: path for name, path in files.items() if name in table["fingerprints"]},
             [Problem(**problem) for problem in table["problems"]],
             table["notes"],
+            table["places"],
+            enums={name: int(digits, 16) for name, digits in table["enums"].items()},
         )
-        units, enums = dict(table["units"]), dict(table["enums"])
+        units = dict(table["units"])
         if time.time() - index.stat().st_mtime > _DAY:  # mark them as used: see _forget_old
             for path in (index, *(index.parent / key for key in units.values())):
                 os.utime(path)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         return None
-    return source, units, enums
+    return source, units, files
 
 
 def _read_unit(root: Path, key: str, file: LcmFile) -> Output | None:
@@ -148,11 +159,12 @@ def _make(
         homes = {id(one): key for key, unit in zip(keys, units, strict=True) for one in unit.types}
         table = {
             "fingerprints": {name: f"{number:016x}" for name, number in numbers.items()},
-            "files": {name: str(made.types[name].file.path) for name in numbers},
+            "enums": {n: f"{t.number:016x}" for n, t in made.types.items() if t.tables is None},
+            "files": {name: str(one.file.path) for name, one in made.types.items()},
             "services": made.services(),
             "problems": [problem._asdict() for problem in made.problems],
             "notes": made.notes,
-            "enums": {n: str(one.file.path) for n, one in made.types.items() if n not in numbers},
+            "places": made.places,
             "units": {name: homes[id(one)] for name, one in made.types.items()},
         }
         write_atomically(index, json.dumps(table), private=True)

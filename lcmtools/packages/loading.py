@@ -4,7 +4,7 @@ Belongs here: the packages of one set of types, their classes, enums and service
 where the code is kept.
 
 A module is lcm-gen's own. The package of a type that only lcmtools ships (geometry_msgs) refers to
-``lcmtools.types``.
+``lcmtools.types``, that of a type of which this set has no version to the set that has it.
 """
 
 import importlib
@@ -20,16 +20,18 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.codec import encode
 from lcmtools.messages.enums import EnumValue, enum_class
 from lcmtools.messages.registry import Message
-from lcmtools.messages.type_source import TypeSource, shown
+from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
 from lcmtools.packages.unit import TREE, Generated
 
-_SHIPPED = "lcmtools.types"
 _FINGERPRINT_BYTES = 8
 _ONE_AT_A_TIME = RLock()
 
 
 class TypeLoader:
-    """Makes the packages of a source importable; ``read`` returns a type's code by its name."""
+    """Makes the packages of a source importable; ``read`` returns a type's code by its name.
+
+    Other types, ``shipped``, are those of the package ``home``.
+    """
 
     def __init__(
         self,
@@ -37,8 +39,9 @@ class TypeLoader:
         names: Collection[str],
         read: Callable[[str], Generated],
         shipped: Mapping[str, int],
+        home: str = SHIPPED,
     ) -> None:
-        self._source, self._names, self._read = source, names, read
+        self._source, self._names, self._read, self._home = source, names, read, home
         self._shipped = {_package(name) for name in shipped}
 
     def open(self) -> None:
@@ -69,7 +72,8 @@ class TypeLoader:
                 parts = {end: getattr(module, f"{short}_{end}") for end in ("Request", "Response")}
                 found = type(short, (), {"__doc__": f"The service {name}.", **parts})
             elif package in self._shipped and not short.startswith("__"):
-                return getattr(importlib.import_module(f"{_SHIPPED}.{package}"), short)
+                above = importlib.import_module(f"{self._home}.{package}".rstrip("."))
+                return getattr(above, short)
             else:
                 raise AttributeError(f"module {module.__name__} has no attribute {short}")
             setattr(module, short, found)
@@ -102,7 +106,7 @@ class TypeLoader:
         """Yield the classes of a type's own fields."""
         for name in one.nested():
             package, _, short = name.rpartition("/")
-            if name in self._names and name != one.name:
+            if name != one.name:
                 yield getattr(sys.modules[self._module(package)], short)
 
     def _module(self, path: str) -> str:

@@ -1,11 +1,9 @@
 """``lcmtools type`` and ``find``."""
 
-from collections.abc import Mapping
-
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import write_data, write_result
+from lcmtools.cli.output import write_data, write_note, write_result
 from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
@@ -13,9 +11,13 @@ from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import has_wildcard, is_hidden
 from lcmtools.observe.reading.find import is_of_type
 from lcmtools.observe.reading.selection import selected_fields
-from lcmtools.observe.reports.describe import UNKNOWN, fingerprint_rows, type_text
-
-_KEYS = ("type", "field", "field_type")
+from lcmtools.observe.reports.describe import (
+    NO_TYPE,
+    UNKNOWN,
+    fingerprint_rows,
+    topic_kinds,
+    types_record,
+)
 
 
 @subcommand("type", json_option, looking_options)
@@ -35,40 +37,43 @@ def print_type(topic: str, *, as_json: bool) -> None:
     names = looking_names()
     names.spellings(topic)  # refuses an empty name on any bus
     found = selected_fields(look("type", foreign=True)[0], topic, names)
+    shown = [_record_and_text(*one) for one in found]
     if has_wildcard(topic):
-        records = [_record(*one) for one in found]
-        write_result(records, map(_labelled, records), as_json=as_json)
+        rows = (f"{record['topic']}: {text}" for record, text in shown)
+        write_result([record for record, _ in shown], rows, as_json=as_json)
         return
-    ((one, path),) = found
-    record = _record(one, path)
-    if record["type"] is None and (path.steps or not as_json):
-        rows = "; ".join(fingerprint_rows(one))
-        raise LcmtoolsError(f"the type of {one.name} is not known", rows)
-    write_result(record, [_text(record)], as_json=as_json)
+    ((one, path),), ((record, text),) = found, shown
+    if text == UNKNOWN and (path.steps or not as_json):
+        hint = "; ".join(fingerprint_rows(one))
+        raise LcmtoolsError(f"the type of {one.name} is not known", hint)
+    for kind in topic_kinds(one):
+        if len(kind) > 1 and not path.steps:
+            write_note(f"{kind[0]} is one of several types with the same fields: {', '.join(kind)}")
+    write_result(record, [text], as_json=as_json)
 
 
-def _record(topic: Topic, path: Path) -> dict[str, str | None]:
-    """Return a topic's type for JSON, None if it is not known, and that of a field."""
+def _record_and_text(topic: Topic, path: Path) -> tuple[dict[str, object], str]:
+    """Return a topic's type, or that of a field, for JSON and as a line."""
     from lcmtools.messages.definition import array_type
 
-    text = type_text(topic)
-    record = {"topic": topic.name, "type": None if text == UNKNOWN else text}
+    record = types_record(topic_kinds(topic), topic.name)
+    text = str(record["type"] or NO_TYPE)
     if not path.steps or text == UNKNOWN:
-        return record
+        type_ = None if text == UNKNOWN else record["type"]
+        return {"topic": topic.name, **record, "type": type_}, text
     try:
         found = target(message_class(text.partition(", ")[0]), path)
     except ValueMismatch as error:  # exit code 1, as for a missing topic
         raise LcmtoolsError(error.what, error.hint) from error
+    field = str(path).replace(".", "/")
     kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))
-    return record | {"field": str(path).replace(".", "/"), "field_type": kind}
-
-
-def _text(record: Mapping[str, str | None]) -> str:
-    return " ".join(str(record[key] or UNKNOWN) for key in _KEYS if key in record)
-
-
-def _labelled(record: Mapping[str, str | None]) -> str:
-    return f"{record['topic']}: {_text(record)}"
+    field_record: dict[str, object] = {
+        "topic": topic.name,
+        "type": text,
+        "field": field,
+        "field_type": kind,
+    }
+    return field_record, f"{text} {field} {kind}"
 
 
 @subcommand("find", all_option, json_option, looking_options)
@@ -80,7 +85,7 @@ def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> No
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
     """
-    name = type_name(message_class(type_))
+    name = type_name(message_class(type_, any_version=True))
     graph, url = look("find", foreign=True)
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
