@@ -177,3 +177,20 @@ def test_commands_take_and_show_names(cli: Callable[..., Any]) -> None:
 def test_code_is_generated_for_the_enums_too(tmp_path: Path, cli: Callable[..., Any]) -> None:
     made = cli("msg", "generate", "--lang", "c", str(tmp_path), "rover/state_t").out.split()
     assert str(tmp_path / "rover_mode_t.h") in made
+
+
+def test_another_version_of_a_type_may_have_an_enum_of_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, text in (
+        ("mode_t.lcm", "enum mode_t { IDLE=0, RUN=1 }"),
+        ("new/state_t.lcm", "struct state_t { mode_t mode; }"),
+        ("old/state_t.lcm", "struct state_t { int8_t id; mode_t mode; }"),
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(f"package rover;\n{text}\n")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    old = made("rover/state_t@old/state_t.lcm", {"id": 3, "mode": "RUN"})
+    assert to_plain(decode(type(old), encode(old))) == {"id": 3, "mode": "RUN"}
+    assert to_plain(made("rover/state_t", {"mode": "RUN"})) == {"mode": "RUN"}
