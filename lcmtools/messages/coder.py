@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from lcmtools.messages.compiled import Codecs, Scan, Write, compiled
 from lcmtools.messages.enums import EnumType
+from lcmtools.messages.fields import length_values
 from lcmtools.messages.layout import Layout, Leaf, check_type, is_bounded, layout, smallest
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.messages.rows import (
@@ -49,7 +50,7 @@ class Coder(NamedTuple):
                 continue
             for leaf, codec in run:
                 value = _read_other(leaf, codec, made[leaf.part], cursor)
-                setattr(made[leaf.part], leaf.field.name, value)
+                setattr(made[leaf.part], leaf.field.attribute, value)
         return made[0]
 
     def read_available(self, cursor: Cursor) -> Message:
@@ -64,7 +65,7 @@ class Coder(NamedTuple):
             if leaf.is_number:
                 _read_numbers([leaf], [message], cursor)
             else:
-                setattr(message, leaf.field.name, _read_other(leaf, codec, message, cursor))
+                setattr(message, leaf.field.attribute, _read_other(leaf, codec, message, cursor))
         return message
 
 
@@ -94,7 +95,7 @@ def _read_numbers(run: list[Leaf], made: list[Message], cursor: Cursor) -> None:
     for leaf, value in zip(run, values, strict=True):
         kind = leaf.field.type
         named = kind.cls(value) if isinstance(kind, EnumType) else value
-        setattr(made[leaf.part], leaf.field.name, named)
+        setattr(made[leaf.part], leaf.field.attribute, named)
 
 
 def _read_other(
@@ -102,7 +103,7 @@ def _read_other(
 ) -> object:
     if codec is None:
         return read_string(cursor, leaf.where)
-    sizes = [s if isinstance(s, int) else getattr(owner, s) for s in leaf.field.dimensions]
+    sizes = length_values(owner, leaf.field)
     return codec.read(sizes, cursor) if isinstance(codec, Array) else codec.read(sizes[0], cursor)
 
 

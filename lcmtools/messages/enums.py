@@ -68,7 +68,7 @@ class EnumType(str):
 def enum_class(name: str, module: str, values: Mapping[str, int], number: int) -> type[EnumValue]:
     """Return the class of an enum; ``number`` is its hash."""
     space = {"__module__": module, "__members__": values, "__hash_number__": number}
-    cls = type(name, (EnumValue,), space)
+    cls = type(name.rpartition("/")[2], (EnumValue,), {**space, "__lcm_name__": name})
     for value, of in values.items():
         setattr(cls, value, cls(of))
     return cls

@@ -13,7 +13,7 @@ from lcmtools.errors import ValueMismatch
 from lcmtools.formats.expression import Expression, ExpressionFault, Language, NoValue, operands
 from lcmtools.formats.operations import CONSTANTS, comparable
 from lcmtools.messages.enums import EnumType
-from lcmtools.messages.fields import constants, field_name, fields, visible_fields
+from lcmtools.messages.fields import attribute, constants, field_name, fields
 from lcmtools.messages.path import Slice, Target, element_target, field_target, root_target
 from lcmtools.messages.registry import Message
 
@@ -106,7 +106,7 @@ class _Fields:
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
         own_name = field_name(cls, name)
-        value = getattr(owner, own_name)
+        value = getattr(owner, attribute(cls, own_name))
         kind = next((part.type for part in fields(cls) if part.name == own_name), "")
         if isinstance(kind, EnumType):  # which equals its name too
             value = list(map(kind.cls, value)) if isinstance(value, Sequence) else kind.cls(value)
@@ -122,7 +122,7 @@ def _named_target(owner: Target, name: str, where: str) -> Target | None:
 
 
 def _is_constant(name: str, cls: type[Message]) -> bool:
-    return name in CONSTANTS and all(field.name != name for field in visible_fields(cls))
+    return name in CONSTANTS and all(field.name != name for field in fields(cls))
 
 
 def _constant(index: ast.expr) -> int:

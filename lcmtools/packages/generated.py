@@ -7,16 +7,18 @@ of other files.
 import ast
 import marshal
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import MappingProxyType
 from typing import NamedTuple, cast
 
+from lcmtools.messages.fields import PRIMITIVES
+from lcmtools.messages.python_names import base_hash, python_name
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
-from lcmtools.packages.ros_files import to_lcm
+from lcmtools.packages.ros_files import LcmSource, to_lcm
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.unit import TREE, Generated, Output, Tables
 
@@ -36,20 +38,37 @@ _LCM_NAMES = {
 """Type names of C, Python and ROS, and LCM's names for them."""
 
 _COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
-_PACKAGE = re.compile(rb"\{[^}]*\}|\bpackage\s+")  # outside of structs
+_WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+_HASH = re.compile(r"tmphash = \(0x[0-9a-f]+")
+_PACKAGE = re.compile(r"\bpackage\s+([\w.]+)")
+_PACKAGES = re.compile(r"\{[^}]*\}|\bpackage\s+")  # outside of structs
+_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{(.*?)\}", re.DOTALL)
+_CONSTANTS = re.compile(r"\bconst\s+(\w+)\s([^;]*)")
+_CONSTANT = re.compile(r"(\w+)\s*=")
 _DECLARATION = re.compile(r"\bpackage\s+([\w.]+)|\b(?:struct|enum)\s+(\w+)\s*\{")
 _IMPORT = re.compile(rf"^import {TREE}.*\n", re.MULTILINE)
 _NUMBER = re.compile(r"(?:tmphash = \(|return )(0x[0-9a-f]+)")  # in ``_get_hash_recursive``
 _VALUE = re.compile(r"^    (\w+) = (-?\d+)$", re.MULTILINE)  # of an enum
-_STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
+_STRANGE = re.compile(r"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 
 
-class _Text(NamedTuple):
-    """A file as lcm-gen gets it, and the string constants that LCM does not have, by type."""
+class _Copy(NamedTuple):
+    """A file for lcm-gen, in which the words that Python cannot spell are renamed."""
 
-    lcm: bytes
-    problems: Sequence[Problem] = ()
-    constants: Mapping[str, Mapping[str, str]] = MappingProxyType({})
+    source: LcmFile
+    read: LcmSource
+    renamed: Mapping[str, str]
+
+    @property
+    def own(self) -> dict[str, str]:
+        """The words in the file, by their names in Python."""
+        return {spelled: word for word, spelled in self.renamed.items()}
+
+    def text(self, package: str) -> str:
+        """Return the content, its packages and its types without one put into a package."""
+        text, start = _with_words(self.read.text, self.renamed), f"{package}."
+        whole = _PACKAGES.sub(lambda one: one[0] if one[0][0] == "{" else one[0] + start, text)
+        return f"package {package}; {whole}"
 
 
 def generate(sources: Sequence[LcmFile]) -> list[Output]:
@@ -58,47 +77,59 @@ def generate(sources: Sequence[LcmFile]) -> list[Output]:
     Each file's packages are put into one of its own for that run, so that files with equal names
     do not overwrite each other.
     """
-    texts = list(map(_lcm_text, sources))
     with TemporaryDirectory(prefix="lcmtools-") as name:
         folder = Path(name)
-        copies = {folder / f"file{n}.lcm": text for n, text in enumerate(texts)}
-        for copy, text in copies.items():
-            copy.write_bytes(_inside(f"{copy.stem}_", text.lcm))
-        refused = _refused([copy for copy, text in copies.items() if not text.problems], folder)
+        copies = {folder / f"file{n}.lcm": _copy(source) for n, source in enumerate(sources)}
+        for path, copy in copies.items():
+            path.write_text(copy.text(f"{path.stem}_"), "utf-8")
+        usable = [path for path, copy in copies.items() if not copy.read.problems]
+        refused = _refused(usable, folder)
         return [
-            _output(source, text, folder / TREE / f"{copy.stem}_", refused.get(copy))
-            for source, (copy, text) in zip(sources, copies.items(), strict=True)
+            _output(copy, folder / TREE / f"{path.stem}_", refused.get(path))
+            for path, copy in copies.items()
         ]
 
 
-def _lcm_text(source: LcmFile) -> _Text:
-    """Return a file without its comments, for lcm-gen would copy them into Python docstrings.
+def _copy(source: LcmFile) -> _Copy:
+    read = _as_lcm(source)
+    return _Copy(source, read, _renamed(read.text, *read.texts.values()))
+
+
+def _as_lcm(source: LcmFile) -> LcmSource:
+    """Return a file as lcm-gen reads it: without comments, which it would copy into docstrings.
 
     Quotes in a comment could end one, so that the rest would be executed. A ROS file is translated.
     """
     if source.package:
-        translated = to_lcm(source.path, source.content, source.package)
-        text = _Text(translated.text.encode(), translated.problems, translated.texts)
+        read = to_lcm(source.path, source.content, source.package)
+        if read.problems:
+            return read
     else:
-        text = _Text(_without_comments(source.content))
-    if not text.problems and (strange := _STRANGE.search(text.lcm)):
-        line = text.lcm[: strange.start()].count(b"\n") + 1
-        character = text.lcm[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
+        text = _without_comments(source.content).decode("utf-8", "replace")
+        read = LcmSource(text, [], {}, _constant_types(text))
+    if strange := _STRANGE.search(read.text):
+        line = read.text[: strange.start()].count("\n") + 1
         hint = "a .lcm file has words, numbers and ;{}[].=-"
-        problem = Problem(str(source.path), line, f"unexpected {character!r}", hint)
-        return text._replace(problems=[problem])
-    return text
+        read.problems.append(Problem(str(source.path), line, f"unexpected {strange[0]!r}", hint))
+    return read
+
+
+def _constant_types(text: str) -> dict[str, dict[str, str]]:
+    """Return the declared type of each constant, by type; lcm-gen does not keep it."""
+    package = _PACKAGE.search(text)
+    start = f"{package[1]}/" if package else ""
+    return {
+        f"{start}{struct[1]}": {
+            name: kind
+            for kind, rest in _CONSTANTS.findall(struct[2])
+            for name in _CONSTANT.findall(rest)
+        }
+        for struct in _STRUCT.finditer(text)
+    }
 
 
 def _without_comments(content: bytes) -> bytes:
     return _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), content)
-
-
-def _inside(package: str, text: bytes) -> bytes:
-    """Put the packages in a .lcm file, and its types without one, into a package."""
-    inner = b"%s." % package.encode()
-    whole = _PACKAGE.sub(lambda one: one[0] if one[0][:1] == b"{" else one[0] + inner, text)
-    return b"package %s; %s" % (package.encode(), whole)
 
 
 def _refused(files: Sequence[Path], folder: Path) -> dict[Path, Problem]:
@@ -116,23 +147,32 @@ def _refused(files: Sequence[Path], folder: Path) -> dict[Path, Problem]:
     return refused
 
 
-def _output(source: LcmFile, text: _Text, root: Path, refused: Problem | None) -> Output:
+def _output(copy: _Copy, root: Path, refused: Problem | None) -> Output:
     """Read the modules that lcm-gen has written below a folder for one file."""
-    file = str(source.path)
-    if faults := [*text.problems, *([refused] if refused else [])]:
+    source, read, own = copy.source, copy.read, copy.own
+    if faults := [*read.problems, *([refused] if refused else [])]:
         named = [f"{source.package}/{source.path.stem}"] if source.package else []
-        lost = [*named, *_declared(text.lcm)]
-        return Output([], [one._replace(file=file, lost=lost) for one in faults])
+        lost = [*named, *_declared(read.text)]
+        path = str(source.path)
+        whats = [_with_words(one.what, own) for one in faults]
+        return Output(
+            [],
+            [
+                one._replace(file=path, what=what, lost=lost)
+                for one, what in zip(faults, whats, strict=True)
+            ],
+        )
     found: list[Generated] = []
     problems: list[Problem] = []
     for module in sorted(root.rglob("*.py")):
         *packages, short = module.relative_to(root).with_suffix("").parts
-        name = f"{'.'.join(packages)}/{short}".lstrip("/")
+        package = ".".join(own.get(part, part) for part in packages)
+        name = f"{package}/{own.get(short, short)}".lstrip("/")
         python = module.read_text("utf-8").replace(f"{TREE}.{root.name}.", f"{TREE}.")
         python = _IMPORT.sub("", python)  # ``loading`` provides what it imports
-        for constant, value in text.constants.get(name, {}).items():
-            python += f"{short}.{constant} = {value!r}\n"
-        one = _read_module(python, name, source)
+        for member, value in _members(copy, name).items():
+            python += f"{short}.{member} = {value!r}\n"
+        one = _read_module(python, name, copy)
         if isinstance(one, Problem):
             problems.append(one)
         else:
@@ -140,10 +180,21 @@ def _output(source: LcmFile, text: _Text, root: Path, refused: Problem | None) -
     return Output(found, problems)
 
 
-def _declared(text: bytes) -> list[str]:
+def _members(copy: _Copy, name: str) -> dict[str, object]:
+    """Return the members that a class needs beside those of lcm-gen."""
+    texts = copy.read.texts.get(name, {}).items()
+    members: dict[str, object] = {copy.renamed.get(n, n): text for n, text in texts}
+    if kinds := copy.read.kinds.get(name):
+        members["__constant_types__"] = kinds
+    if copy.renamed:
+        members |= {"__lcm_name__": name, "__renamed__": copy.own}
+    return members
+
+
+def _declared(text: str) -> list[str]:
     """Return the types in a .lcm file that lcm-gen refuses, as far as they can be made out."""
     found, package = [], ""
-    for match in _DECLARATION.finditer(text.decode("ascii", "replace")):
+    for match in _DECLARATION.finditer(text):
         if match[1]:
             package = f"{match[1]}/"
         else:
@@ -179,41 +230,64 @@ def _like(missing: str, one: Generated, known: set[str]) -> str:
     return found.replace("/", ".")
 
 
-def _read_module(python: str, name: str, source: LcmFile) -> Generated | Problem:
+def _renamed(text: str, *more: Iterable[str]) -> dict[str, str]:
+    """Return the words of a file that Python cannot spell, and their names in Python."""
+    words = {*_WORD.findall(text), *chain.from_iterable(more)}
+    spelled = {word: python_name(word, words) for word in words}
+    return {word: name for word, name in spelled.items() if name != word}
+
+
+def _with_words(text: str, others: Mapping[str, str]) -> str:
+    return _WORD.sub(lambda word: others.get(word[0], word[0]), text)
+
+
+def _base_hash(tables: Tables) -> int:
+    parts = zip(*tables, strict=True)
+    return base_hash(
+        (name, kind if kind in PRIMITIVES else "", tuple(sizes or ()))
+        for name, kind, sizes in parts
+    )
+
+
+def _read_module(python: str, name: str, copy: _Copy) -> Generated | Problem:
     """Return the type in a module, or the problem if Python cannot import it."""
-    number = _NUMBER.search(python)
+    own, source = copy.own, copy.source
+    match = _NUMBER.search(python)
+    number = int(match[1], 16) if match else 0
     if "__typenames__" not in python:  # an enum
-        named = {word: int(digits) for word, digits in _VALUE.findall(python)}
-        return Generated(name, source, int(number[1], 16) if number else 0, None, named, b"")
+        named = {own.get(word, word): int(digits) for word, digits in _VALUE.findall(python)}
+        return Generated(name, source, number, None, named, b"")
     try:
-        tree = ast.parse(python)
+        tree: ast.Module | str = ast.parse(python)
     except (SyntaxError, ValueError) as error:
-        return _not_python(source, name, error)
+        what = f"{name}: lcm-gen does not make valid Python of it: {getattr(error, 'msg', error)}"
+        return Problem(str(source.path), 0, what, "", name, (name,))
+    tables = _respelled(_tables(cast("ast.Module", tree)), own)
+    if own:  # lcm-gen has seen other names
+        number = _base_hash(tables)
+        tree = _HASH.sub(f"tmphash = ({number:#x}", python, count=1)
+    code = marshal.dumps(compile(tree, f"<{name}>", "exec"))
+    return Generated(name, source, number, tables, {}, code)
+
+
+def _tables(tree: ast.Module) -> Tables:
     members = [node for one in tree.body if isinstance(one, ast.ClassDef) for node in one.body]
     values = {
         node.targets[0].id: node.value
         for node in members
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
     }
-    tables = cast("Tables", tuple(ast.literal_eval(values[table]) for table in _TABLES))
-    taken = {node.name for node in members if isinstance(node, ast.FunctionDef)} | set(values)
-    for field in tables[0]:
-        if field in taken:
-            what = f"{name}: a field cannot be called '{field}': lcm-gen's Python needs that name"
-            line = line_of(source, field)
-            return Problem(str(source.path), line, what, "use another name", name, (name,))
-    code = marshal.dumps(compile(tree, f"<{name}>", "exec"))
-    return Generated(name, source, int(number[1], 16) if number else 0, tables, {}, code)
+    return cast("Tables", tuple(ast.literal_eval(values[table]) for table in _TABLES))
 
 
-def _not_python(source: LcmFile, name: str, error: Exception) -> Problem:
-    word = re.search(r"self\.(\w+)", getattr(error, "text", None) or "")
-    if word is None:
-        what = f"{name}: lcm-gen does not make valid Python of it: {getattr(error, 'msg', error)}"
-        return Problem(str(source.path), 0, what, "", name, (name,))
-    line = line_of(source, word[1])
-    what = f"{name}: '{word[1]}' is a keyword of Python and cannot be a field"
-    return Problem(str(source.path), line, what, f"for example {word[1]}_", name, (name,))
+def _respelled(tables: Tables, own: Mapping[str, str]) -> Tables:
+    """Return tables with the names in the file."""
+    names, kinds, dimensions = tables
+    return (
+        [own.get(name, name) for name in names],
+        [".".join(own.get(part, part) for part in kind.split(".")) for kind in kinds],
+        [sizes and [own.get(size, size) for size in sizes] for sizes in dimensions],  # type: ignore[arg-type] # numbers
+    )
 
 
 def line_of(source: LcmFile, *words: str) -> int:

@@ -19,6 +19,7 @@ from typing import cast
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.codec import encode
 from lcmtools.messages.enums import EnumValue, enum_class
+from lcmtools.messages.python_names import python_path
 from lcmtools.messages.registry import Message
 from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
 from lcmtools.packages.unit import TREE, Generated
@@ -43,10 +44,11 @@ class TypeLoader:
     ) -> None:
         self._source, self._names, self._read, self._home = source, names, read, home
         self._shipped = {_package(name) for name in shipped}
+        self._spelled = {_path(name): name for name in (*source.services, *names)}
 
     def open(self) -> None:
         """Add the packages to ``sys.modules``, the uppermost last."""
-        packages = {_package(name) for name in self._names} | self._shipped
+        packages = {python_path(_package(name)) for name in self._names} | self._shipped
         for package in list(packages):
             parts = package.split(".")
             packages.update(".".join(parts[:count]) for count in range(len(parts)))
@@ -62,15 +64,16 @@ class TypeLoader:
 
     def _find(self, package: str, module: ModuleType, short: str) -> object:
         """Return a type or a service of a package; AttributeError if there is none."""
-        name = f"{package}/{short}" if package else short
+        name = self._spelled.get(f"{package}.{short}".lstrip("."), "")
         with _ONE_AT_A_TIME:
             if short in vars(module):  # another thread was faster
                 return vars(module)[short]
             if name in self._names:
                 found: object = self._type(name, short)
             elif name in self._source.services:
-                parts = {end: getattr(module, f"{short}_{end}") for end in ("Request", "Response")}
-                found = type(short, (), {"__doc__": f"The service {name}.", **parts})
+                own = name.rpartition("/")[2]
+                parts = {end: getattr(module, f"{own}_{end}") for end in ("Request", "Response")}
+                found = type(own, (), {"__doc__": f"The service {name}.", **parts})
             elif package in self._shipped and not short.startswith("__"):
                 above = importlib.import_module(f"{self._home}.{package}".rstrip("."))
                 return getattr(above, short)
@@ -80,9 +83,9 @@ class TypeLoader:
             return found
 
     def _type(self, name: str, short: str) -> object:
-        one, path = self._read(name), self._module(name.replace("/", "."))
+        one, path = self._read(name), self._module(_path(name))
         if one.tables is None:
-            found = enum_class(short, path, one.values, one.number)
+            found = enum_class(name, path, one.values, one.number)
             found.__file__ = str(one.file.path)
             return found
         module = ModuleType(path)
@@ -105,7 +108,7 @@ class TypeLoader:
     def _parts(self, one: Generated) -> Iterator[object]:
         """Yield the classes of a type's own fields."""
         for name in one.nested():
-            package, _, short = name.rpartition("/")
+            package, _, short = _path(name).rpartition(".")
             if name != one.name:
                 yield getattr(sys.modules[self._module(package)], short)
 
@@ -115,6 +118,10 @@ class TypeLoader:
 
 def _encode_one(self: Message, buffer: "object") -> None:
     buffer.write(encode(self)[_FINGERPRINT_BYTES:])  # type: ignore[attr-defined] # a BytesIO
+
+
+def _path(name: str) -> str:
+    return python_path(name.replace("/", "."))
 
 
 def _package(name: str) -> str:
