@@ -268,7 +268,9 @@ class Registry:
         bare = re.sub(r"^(?:msg|srv)/|\.(?:lcm|msg|srv)$", "", name)
         if bare != name or re.search(r"[{:\s]", name):
             return f"write a type as {bare if bare != name else 'geometry_msgs/Twist'}"
-        return near_miss(name, known) or "see: lcmtools msg list"
+        near, package = near_miss(name, known), full_name(name).rpartition("/")[0]
+        folder = next((str(one.error()) for one in self.problems() if one.is_of_folder), "")
+        return (folder if f" {package}/" not in near else "") or near or "see: lcmtools msg list"
 
 
 def _version(number: int, known: Mapping[int, str]) -> str:

@@ -10,6 +10,7 @@ from lcmtools.errors import InvalidFile
 SHIPPED = "lcmtools.types"
 """The package of the classes of lcmtools' own types."""
 
+_FILES = (".lcm", ".msg", ".srv", ".action")
 _MOST_NAMED = 3  # types that an error names
 
 
@@ -33,6 +34,11 @@ class Problem(NamedTuple):
         more = f" and {len(others) - _MOST_NAMED} more" if len(others) > _MOST_NAMED else ""
         lost = f" (unusable: {', '.join(others[:_MOST_NAMED])}{more})" if others else ""
         return InvalidFile(f"{shown(self.file)}{line}: {self.what}{lost}", self.hint)
+
+    @property
+    def is_of_folder(self) -> bool:
+        """True if it concerns a whole folder, so that any type may be missing because of it."""
+        return not self.lost and Path(self.file).suffix not in _FILES
 
     def concerns(self, name: str) -> bool:
         """Return True if this is the reason why the type ``package/Name`` is missing.

@@ -153,15 +153,7 @@ def _output(copy: _Copy, root: Path, refused: Problem | None) -> Output:
     if faults := [*read.problems, *([refused] if refused else [])]:
         named = [f"{source.package}/{source.path.stem}"] if source.package else []
         lost = [*named, *_declared(read.text)]
-        path = str(source.path)
-        whats = [_with_words(one.what, own) for one in faults]
-        return Output(
-            [],
-            [
-                one._replace(file=path, what=what, lost=lost)
-                for one, what in zip(faults, whats, strict=True)
-            ],
-        )
+        return Output([], [_fault(one, copy, lost) for one in faults])
     found: list[Generated] = []
     problems: list[Problem] = []
     for module in sorted(root.rglob("*.py")):
@@ -178,6 +170,11 @@ def _output(copy: _Copy, root: Path, refused: Problem | None) -> Output:
         else:
             found.append(one)
     return Output(found, problems)
+
+
+def _fault(problem: Problem, copy: _Copy, lost: Sequence[str]) -> Problem:
+    what = _with_words(problem.what, copy.own)
+    return problem._replace(file=str(copy.source.path), what=what, lost=lost)
 
 
 def _members(copy: _Copy, name: str) -> dict[str, object]:

@@ -112,6 +112,8 @@ def remedy_of_unknown() -> str:
 
     Of a fingerprint nobody knows whether it belongs to a type in a broken file.
     """
+    if folder := next((str(one.error()) for one in problems() if one.is_of_folder), ""):
+        return folder
     broken = len({problem.file for problem in problems()})
     files = f"{broken} broken type files" if broken > 1 else "a broken type file"
     more = f"; lcmtools msg build shows {files}" if broken else ""
