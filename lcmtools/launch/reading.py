@@ -26,6 +26,7 @@ from lcmtools.packages.workspace import workspace
 
 _MOST_ELEMENTS = 100_000
 """The most tags of all files together, repeated includes counted each time."""
+_COMMANDS = ("load", "dump", "delete")  # of a rosparam
 
 
 def make_plan(
@@ -135,13 +136,15 @@ class _Reading:
     def _param(self, element: Element, scope: Scope) -> Scope:
         found = param(element, scope)
         if found is not None:
-            return self._set(element, scope, [found])
+            return self._set(element, scope, found)
         what = f"{element.place}: a parameter cannot be set by a command or a binary file"
         self.notes.append(f"{what}; it is left out")
         return scope
 
     def _rosparam(self, element: Element, scope: Scope) -> Scope:
-        command = scope.text(element, "command", "load")
+        command = scope.text(element, "command") or "load"
+        if command not in _COMMANDS:
+            raise element.error(f"'command' must be {' or '.join(_COMMANDS)}, not '{command}'")
         if command == "load":
             return self._set(element, scope, list(rosparam(element, scope)))
         self.notes.append(f"{element.place}: rosparam {command} has no effect")
