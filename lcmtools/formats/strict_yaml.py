@@ -187,7 +187,7 @@ class _Tree:
             raise _bad(event, f"'{key}' is given twice", "leave one of them out")
         if key == "<<" and not self._merges_keys:
             raise _bad(event, "'<<' cannot merge other keys here", "write them out")
-        is_merge = key == "<<" and isinstance(event, self._yaml.ScalarEvent) and event.implicit[0]
+        is_merge = key == "<<" and getattr(event, "implicit", (False,))[0]
         self._keys[-1] = _MERGE_KEY if is_merge else (key, _line(event))
 
     def _add(self, node: Node, anchor: str | None) -> None:

@@ -15,8 +15,12 @@ from lcmtools.messages.setting import read_setting, write_setting
 from lcmtools.names import check_legal, namespace_of
 
 _KINDS = {
-    **{"str": "string", "string": "string", "int": "int", "double": "float"},
-    **{"bool": "bool", "boolean": "bool"},
+    "str": "string",
+    "string": "string",
+    "int": "int",
+    "double": "float",
+    "bool": "bool",
+    "boolean": "bool",
 }
 _SOURCES = ("value", "textfile", "command", "binfile")
 _MOST_NAMED = 5

@@ -97,7 +97,7 @@ def _plain(text: str) -> str:
     import yaml
 
     loader = yaml.SafeLoader("")
-    tag: str = loader.resolve(yaml.ScalarNode, text, (True, False))
+    tag: str = loader.resolve(yaml.ScalarNode, text, (True, False))  # type: ignore[no-untyped-call] # in PyYAML's stubs
     kind = tag.rpartition(":")[2]
     if kind == "null":
         return write_setting(None)

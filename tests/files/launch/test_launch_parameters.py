@@ -26,11 +26,10 @@ footprint: [[-0.2, -0.1], [0.2, 0.1]]
 """
 MERGED = """
 defaults: &defaults {rate: 5, frame: odom}
-more: &more {rate: 7, size: 3}
 one: {<<: *defaults, frame: map}
 two:
-  own: 1
-  <<: [*defaults, *more]
+  rate: 1
+  <<: *defaults
 three: {rate: 1, rate: 2}
 """
 VALUES = (
@@ -74,6 +73,13 @@ def test_nested_values_are_those_of_pyyaml(plan: Make, text: str) -> None:
     unroll(yaml.safe_load(text), "")
     found = parameters(plan(rosparam(text)))
     assert {name: yaml.safe_load(value) for name, value in found.items()} == expected
+
+
+def test_first_of_several_merged_mappings_wins(plan: Make) -> None:
+    """As in YAML's definition of "<<" and in ROS's PyYAML; versions since 6.0.3 differ."""
+    text = "a: &a {x: 1}\nb: &b {x: 2, y: 2}\nc: {<<: [*a, *b]}"
+    found = parameters(plan(rosparam(text)))
+    assert (found["c/x"], found["c/y"]) == ("1", "2")
 
 
 @pytest.mark.parametrize(
