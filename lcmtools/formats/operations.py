@@ -59,6 +59,14 @@ FUNCTIONS: Mapping[str, Function] = {
     **{name: getattr(math, name) for name in ("isnan", "isinf", "isfinite", "degrees", "radians")},
 }
 """The functions of every expression."""
+TEXT_METHODS: Mapping[str, Function] = {
+    **{name: getattr(str, name) for name in ("capitalize", "lower", "title", "upper")},
+    **{name: getattr(str, name) for name in ("strip", "lstrip", "rstrip", "split", "rsplit")},
+    **{name: getattr(str, name) for name in ("count", "find", "startswith", "endswith")},
+    **{name: getattr(str, name) for name in ("isalpha", "isdigit", "join")},
+    "replace": lambda text, old, new: _replaced(text, old, new),
+}
+"""Python's methods of text whose results are not much longer than the text."""
 
 
 def comparable(value: object) -> object:
@@ -86,6 +94,12 @@ def joined(left: str, right: str) -> str:
     if len(left) + len(right) > _LONGEST_TEXT:
         raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
     return left + right
+
+
+def _replaced(text: str, old: str, new: str) -> str:
+    if text.count(old) * len(new) > _LONGEST_TEXT:
+        raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
+    return text.replace(old, new)
 
 
 def _rounded(value: object, digits: object) -> float:

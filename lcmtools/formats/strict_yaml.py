@@ -211,7 +211,7 @@ class _Tree:
         """Merge a mapping, or a list of them of which the first ones take precedence."""
         parts = node.value if isinstance(node.value, list) else [node]
         for part in reversed(parts):
-            if not isinstance(part, Node) or not isinstance(part.value, dict):
+            if not isinstance(part.value, dict):
                 problem = "'<<' merges mappings only"
                 raise BadYaml(problem, node.line, hint="write  <<: *NAME  for one with &NAME")
             self._merged[-1].update(part.value)

@@ -12,7 +12,14 @@ from pathlib import Path
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import DEEPEST, Element
-from lcmtools.launch.arguments import check_given, check_passed, declare, given_inside, names_in
+from lcmtools.launch.arguments import (
+    check_given,
+    check_passed,
+    declare,
+    given_inside,
+    names_in,
+    passes_all,
+)
 from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
 from lcmtools.launch.node_tag import find_node, node_name, plan_node
@@ -41,15 +48,20 @@ def make_plan(
         InvalidFile: Something in them is wrong.
         UsageError: An argument was given that no file accepts.
     """
-    check_given([file.root for file in files], arguments)
+    roots = [file.root for file in files]
+    if not any(map(passes_all, roots)):
+        check_given(roots, arguments)
     reading = _Reading()
     names: dict[str, str] = {}
     try:
         for file in files:
             taken = names_in(file.root)
+            if passes_all(file.root):
+                taken = set(arguments)
             own = {name: text for name, text in arguments.items() if name in taken}
             scope = Scope(file.folder, namespace, environment, names, passed=own)
             reading.read(file, scope)
+        check_given(reading.roots, arguments)
         return reading.plan()
     except RecursionError:
         source = files[0].root.source
@@ -63,6 +75,7 @@ class _Reading:
     nodes: list[tuple[Element, Scope, Executable]] = field(default_factory=list)
     parameters: dict[str, str] = field(default_factory=dict)
     files: list[str] = field(default_factory=list)
+    roots: list[Element] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     depth: int = 0
     elements: int = 0
@@ -74,6 +87,7 @@ class _Reading:
             note = f"this is lcmtools' own {Path(file.path).name}, of its package {package}"
             self.notes.append("; ".join([note, *map(str, workspace(Path.cwd()).problems)]))
         self.files.append(file.path)
+        self.roots.append(root)
         if "deprecated" in root.attributes:
             self.notes.append(f"{root.place}: deprecated: {root.attributes['deprecated']}")
         self._children(root, scope)
@@ -173,7 +187,7 @@ class _Reading:
             inside,
             folder=file.folder,
             arguments={},
-            passed={**(scope.arguments if takes_all else {}), **passed},
+            passed={**({**scope.passed, **scope.arguments} if takes_all else {}), **passed},
             is_included=True,
             takes_all=takes_all,
         )

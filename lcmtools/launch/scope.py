@@ -4,6 +4,7 @@ Belongs here: the value, and the attributes of a tag that are read with it. Must
 meaning of tags. A tag that changes the scope after it makes a new one; nothing is changed in place.
 """
 
+import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,7 +15,7 @@ from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import package_folder
 from lcmtools.launch.substitution import Known, substitute
-from lcmtools.launch.tags import unknown_attributes
+from lcmtools.launch.tags import END_OF_WORD, unknown_attributes
 from lcmtools.names import check_legal, resolve
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
@@ -40,11 +41,27 @@ class Scope:
 
     def substituted(self, element: Element, text: str) -> str:
         """Return a text of an element with everything in ``$( )`` replaced."""
+        return self._substituted(element, text, str)
+
+    def words(self, element: Element, name: str) -> list[str]:
+        """Return an attribute's words, split as by a shell; the path of a folder is one word."""
+        folders: dict[str, str] = {}
+
+        def hidden(folder: Path) -> str:
+            return folders.setdefault(str(folder), f"\ufdd0{len(folders)}\ufdd0")
+
+        text = self._substituted(element, element.attributes.get(name, ""), hidden)
+        words = text.split(END_OF_WORD)[:-1] if text.endswith(END_OF_WORD) else _split(element, text)
+        for folder, mark in folders.items():
+            words = [word.replace(mark, folder) for word in words]
+        return words
+
+    def _substituted(self, element: Element, text: str, shown: Callable[[Path], str]) -> str:
         known = Known(
             self.arguments,
             self.environment,
-            str(self.folder),
-            lambda name: str(package_folder(name, self.folder)),
+            shown(self.folder),
+            lambda name: shown(package_folder(name, self.folder)),
             self.names,
         )
         return located(element, lambda: substitute(text, known))
@@ -117,6 +134,13 @@ class Scope:
             environment={**self.environment, name: text},
             set_variables={**self.set_variables, name: text},
         )
+
+
+def _split(element: Element, text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError:
+        raise element.error(f"a quote is not closed in '{' '.join(text.split())}'") from None
 
 
 def located(element: Element, work: Callable[[], T]) -> T:

@@ -5,6 +5,7 @@ a launch file. Must not know tags. https://wiki.ros.org/roslaunch/XML#substituti
 """
 
 import contextlib
+import math
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -12,13 +13,16 @@ from typing import cast
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.expression import Expression, ExpressionFault, Language
-from lcmtools.formats.operations import CONSTANTS, LARGEST, Function
+from lcmtools.formats.operations import CONSTANTS, LARGEST, TEXT_METHODS, Function
 from lcmtools.names import did_you_mean
 
 _QUOTES = "'\""
 _COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
 _LONGEST = 1000  # characters of an expression
-_CONSTANTS: Mapping[str, object] = {**CONSTANTS, "true": True, "false": False}
+_CONSTANTS: Mapping[str, object] = {**CONSTANTS, "e": math.e, "true": True, "false": False}
+_COUNTS = {"dirname": (0, 0), "optenv": (1, 2), "pow": (2, 2), "fmod": (2, 2), "log": (1, 2)}
+"""The numbers of arguments of functions that take more or less than one."""
+_MATH = ("ceil", "exp", "fabs", "floor", "fmod", "log", "log10", "pow")
 _CASTS: Mapping[str, Function] = {
     "str": str,
     "int": lambda value: int(cast("float", value)),
@@ -150,15 +154,21 @@ def _evaluated(text: str, known: Known) -> str:
         longest=_LONGEST,
         functions={
             **_CASTS,
+            **{name: getattr(math, name) for name in _MATH},
             **_functions(known),
             "arg": lambda name: _typed(known.argument(str(name))),
+            "optenv": lambda name, default="": known.environment.get(str(name), default),
+            "dirname": lambda: known.folder,
         },
         has_choices=True,
+        methods=TEXT_METHODS,
+        counts=_COUNTS,
     )
     try:
-        return str(Expression(" ".join(text.splitlines()), language).value(known))
+        value = Expression(" ".join(text.splitlines()), language).value(known)
     except ExpressionFault as fault:
         raise UsageError(f"eval: cannot work out {fault}", language.example) from None
+    return str(list(value) if isinstance(value, tuple) else value)
 
 
 def _typed(text: str) -> object:
@@ -169,5 +179,6 @@ def _typed(text: str) -> object:
         if abs(number := int(text)) <= LARGEST:
             return number
     with contextlib.suppress(ValueError):
-        return float(text)
+        if math.isfinite(real := float(text)):
+            return real
     return text
