@@ -152,8 +152,9 @@ class Expression:
             return all(type(comparison) in COMPARISONS for comparison in node.ops)
         if isinstance(node, ast.Attribute) and node.attr.startswith("__"):
             return False
+        if isinstance(node, (ast.Subscript, ast.Slice)) and self._language.methods:
+            return True
         fields = _FIELD_NODES if self._language.has_fields else ()
-        fields = fields or (_FIELD_NODES[1:] if self._language.methods else ())
         choices = (ast.IfExp,) if self._language.has_choices else ()
         return isinstance(node, (*_PLAIN_NODES, *fields, *choices))
 

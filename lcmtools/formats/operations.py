@@ -59,14 +59,10 @@ FUNCTIONS: Mapping[str, Function] = {
     **{name: getattr(math, name) for name in ("isnan", "isinf", "isfinite", "degrees", "radians")},
 }
 """The functions of every expression."""
-TEXT_METHODS: Mapping[str, Function] = {
-    **{name: getattr(str, name) for name in ("capitalize", "lower", "title", "upper")},
-    **{name: getattr(str, name) for name in ("strip", "lstrip", "rstrip", "split", "rsplit")},
-    **{name: getattr(str, name) for name in ("count", "find", "startswith", "endswith")},
-    **{name: getattr(str, name) for name in ("isalpha", "isdigit", "join")},
-    "replace": lambda text, old, new: _replaced(text, old, new),
-}
-"""Python's methods of text whose results are not much longer than the text."""
+_METHODS = (
+    *("capitalize", "count", "endswith", "find", "isalpha", "isdigit", "join", "lower", "lstrip"),
+    *("rsplit", "rstrip", "split", "startswith", "strip", "title", "upper"),
+)
 
 
 def comparable(value: object) -> object:
@@ -100,6 +96,13 @@ def _replaced(text: str, old: str, new: str) -> str:
     if text.count(old) * len(new) > _LONGEST_TEXT:
         raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
     return text.replace(old, new)
+
+
+TEXT_METHODS: Mapping[str, Function] = {
+    **{name: getattr(str, name) for name in _METHODS},
+    "replace": _replaced,
+}
+"""Python's methods of text whose results are not much longer than the text."""
 
 
 def _rounded(value: object, digits: object) -> float:

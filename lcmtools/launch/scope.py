@@ -51,7 +51,8 @@ class Scope:
             return folders.setdefault(str(folder), f"\ufdd0{len(folders)}\ufdd0")
 
         text = self._substituted(element, element.attributes.get(name, ""), hidden)
-        words = text.split(END_OF_WORD)[:-1] if text.endswith(END_OF_WORD) else _split(element, text)
+        is_list = text.endswith(END_OF_WORD)
+        words = text.split(END_OF_WORD)[:-1] if is_list else _split(element, text)
         for folder, mark in folders.items():
             words = [word.replace(mark, folder) for word in words]
         return words

@@ -16,9 +16,9 @@ from lcmtools.signals import Doubles, ending_signals
 class SignalWaiter:
     """A context in which SIGINT, SIGTERM, SIGHUP and the ends of children are events.
 
-    Under nohup, SIGHUP is not one. Signals belong to the whole process: inside the context its handlers for these four, and its
-    wake-up descriptor, are replaced; afterwards they are restored. Only the main thread may enter
-    it.
+    Under nohup, SIGHUP is not one. Signals belong to the whole process: inside the context its
+    handlers for these four, and its wake-up descriptor, are replaced; afterwards they are restored.
+    Only the main thread may enter it.
     """
 
     def __init__(self) -> None:

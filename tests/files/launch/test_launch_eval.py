@@ -14,7 +14,7 @@ FOLDER = "/home/me/my robot"
 
 
 def typed(text: str) -> object:
-    """roslaunch's ``convert_value(text, "auto")``."""
+    """Roslaunch's ``convert_value(text, "auto")``."""
     try:
         return float(text) if "." in text else int(text)
     except ValueError:
@@ -23,7 +23,11 @@ def typed(text: str) -> object:
 
 NAMES: dict[str, object] = {
     **{name: getattr(math, name) for name in dir(math) if not name.startswith("_")},
-    **{"true": True, "false": False, "int": int, "float": float, "str": str},
+    "true": True,
+    "false": False,
+    "int": int,
+    "float": float,
+    "str": str,
     "arg": lambda name: typed(ARGUMENTS[name]),
     "env": lambda name: ENVIRONMENT[name],
     "optenv": lambda name, default="": ENVIRONMENT.get(name, default),
