@@ -97,7 +97,10 @@ class CsvFiles(AbstractContextManager["CsvFiles"]):
 
 
 class JsonLines(AbstractContextManager["JsonLines"]):
-    """A line of JSON for each message: topic, time [ns], sender if known, type, message."""
+    """A line of JSON for each message: topic, time [ns], sender if known, type, message.
+
+    Where other types have the same fields, and no node has announced its own, ``types`` has all.
+    """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("x", encoding="utf-8", errors="backslashreplace")
@@ -112,7 +115,9 @@ class JsonLines(AbstractContextManager["JsonLines"]):
         sender = packet.sender.name if packet.sender else ""
         row: dict[str, Plain] = {"topic": packet.channel, "time": packet.time}
         row |= {"sender": sender} if sender else {}
-        row |= {"type": type_name(message), "message": to_plain(message)}
+        names: list[Plain] = [*decoder.types(packet)]
+        row |= {"type": names[0], **({"types": names} if len(names) > 1 else {})}
+        row |= {"message": to_plain(message)}
         self._file.write(f"{write_json(row)}\n")
 
 

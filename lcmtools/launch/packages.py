@@ -1,7 +1,7 @@
 """Packages and the launch files in them: from names to folders and files.
 
-A package is one of the workspace, also one of ROS, an installed Python package, or one of the labs'
-packages, which are part of lcmtools.
+A package is one of the workspace, also of ROS, an installed one of Python, or one of lcmtools' own,
+the labs'.
 """
 
 import os
@@ -16,10 +16,8 @@ from lcmtools.packages.ros_packages import files_below, ros_packages
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
-LABS = Path(__file__).parent / "files"
-"""The packages that the labs' texts name, each with its launch files."""
-LARGEST = 1_000_000
-"""Bytes of a file."""
+LABS = Path(__file__).parent / "files"  # packages that the labs' texts name, with launch files
+LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 
 
@@ -76,11 +74,7 @@ def lab_packages() -> list[str]:
 
 def lab_files() -> list[tuple[str, str]]:
     """Return the labs' launch files, each with its package."""
-    return [
-        (package, path.name)
-        for package in lab_packages()
-        for path in sorted((LABS / package / "launch").iterdir())
-    ]
+    return sorted((path.parts[-3], path.name) for path in LABS.glob("*/launch/*"))
 
 
 def launch_files(package: str) -> list[str]:
@@ -153,12 +147,8 @@ def _only_file(folder: Path, package: str) -> Path:
 
 
 def _launch_files(folder: Path) -> list[Path]:
-    """Return the files in the usual places of launch files."""
-    return [
-        path
-        for path in files_below(folder)
-        if path.suffix in SUFFIXES and path.parent.name == "launch"
-    ]
+    files = files_below(folder)
+    return [path for path in files if path.suffix in SUFFIXES and path.parent.name == "launch"]
 
 
 def _spellings(name: str) -> list[str]:

@@ -130,11 +130,9 @@ class Scope:
             raise element.error("'value' is missing in env")
         if "=" in name or "\0" in name + text:
             raise element.error(f"'{name}' is not the name of an environment variable")
-        return replace(
-            self,
-            environment={**self.environment, name: text},
-            set_variables={**self.set_variables, name: text},
-        )
+        environment = {**self.environment, name: text}
+        set_variables = {**self.set_variables, name: text}
+        return replace(self, environment=environment, set_variables=set_variables)
 
 
 def _split(element: Element, text: str) -> list[str]:

@@ -18,7 +18,7 @@ from lcmtools.messages.coder import coder
 from lcmtools.messages.compiled import Scan, Write
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.layout import has_wire_type, is_generated
-from lcmtools.messages.registry import Message, candidates, fingerprint, type_name
+from lcmtools.messages.registry import Message, candidates, fingerprint, type_name, versioned
 from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, given
 from lcmtools.messages.shape import Element, check_lengths, shaped
@@ -134,7 +134,7 @@ def describe_payload(data: bytes) -> str:
         return f"{len(data)} bytes, which are not an LCM message"
     number = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(number)
-    return names[0] if names else f"an unknown type (fingerprint {number:#018x})"
+    return versioned(names[0], number) if names else f"an unknown type (fingerprint {number:#018x})"
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:

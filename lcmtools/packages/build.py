@@ -15,12 +15,11 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lcmtools.messages.type_source import Problem
+from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.versions import version_place
 from lcmtools.wire.datagram import MESSAGE_MAX
-
-_SHIPPED = "lcmtools.types"
 
 _INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
@@ -53,9 +52,11 @@ class _Build:
     prefix: str
     folder: Path
     shipped: Collection[str]
+    home: str = SHIPPED  # the module that has the shipped types
     types: dict[str, Generated] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
+    places: list[str] = field(default_factory=list)  # folders and files with other definitions
 
     @property
     def root(self) -> Path:
@@ -75,6 +76,8 @@ class _Build:
                     self.notes[one.name] = (
                         f"{one.name} is defined differently in {first} and in {one.file}"
                     )
+                    if (place := str(version_place(one.file, first))) not in self.places:
+                        self.places.append(place)
 
     def drop_too_large(self) -> None:
         """Remove types with more elements than LCM carries bytes: Python would create them all."""
@@ -182,7 +185,7 @@ class _Build:
         text = _INIT.format(
             imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
             shipped=shipped,
-            home=f"{_SHIPPED}.{package}",
+            home=f"{self.home}.{package}".rstrip("."),
         )
         (folder / "__init__.py").write_text(text, "utf-8")
 
@@ -194,17 +197,21 @@ class _Build:
 
 
 def build(
-    files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]
+    files: Sequence[LcmFile],
+    prefix: str,
+    folder: Path,
+    shipped: Mapping[str, int],
+    home: str = SHIPPED,
 ) -> dict[str, object]:
     """Fill an empty folder with the types of some files; return their table, for JSON.
 
-    The types are below a package ``prefix``; ``shipped`` are further types that their fields may
-    use. If two files have the same type, the first takes precedence.
+    The types are below a package ``prefix``; ``shipped`` are further types, of a package ``home``,
+    that their fields may use. If two files have the same type, the first takes precedence.
 
     Raises:
         MissingExtra: There is no lcm-gen.
     """
-    making = _Build(prefix, folder, shipped)
+    making = _Build(prefix, folder, shipped, home)
     making.root.mkdir()
     for file in files:
         making.add(file)
@@ -218,6 +225,7 @@ def build(
         "services": [name for name in services if f"{name}_Request" in numbers],
         "problems": [problem._asdict() for problem in making.problems],
         "notes": making.notes,
+        "places": making.places,
     }
 
 

@@ -144,8 +144,7 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     if evidence.damaged_bytes:
         log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
-        return finding(title, None, state("fix-log", log=quote(log)))
-    return iter(())
+        yield from finding(title, None, state("fix-log", log=quote(log)))
 
 
 def _clocks(evidence: Evidence, kind: str) -> list[str]:
@@ -160,8 +159,7 @@ def _clocks(evidence: Evidence, kind: str) -> list[str]:
         usual = "microseconds" if odd.text.startswith("utime") else "stamp-utc"
         return "stamp-if-no-log" if is_replayed else usual
 
-    remedies = [remedy(odd) for odd in evidence.oddities if odd.kind == kind]
-    return list(dict.fromkeys(remedies))
+    return list(dict.fromkeys(remedy(odd) for odd in evidence.oddities if odd.kind == kind))
 
 
 def _odd(
