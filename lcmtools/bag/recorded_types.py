@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import PurePath
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.messages.fields import fields
+from lcmtools.messages.fields import parts
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages.cache import VERSION_PREFIX
@@ -19,7 +19,7 @@ def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[Recorded
     known: dict[type[Message], None] = {}
     for packet in packets:
         with suppress(LcmtoolsError):  # an unknown type does no harm to the log
-            _add(decoder.message_class(packet), known)
+            known.update(dict.fromkeys(parts(decoder.message_class(packet))))
     found: list[RecordedType] = []
     for kind in known:
         with suppress(LcmtoolsError):  # its file does not exist here
@@ -34,11 +34,3 @@ def _recorded(kind: type[Message]) -> RecordedType:
     if home.startswith(VERSION_PREFIX):  # to stay apart from other versions
         path = home / path
     return RecordedType(name, fingerprint(kind), str(path), source_text(kind) + "\n")
-
-
-def _add(kind: type[Message], known: dict[type[Message], None]) -> None:
-    if kind not in known:
-        known[kind] = None
-        for part in fields(kind):
-            if part.message_class:
-                _add(part.message_class, known)

@@ -12,7 +12,7 @@ from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from lcmtools.errors import DecodeError, needing_extra
-from lcmtools.messages.fields import Field, fields, holds_itself, is_time
+from lcmtools.messages.fields import Field, fields, holds_itself, is_time, length_values
 from lcmtools.messages.registry import Message, type_name
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class _Pair:
     ros_name: str
     to_ros: _Convert
     to_lcm: _Convert
-    sizes: tuple[int | str, ...] = ()  # of an array of several dimensions, which ROS has as one
+    array: Field | None = None  # an array of several dimensions, which ROS has as one
 
 
 def ros_store(version: RosVersion | None) -> "Typestore":
@@ -95,9 +95,8 @@ class Conversion:
         made = cls()
         for pair in self._find(cls, name) or ():
             value = pair.to_lcm(getattr(message, pair.ros_name))
-            if pair.sizes:
-                sizes = [getattr(made, n) if isinstance(n, str) else n for n in pair.sizes]
-                value = _shaped(value, sizes)
+            if pair.array:
+                value = _shaped(value, length_values(made, pair.array))
             setattr(made, pair.lcm_name, value)
         return made
 
@@ -129,8 +128,8 @@ class Conversion:
             converts = self._converts(part, theirs.pop(spelled)) if spelled else None
             if spelled is None or converts is None:
                 return None
-            sizes = part.dimensions if part.depth > 1 else ()
-            pairs.append(_Pair(part.name, normalize_fieldname(spelled), *converts, sizes))
+            array = part if part.depth > 1 else None
+            pairs.append(_Pair(part.attribute, normalize_fieldname(spelled), *converts, array))
         return None if theirs else tuple(pairs)
 
     def _converts(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":

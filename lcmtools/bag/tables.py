@@ -217,14 +217,22 @@ class ParquetFiles(ColumnsOfTopics):
 
 
 def _arrow(column: "Array") -> Any:  # noqa: ANN401 - a pyarrow object
-    import numpy as np
     import pyarrow as pa
 
     if column.ndim == 1 and column.dtype != object:
         return pa.array(column)
     if column.dtype == object or 0 in column.shape:
-        return pa.array([np.asarray(row).tolist() for row in column])
+        return pa.array(_lists(column))
     rows = pa.array(column.ravel())
     for size in reversed(column.shape[1:]):
         rows = pa.FixedSizeListArray.from_arrays(rows, size)
     return rows
+
+
+def _lists(rows: object) -> object:
+    """Return an array as lists, also where its elements are arrays of different lengths."""
+    import numpy as np
+
+    if not isinstance(rows, np.ndarray):
+        return rows
+    return list(map(_lists, rows)) if rows.dtype == object else rows.tolist()

@@ -46,12 +46,12 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
     elif isinstance(message, Time) and not 0 <= message.nsec < _SECOND:
         yield "nsec", f"{path}nsec is {message.nsec}, and a second has {_SECOND}"
     fields = visible_fields(cls)
-    covariances = (one.name for one in fields if one.name.endswith("covariance"))
-    unknown = (name for name in covariances if _is_unmeasured(getattr(message, name)))
+    covariances = (one for one in fields if one.name.endswith("covariance"))
+    unknown = (one.name for one in covariances if _is_unmeasured(getattr(message, one.attribute)))
     unmeasured = {name.removesuffix("_covariance") for name in unknown}
     for field in fields:
         if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
-            yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
+            yield from _field(getattr(message, field.attribute), field, f"{path}{field.name}")
 
 
 def _field(value: object, field: Field, path: str) -> Iterator[Odd]:

@@ -20,8 +20,8 @@ from lcmtools.doctor.near_types import grown_type, own_types_like
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.graph.relay_report import Link, State, decode_report
-from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
+from lcmtools.messages.message_time import UNITS, MessageTime, message_time
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder
@@ -47,7 +47,6 @@ _LARGEST = 4 << 20  # bytes of a message that is decoded
 _FUTURE, _OLD = 1.0, 10.0  # [s] the largest error of a stamp
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
 
-_UNITS = {"nanoseconds": 1, "milliseconds": 10**6, "seconds": 10**9}  # [ns]
 _DAY = 86_400 * 10**9  # [ns]
 _FASTEST = 10  # times real time, or its part, at which a log is played
 
@@ -137,8 +136,8 @@ class Listening:
         return tuple(
             replace(odd, name=name(key[1]), kind=self._replayed(key) if kind == "old" else kind)
             for (kind, key, place), odd in self._odd.items()
-            # a constant utime may belong to a message that is sent repeatedly
-            if (kind, place) != ("old", "utime") or self._replayed(key) == "replayed"
+            # a constant number may belong to a message that is sent repeatedly
+            if kind != "old" or place == "header.stamp" or self._replayed(key) == "replayed"
             if kind != "boot" or not self.clock_ticks  # the clock started later
             # with several clocks these are ambiguous
             if kind not in ("future", "old") or len(self._clocks) <= 1
@@ -238,15 +237,18 @@ class Listening:
                 self._frames.setdefault((tree, *names), packet.sender)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
-        stamped, place = stamp(message), "header.stamp"
-        if stamped is None:
-            stamped, place = utime(message), "utime"
-            if stamped and (unit := _unit(stamped // 1000, arrival)):
-                text = f"utime is {stamped // 1000}: {unit}, not microseconds"
-                self._add_oddity("unit", key, text)
-                return
-        if not stamped or (place == "utime" and stamped < _SIMULATED):  # by another clock
+        found = message_time(message)
+        if found is None or not found.time:
             return
+        if found.field == "utime" and (unit := _unit(int(found.value), arrival)):
+            text = f"utime is {found.value}: {unit}, not microseconds"
+            self._add_oddity("unit", key, text)
+        elif found.field != "utime" or found.time >= _SIMULATED:  # else by another clock
+            self._compare_time(found, arrival, key)
+
+    def _compare_time(self, found: MessageTime, arrival: int, key: _Key) -> None:
+        """Note a time that is not the present one."""
+        stamped, place = found.time, str(found)
         if stamped < _SIMULATED and not self.clock_ticks:
             self._add_oddity("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
             return
@@ -271,7 +273,8 @@ class Listening:
 
 def _unit(number: int, now: int) -> str:
     """Return the unit in which a number is near the time ``now`` [ns]; "" for microseconds."""
-    return next((name for name, size in _UNITS.items() if abs(number * size - now) < _DAY), "")
+    near = (name for name, length in UNITS.items() if abs(number * length - now) < _DAY)
+    return next((name for name in near if name != "microseconds"), "")
 
 
 def target_rate(command: str) -> float | None:

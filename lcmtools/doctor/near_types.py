@@ -14,7 +14,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from itertools import chain, pairwise, permutations
 
 from lcmtools.errors import LcmtoolsError
@@ -22,6 +22,7 @@ from lcmtools.messages.codec import NOT_PLAIN
 from lcmtools.messages.coder import coder
 from lcmtools.messages.fields import PRIMITIVES, Field, fields
 from lcmtools.messages.plain import to_plain
+from lcmtools.messages.python_names import base_hash
 from lcmtools.messages.registry import (
     Message,
     Registry,
@@ -35,7 +36,7 @@ from lcmtools.messages.registry import (
 )
 from lcmtools.messages.type_names import preference, resemblance
 
-_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 63
+_BITS = (1 << 64) - 1
 _LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
 _FEW = 5  # fields at most, of which all orders are tried
 _USUAL = {"seq": "int32", "id": "int32", "utime": "int64", "timestamp": "int64", "name": "string"}
@@ -117,7 +118,8 @@ def added_and_missing(one: type[Message], other: type[Message]) -> tuple[list[st
 
 def _identity(part: Field) -> tuple[object, ...]:
     """Return all of a field that its type's fingerprint depends on."""
-    return _hashed_bytes(part), part.message_class and fingerprint(part.message_class)
+    kind = fingerprint(part.message_class) if part.message_class else part.type
+    return part.name, kind, part.dimensions
 
 
 def _name(cls: type[Message]) -> str:
@@ -203,26 +205,9 @@ def fingerprint_of(parts: Iterable[Field], others: dict[type[Message], int] | No
 
     ``others`` replaces the fingerprints of nested types.
     """
-    value, nested = _START, 0
-    for part in parts:
-        for byte in _hashed_bytes(part):
-            # the high bits are shifted as those of a signed number
-            high = (value >> 55) | (~0x1FF if value >= _SIGN else 0)
-            value = (((value << 8) ^ high) + byte) & _BITS
-        if part.message_class:
-            nested += (others or {}).get(part.message_class) or fingerprint(part.message_class)
-    total = (value + nested) & _BITS
+    own = tuple(parts)
+    total = base_hash((p.name, _LCM_NAMES.get(p.type, ""), p.dimensions) for p in own)
+    for kind in (part.message_class for part in own if part.message_class):
+        total += (others or {}).get(kind) or fingerprint(kind)
+    total &= _BITS
     return ((total << 1) & _BITS) + (total >> 63)
-
-
-@cache
-def _hashed_bytes(part: Field) -> tuple[int, ...]:
-    """Return the bytes that lcm-gen hashes for a field."""
-
-    def text(name: str) -> tuple[int, ...]:
-        data = name.encode()
-        return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
-
-    primitive = text(_LCM_NAMES[part.type]) if part.message_class is None else ()
-    sizes = ((isinstance(size, str), *text(str(size))) for size in part.dimensions)
-    return (*text(part.name), *primitive, len(part.dimensions), *chain.from_iterable(sizes))

@@ -9,7 +9,7 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams.image import TYPES
 from lcmtools.gui.streams.steer import is_velocity
 from lcmtools.messages.definition import array_type
-from lcmtools.messages.fields import is_time, visible_fields
+from lcmtools.messages.fields import fields, is_time
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.channels.rows import ChannelRow
 
@@ -44,7 +44,7 @@ def numbers(source: Source, parameters: Parameters) -> Json:
 
 def number_fields(cls: type[Message], prefix: str = "", deep: int = 0) -> Iterator[tuple[str, str]]:
     """Yield the paths of a type's fields with numbers, each with its type."""
-    for field in visible_fields(cls):
+    for field in fields(cls):
         path = f"{prefix}{field.name}"
         inner = field.message_class
         if inner is None or is_time(inner):

@@ -16,6 +16,7 @@ from pathlib import PurePath
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
+from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import (
     STUDENTS,
@@ -304,8 +305,8 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
 
 def _load(prefix: str, name: str) -> object:
     package, _, short = name.rpartition("/")
-    module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
-    return cast("object", getattr(module, short))
+    module = importlib.import_module(f"{prefix}.{python_path(package)}" if package else prefix)
+    return cast("object", getattr(module, python_name(short)))
 
 
 _current: tuple[Supply | None, Registry] | None = None
@@ -415,6 +416,8 @@ def fingerprint(cls: type[Message]) -> int:
 @cache
 def _class_name(cls: type) -> str:
     """Return a generated class's name: lcm-gen puts each class into its own module."""
+    if name := getattr(cls, "__lcm_name__", ""):  # one that Python cannot spell
+        return str(name)
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]

@@ -15,6 +15,7 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
@@ -35,15 +36,15 @@ def __getattr__(name: str) -> object:
 '''
 _PAIR = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
-from {module}_Request import {name}_Request
-from {module}_Response import {name}_Response
+from {module}_Request import {short}_Request
+from {module}_Response import {short}_Response
 
 
 class {name}:
-    """The service {package}/{name}."""
+    """The service {service}."""
 
-    Request = {name}_Request
-    Response = {name}_Response
+    Request = {short}_Request
+    Response = {short}_Response
 '''
 
 
@@ -67,9 +68,11 @@ class _Build:
         with TemporaryDirectory(dir=self.folder) as name:
             scratch = Path(name)
             found, problems = generate(file, self.prefix, scratch)
-            self.problems += problems
+            self.problems += [_named(problem, file) for problem in problems]
             for one in found:
-                if one.name not in self.types:
+                if file.package and self._is_own_primitive(one):
+                    self.notes[one.name] = f"{one.name} is lcmtools' own, not that of {one.file}"
+                elif one.name not in self.types:
                     self.types[one.name] = move(one, scratch / self.prefix, self.root)
                 elif one.tables != self.types[one.name].tables:
                     first = self.types[one.name].file
@@ -93,7 +96,8 @@ class _Build:
         while incomplete := [found for one in self.types.values() if (found := self._missing(one))]:
             known = {name for name, one in self.types.items() if one.tables} | set(self.shipped)
             for one, missing in incomplete:
-                self.problems.append(unknown_type(one, missing, known))
+                reason = next((p for p in self.problems if p.concerns(missing)), None)
+                self.problems.append(unknown_type(one, missing, known, reason))
                 self._drop(one.name)
 
     def write_packages(self) -> list[str]:
@@ -127,10 +131,9 @@ class _Build:
     def _fingerprint(self, one: Generated) -> int | None:
         if not one.tables:
             return None  # an enum is not a message
-        package, _, short = one.name.rpartition("/")
+        path = one.module.relative_to(self.folder).with_suffix("")
         try:
-            module = importlib.import_module(".".join(filter(None, (self.prefix, package, short))))
-            message = getattr(module, short)()
+            message = getattr(importlib.import_module(".".join(path.parts)), path.name)()
             return int(message.get_hash())
         except RecursionError:
             what = f"{one.name} contains itself"
@@ -162,6 +165,11 @@ class _Build:
         """Return the name of the type with a module path: "PREFIX.geometry_msgs.Twist"."""
         return "/".join(path.removeprefix(f"{self.prefix}.").rsplit(".", 1))
 
+    def _is_own_primitive(self, one: Generated) -> bool:
+        """Return True for ROS 1's std_msgs/Time and Duration, whose only field is the primitive."""
+        nested = [self._named(path) for path in one.nested()]
+        return nested == [one.name] and one.name in self.shipped
+
     def _missing(self, one: Generated) -> tuple[Generated, str] | None:
         for path in one.nested():
             name = self._named(path)
@@ -179,21 +187,24 @@ class _Build:
         return packages
 
     def _write_init(self, package: str, names: Sequence[str]) -> None:
-        folder = self.root.joinpath(*filter(None, package.split(".")))
+        folder = self.root.joinpath(*filter(None, python_path(package).split(".")))
         folder.mkdir(parents=True, exist_ok=True)
         shipped = any(_package(name) == package for name in self.shipped)
         text = _INIT.format(
-            imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
+            imports="".join(
+                f"from .{name} import {name} as {name}\n" for name in map(python_name, names)
+            ),
             shipped=shipped,
             home=f"{self.home}.{package}".rstrip("."),
         )
         (folder / "__init__.py").write_text(text, "utf-8")
 
     def _write_pair(self, service: str) -> None:
-        package, _, name = service.rpartition("/")
-        module = ".".join(filter(None, (self.prefix, package, name)))
-        text = _PAIR.format(module=module, name=name, package=package)
-        (self.root / Path(*package.split("."), f"{name}.py")).write_text(text, "utf-8")
+        package, _, short = service.rpartition("/")
+        spelled = python_path(package)
+        module, name = ".".join(filter(None, (self.prefix, spelled, short))), python_name(short)
+        text = _PAIR.format(module=module, short=short, name=name, service=service)
+        (self.root / Path(*spelled.split("."), f"{name}.py")).write_text(text, "utf-8")
 
 
 def build(
@@ -227,6 +238,12 @@ def build(
         "notes": making.notes,
         "places": making.places,
     }
+
+
+def _named(problem: Problem, file: LcmFile) -> Problem:
+    """Return a problem with the type that the file would define, if it is a .msg file."""
+    is_message = file.package and file.path.suffix == ".msg" and not problem.type
+    return problem._replace(type=f"{file.package}/{file.path.stem}") if is_message else problem
 
 
 def _package(name: str) -> str:

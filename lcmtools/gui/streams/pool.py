@@ -3,9 +3,9 @@
 import time
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.gui import streams
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source
-from lcmtools.gui.streams import stream_class
 from lcmtools.gui.streams.base import PageStream, Update
 
 
@@ -53,7 +53,7 @@ class StreamPool:
         key = name, parameters.key
         found = self._shared.get(key)
         if found is None:
-            found = OpenStream(stream_class(name)(self._source, parameters))
+            found = OpenStream(streams.stream_class(name)(self._source, parameters))
             if found.stream.is_shared:
                 self._shared[key] = found
         found.users += 1
