@@ -47,8 +47,8 @@ class Scope:
         """Return an attribute's words, split as by a shell; the path of a folder is one word."""
         folders: dict[str, str] = {}
 
-        def hidden(folder: Path) -> str:
-            return folders.setdefault(str(folder), f"\ufdd0{len(folders)}\ufdd0")
+        def hidden(folder: str) -> str:
+            return folders.setdefault(folder, f"\ufdd0{len(folders)}\ufdd0")
 
         text = self._substituted(element, element.attributes.get(name, ""), hidden)
         is_list = text.endswith(END_OF_WORD)
@@ -57,15 +57,12 @@ class Scope:
             words = [word.replace(mark, folder) for word in words]
         return words
 
-    def _substituted(self, element: Element, text: str, shown: Callable[[Path], str]) -> str:
-        known = Known(
-            self.arguments,
-            self.environment,
-            shown(self.folder),
-            lambda name: shown(package_folder(name, self.folder)),
-            self.names,
-        )
-        return located(element, lambda: substitute(text, known))
+    def _substituted(self, element: Element, text: str, shown: Callable[[str], str]) -> str:
+        def find(name: str) -> str:
+            return str(package_folder(name, self.folder))
+
+        known = Known(self.arguments, self.environment, str(self.folder), find, self.names)
+        return located(element, lambda: substitute(text, known, shown))
 
     def text(self, element: Element, name: str, default: str = "") -> str:
         """Return an attribute's value; the default if it is not given."""

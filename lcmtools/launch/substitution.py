@@ -72,9 +72,14 @@ class Known:
         raise LookupError(f"{owner} has no field '{name}'")
 
 
-def substitute(text: str, known: Known) -> str:
-    """Replace all ``$( )``, but not those in values; UsageError if unknown or not closed."""
-    return "".join(_replaced(part, known) if inside else part for inside, part in _parts(text))
+def substitute(text: str, known: Known, shown: Callable[[str], str] = str) -> str:
+    """Replace all ``$( )``, but not those in values; UsageError if unknown or not closed.
+
+    ``shown`` returns the text for the path of a folder, of ``$(dirname)`` or ``$(find x)``.
+    """
+    return "".join(
+        _replaced(part, known, shown) if inside else part for inside, part in _parts(text)
+    )
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
@@ -105,7 +110,7 @@ def _closed(rest: str, text: str) -> tuple[str, str]:
     raise UsageError(f"'$(' is not closed in '{text}'")
 
 
-def _replaced(inside: str, known: Known) -> str:
+def _replaced(inside: str, known: Known, shown: Callable[[str], str]) -> str:
     command, _, rest = inside.strip().partition(" ")
     rest = rest.strip()
     if command == "eval":
@@ -114,7 +119,7 @@ def _replaced(inside: str, known: Known) -> str:
         name, _, default = rest.partition(" ")
         return known.environment.get(_single_name(command, name), default.strip())
     if command == "dirname":
-        return known.folder
+        return shown(known.folder)
     command = {"var": "arg"}.get(command, command)  # as in ROS 2
     functions = _functions(known)
     if command not in functions:
@@ -122,7 +127,8 @@ def _replaced(inside: str, known: Known) -> str:
         if command in known.arguments:
             hint = f"write $(arg {command})"
         raise UsageError(f"there is no '$({command} ...)'", hint)
-    return functions[command](_single_name(command, rest))
+    value = functions[command](_single_name(command, rest))
+    return shown(value) if command == "find" else value
 
 
 def _single_name(command: str, words: str) -> str:

@@ -59,6 +59,11 @@ def test_folder_in_the_args_of_xml_is_one_word(plan: Make, folder: Path) -> None
     assert words(plan(f"<launch>{node}</launch>"))[3:5] == [f"{folder}/a.yaml", "-v"]
 
 
+def test_folder_in_an_expression_is_a_text_like_any_other(plan: Make) -> None:
+    text = "nodes: [{exec: 'true', name: t, args: \"$(eval dirname().split('/')[-1])\"}]"
+    assert words(plan(text, "a.yaml")) == ["true", "my", "robot"]
+
+
 INNER = """<launch><arg name="speed" default="1"/><arg name="robot" default="r"/>
 <node pkg="lcmtools" type="talker" name="t" args="$(arg robot) $(arg speed)"/></launch>"""
 
