@@ -21,7 +21,7 @@ from lcmtools_sim.world_file.sdf_links import SdfLink, read_link
 from lcmtools_sim.world_file.values import find_model, read_file
 
 _BUILT_IN = ("model://sun", "model://ground_plane")
-_COUNTED = ("light", "actor", "road", "population")
+_COUNTED = ("light", "actor", "road", "population", "joint")
 _MOST_MODELS = 5000
 _NO_WORLD = "a robot (URDF) goes into the robots of a YAML world file: model: ./FILE"
 _WORLD = "world"
@@ -39,7 +39,10 @@ def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
         raise root.error("the file contains neither a <world> nor a <model>")
     holder = worlds[0] if worlds else root
     reader = _Reader([Path(source).resolve()], pose.frame, read_state(holder))
-    reader.read(holder)
+    try:
+        reader.read(holder)
+    except RecursionError:
+        raise holder.error("too many frames are relative to each other") from None
     gravity = _gravity(holder)
     return Scene(
         name=Path(source).stem,

@@ -260,6 +260,20 @@ def test_a_joint_to_no_link_is_left_out_by_name(tmp_path: Path) -> None:
     assert_says(note, "left out", "joint m::lost, as there is no link m::nope (1)")
 
 
+def test_a_joint_between_models_is_counted(tmp_path: Path) -> None:
+    link = f"<link name='l'>{BODY}</link>"
+    joint = "<joint name='j' type='fixed'><parent>a::l</parent><child>b::l</child></joint>"
+    (note,) = read(tmp_path, f"{model('a', link)}{model('b', link)}{joint}").notes
+    assert_says(note, "left out", "joint (1)")
+
+
+def test_an_endless_chain_of_frames_is_refused(tmp_path: Path) -> None:
+    chain = "".join(f"<frame name='f{i}' attached_to='f{i + 1}'/>" for i in range(2000))
+    link = f"<link name='l'><pose relative_to='f0'/>{BODY}</link><frame name='f2000'/>"
+    with raises_saying(InvalidFile, "yard.world:1", "too many frames"):
+        read(tmp_path, model("m", chain + link))
+
+
 def test_comments_may_have_two_dashes(tmp_path: Path) -> None:
     link = f"<link name='k'>{BODY}</link>"
     text = f"<!-- a -- b\n --- --->{model('m', link)}<!-- <model -- > -->"
