@@ -5,8 +5,8 @@ LCM: each node gets its parameters on its command line.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from functools import partial
 
+from lcmtools.errors import InvalidName
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import LARGEST, path_from
 from lcmtools.launch.parameter_yaml import leaves, read_parameters, text_of
@@ -44,8 +44,11 @@ def param(element: Element, scope: Scope) -> list[tuple[str, str]] | None:
     return None
 
 
-def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
-    """Return the names and texts of a ``<rosparam>``: YAML in it, or in a file."""
+def rosparam(element: Element, scope: Scope, notes: list[str]) -> Iterator[tuple[str, str]]:
+    """Return the names and texts of a ``<rosparam>``: YAML in it, or in a file.
+
+    A name that a node's parameter cannot have is left out, with a note.
+    """
     text, source, line = element.text, element.source, element.line
     if "file" in element.attributes:
         source, line = scope.required(element, "file"), 1
@@ -59,8 +62,12 @@ def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
     if not isinstance(root.value, dict) and "param" not in element.attributes:
         raise element.error("rosparam: expected names and values", "for example kp: 0.5")
     for name, leaf in leaves(root, "/".join(prefix)):
-        located(element, partial(check_legal, name))
-        yield name, text_of(leaf, source)
+        try:
+            check_legal(name)
+        except InvalidName as error:  # noqa: PERF203 - each name fails on its own
+            notes.append(f"{source}:{leaf.key_line}: parameter {error.what}; it is left out")
+        else:
+            yield name, text_of(leaf, source)
 
 
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:

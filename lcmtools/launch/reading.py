@@ -160,7 +160,7 @@ class _Reading:
         if command not in _COMMANDS:
             raise element.error(f"'command' must be {' or '.join(_COMMANDS)}, not '{command}'")
         if command == "load":
-            return self._set(element, scope, list(rosparam(element, scope)))
+            return self._set(element, scope, list(rosparam(element, scope, self.notes)))
         self.notes.append(f"{element.place}: rosparam {command} has no effect")
         return scope
 

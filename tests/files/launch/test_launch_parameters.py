@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape
 
 import pytest
 import yaml
-from fixtures.says import raises_saying
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile
 from lcmtools.launch.plan import Plan
@@ -149,6 +149,14 @@ def test_wrong_parameters_are_named_with_their_place(
     (folder / "p.yaml").write_text("a: 1\nb: *c\n")
     with raises_saying(InvalidFile, f"{place}: ", reason):
         plan(f"<launch>{NODE.format(tag)}</launch>")
+
+
+def test_names_that_no_parameter_can_have_are_left_out_with_their_place(plan: Make) -> None:
+    found = plan(rosparam("\nkp: 1\njoints:\n  base-link: 2\n  '1': 3\n"))
+    assert parameters(found) == {"kp": "1", "joints/1": "3"}
+    assert found.notes == (
+        "a.launch:4: parameter 'joints/base-link' is not a legal name; it is left out",
+    )
 
 
 def test_own_yaml_stays_strict(plan: Make) -> None:
