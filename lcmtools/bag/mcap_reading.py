@@ -1,4 +1,4 @@
-"""Reading an MCAP file from front to back, as far as it goes; its summary is not needed.
+"""Reading an MCAP file from front to back, as far as it goes; it need not have a summary.
 
 Belongs here: records and chunks. Must not know what messages contain.
 """
@@ -65,7 +65,12 @@ class McapFileReader:
 
     def messages(self) -> Iterator[McapMessage]:
         """Yield the messages by time; those of one time in the order of the file."""
-        records = [*self._records()]
+        found = [*self._records()]
+        end = next((n for n, one in enumerate(found) if one.kind == _DATA_END), len(found))
+        records = found[:end]
+        for record in found[end:]:  # the summary, for channels in a chunk that is damaged
+            for _ in self._read(record):
+                pass
         earliest = [*accumulate((one.time for one in reversed(records)), min, initial=_NEVER)]
         waiting: list[McapMessage] = []
         for record, later in zip(records, earliest[-2::-1], strict=True):
@@ -75,20 +80,17 @@ class McapFileReader:
                 yield heappop(waiting)
 
     def _records(self) -> Iterator[_Record]:
-        """Yield the records before the summary, the last one perhaps incomplete."""
+        """Yield the records before the footer, the last one perhaps incomplete."""
         at, file = len(MAGIC), self._file
         while at + _HEAD.size <= self._size:
             file.seek(at)
             kind, length = _HEAD.unpack(file.read(_HEAD.size))
-            if kind in (_DATA_END, _FOOTER):
+            if kind == _FOOTER:
                 return
             start = at + _HEAD.size
             yield _Record(kind, start, length, self._time(kind, start))
             at = start + length
-        if at != self._size:
-            self._on_damage(f"it is cut off at byte {self._size}")
-        else:
-            self._on_damage(f"it ends without a summary, at byte {self._size}")
+        self._on_damage(f"it is cut off at byte {self._size}")
 
     def _time(self, kind: int, start: int) -> int:
         """Return the earliest time of a record's messages."""

@@ -93,7 +93,7 @@ def field_names(names: Iterable[str], arrays: Iterable[str]) -> dict[str, str]:
 def translated(name: str, known: Definitions, version: RosVersion) -> str:
     """Return a type as the text of a .msg file that LCM can express."""
     constants, fields = known[name]
-    lines = [f"{_base_text(kind, 0)} {constant}={value}" for kind, constant, value in constants]
+    lines = [f"{_base_text(kind, 0)} {constant}={value}" for constant, kind, value in constants]
     for problem in to_lcm(Path("A.msg"), "\n".join(lines).encode(), "a").problems:
         lines[problem.line - 1] = _MARK.lstrip() + lines[problem.line - 1]
     names = renamed_fields(fields)

@@ -68,8 +68,8 @@ class ImportReport:
     def changes(self) -> list[str]:
         """Return a sentence for each field with changed numbers."""
         return [
-            f"{topic}: {count} numbers in {name} are too large for LCM's signed type and became "
-            f"negative, for example {example}"
+            f"{topic}: {name} is too large for LCM {count} times and became negative, "
+            f"for example {example}"
             for (topic, name), (count, example) in self.changed.items()
         ]
 
