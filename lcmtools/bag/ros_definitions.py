@@ -50,9 +50,8 @@ def read_definition(channel: Channel, known: Definitions) -> tuple[str, Definiti
         raise InvalidFile("the bag has no definition of it")
     try:
         found = _parsed(channel)
-    except Exception as error:  # the library's parser
-        reason = str(error).strip().partition("\n")[0]
-        raise InvalidFile(f"its definition cannot be read: {reason}") from error
+    except Exception as error:  # the library's parser may raise any
+        raise InvalidFile("its definition cannot be read") from error
     if name not in found:
         name = next(iter(found))
     return name, _with_known(name, found, known)

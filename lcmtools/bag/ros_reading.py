@@ -15,12 +15,14 @@ from urllib.parse import quote
 from lcmtools.bag.damage import damage_text
 from lcmtools.bag.mcap_reading import MAGIC as _MCAP
 from lcmtools.bag.mcap_reading import McapFileReader
+from lcmtools.bag.ros1_records import unindexed_messages
 from lcmtools.errors import InvalidFile, LcmtoolsError, needing_extra, os_errors_as
 from lcmtools.formats.strict_yaml import read_file
 
 _ROS_1, _SQLITE, _ZSTD = b"#ROSBAG V", b"SQLite format 3\0", b"\x28\xb5\x2f\xfd"
 _LFS = b"version https://git-lfs.github.com/spec/"
 _METADATA = "metadata.yaml"
+_ROS_1_FORM = "ros1", "ros1msg"
 _STORAGE = re.compile(r"\.(?:db3|mcap)(?:\.zstd)?$")
 _UNKNOWN = "(a topic that the file does not name)"
 _DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
@@ -63,7 +65,7 @@ def bag_messages(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
     if start.startswith(_MCAP):
         yield from _as_far_as_it_goes(path, _mcap(path, on_damage), on_damage)
     elif start.startswith(_ROS_1):
-        yield from _as_far_as_it_goes(path, _ros_1(path), on_damage)
+        yield from _as_far_as_it_goes(path, _ros_1(path, on_damage), on_damage)
     elif path.suffix == ".db3" or path.name == _METADATA:
         raise InvalidFile(f"{path} is part of a ROS 2 bag", f"name its folder: {path.parent}")
     else:
@@ -119,12 +121,22 @@ def _mcap_channel(
     return Channel(channel.topic, schema.name, channel.message_encoding, schema.encoding, text)
 
 
-def _ros_1(path: Path) -> Iterator[BagMessage]:
+def _ros_1(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
     with needing_extra("mcap", "ROS's formats need"):
-        from rosbags.rosbag1 import Reader
-    with Reader(path) as reader:
+        from rosbags.rosbag1 import Reader, ReaderError
+    reader = Reader(path)
+    try:
+        reader.open()
+    except ReaderError as error:
+        on_damage(f"{path} is read without its index: {error}")
+        with path.open("rb") as file:
+            for topic, time, data in unindexed_messages(file):
+                name, kind, text = topic or (_UNKNOWN, "", "")
+                yield BagMessage(Channel(name, kind, *_ROS_1_FORM, text), time, data)
+        return
+    with closing(reader):
         channels = {
-            one.id: Channel(one.topic, one.msgtype, "ros1", "ros1msg", one.msgdef.data)
+            one.id: Channel(one.topic, one.msgtype, *_ROS_1_FORM, one.msgdef.data)
             for one in reader.connections
         }
         for connection, time, data in reader.messages():
