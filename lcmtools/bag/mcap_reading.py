@@ -20,6 +20,7 @@ _HEAD = struct.Struct("<BQ")  # a record's kind and length
 _TIME = struct.Struct("<Q")  # [ns since 1970]
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence number, time of recording, of sending
 _SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END, _FOOTER = 3, 4, 5, 6, 15, 2
+_READ = (_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END)
 _TIME_AT = {_MESSAGE_KIND: 6, _CHUNK: 0}  # where a record has its (earliest) time [byte]
 _NEVER = 2**64
 
@@ -88,7 +89,8 @@ class McapFileReader:
             if kind == _FOOTER:
                 return
             start = at + _HEAD.size
-            yield _Record(kind, start, length, self._time(kind, start))
+            if kind in _READ:
+                yield _Record(kind, start, length, self._time(kind, start))
             at = start + length
         self._on_damage(f"it is cut off at byte {self._size}")
 

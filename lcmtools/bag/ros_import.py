@@ -121,7 +121,9 @@ class RosImport:
             topics.check(seen, f"its topics: {', '.join(sorted(seen))}")
         if not count:
             none = "no messages are selected" if seen else f"{path} has no messages"
-            raise InvalidFile(f"nothing is imported: {next(iter(self.report.losses()), none)}")
+            first, *others = self.report.losses() or [none]
+            more = f" (and {len(others)} more reasons)" if others else ""
+            raise InvalidFile(f"nothing is imported: {first}{more}")
 
     def _message(self, channel: Channel, data: bytes) -> Message | None:
         """Return a message; None if it is left out."""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcmtools.bag.ros_definitions import (
     FILLER,
@@ -20,6 +20,14 @@ from lcmtools.bag.ros_definitions import (
     original_text,
     parts,
     renamed_fields,
+)
+from lcmtools.bag.ros_numbers import (
+    Change,
+    Conversions,
+    array_conversions,
+    flat,
+    holds,
+    number_conversions,
 )
 from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.fields import Field, fields, holds_itself, is_time
@@ -34,12 +42,6 @@ NO_TYPES: RecordedTypes = MappingProxyType({})
 _Convert: TypeAlias = Callable[[Any], Any]
 _Described: TypeAlias = Any  # as in rosbags: a kind, and its content
 
-_BITS = {
-    **dict.fromkeys(("byte", "char", "octet", "int8", "uint8"), 8),
-    **{f"{sign}int{bits}": bits for sign in ("", "u") for bits in (16, 32, 64)},
-}
-_SIGNED = ("int8", "int16", "int32", "int64")
-_UNSIGNED = ("uint16", "uint32")
 _TIME = "builtin_interfaces/msg/Time"
 _SAME = {"bool": "bool", "float32": "float32", "float64": "float64", "string": "string"}
 
@@ -103,14 +105,6 @@ def ros_distributions(version: RosVersion) -> Iterator[Definitions]:
 
     for older in (Stores.ROS2_JAZZY, Stores.ROS2_HUMBLE, Stores.ROS2_FOXY, Stores.ROS2_DASHING):
         yield get_typestore(older).fielddefs
-
-
-class Change(NamedTuple):
-    """Numbers of a message that its LCM type cannot hold, so that they became negative."""
-
-    field: str  # its path: "header.seq"
-    numbers: int  # how many
-    example: int  # the first of them, in ROS
 
 
 class Conversion:
@@ -180,7 +174,7 @@ class Conversion:
             pairs.append(_Pair(part.name, normalize_fieldname(spelled), *converts, sizes))
         return None if theirs else tuple(pairs)
 
-    def _converts(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+    def _converts(self, part: Field, described: _Described) -> Conversions | None:
         """Return the conversions of a field's values; None if the field is not the same."""
         from rosbags.interfaces import Nodetype
 
@@ -194,26 +188,18 @@ class Conversion:
             return None
         return self._array(part, of[0])
 
-    def _scalar(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+    def _scalar(self, part: Field, described: _Described) -> Conversions | None:
         from rosbags.interfaces import Nodetype
 
         kind, of = described
         if kind == Nodetype.NAME:
             return self._nested(part, of)
         name = of[0] if kind == Nodetype.BASE else ""
-        if not _holds(part.type, name):
+        if not holds(part.type, name):
             return (_as_it_is, _as_it_is) if _SAME.get(part.type) == name else None
-        ours, theirs = _bounds(part.type), _bounds(name)
+        return number_conversions(part, name, self.changes)
 
-        def to_lcm(value: Any) -> int:  # noqa: ANN401 - a number of any type
-            found = _same_bits(int(value), ours)
-            if found != value and name != "byte":  # of which ROS 1 and 2 think differently
-                self.changes.append(Change(part.name, 1, int(value)))
-            return found
-
-        return (lambda value: _narrowed(part, int(value), theirs, ours)), to_lcm
-
-    def _nested(self, part: Field, name: str) -> "tuple[_Convert, _Convert] | None":
+    def _nested(self, part: Field, name: str) -> Conversions | None:
         cls = part.message_class
         if cls is None or not self.fits(cls, name):
             return None
@@ -228,7 +214,7 @@ class Conversion:
 
         return (lambda value: self.to_ros(cls, name, value)), to_lcm
 
-    def _array(self, part: Field, element: _Described) -> "tuple[_Convert, _Convert] | None":
+    def _array(self, part: Field, element: _Described) -> Conversions | None:
         """Return the conversions of an array; ROS has it in one dimension, row by row."""
         one = self._scalar(part, element)
         if one is None:
@@ -236,40 +222,10 @@ class Conversion:
         if part.message_class or part.type == "string":
             to_ros, to_lcm = one
             return (
-                lambda values: [to_ros(value) for value in _flat(values, part.depth)],
+                lambda values: [to_ros(value) for value in flat(values, part.depth)],
                 lambda values: [to_lcm(value) for value in values],
             )
-        return self._numbers(part, element[1][0])
-
-    def _numbers(self, part: Field, name: str) -> "tuple[_Convert, _Convert]":
-        """Return the conversions of an array of numbers, whose type in ROS is ``name``."""
-        import numpy as np
-
-        ours = np.dtype(part.type)
-        theirs = np.dtype("uint8" if name in ("byte", "char", "octet") else name)
-        is_larger = ours.itemsize > theirs.itemsize
-
-        def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - any value in messages
-            if part.depth > 1:
-                values = list(_flat(values, part.depth))
-            elif isinstance(values, (bytes, bytearray)):
-                return np.frombuffer(values, theirs)
-            found = np.asarray(values, ours)
-            narrow = found.astype(theirs) if is_larger else found.view(theirs)
-            for value in found[narrow != found][:1] if is_larger else ():
-                raise _too_large(part, int(value))
-            return narrow
-
-        def array_to_lcm(values: Any) -> Any:  # noqa: ANN401 - likewise
-            there = np.ascontiguousarray(values, theirs)
-            found = there.astype(ours) if is_larger else there.view(ours)
-            if not is_larger and theirs.kind != ours.kind and name != "byte":
-                changed = there[(found if ours.kind == "i" else there) < 0]
-                if changed.size:
-                    self.changes.append(Change(part.name, changed.size, int(changed[0])))
-            return found.tobytes() if part.is_bytes and part.depth == 1 else found.tolist()
-
-        return array_to_ros, array_to_lcm
+        return array_conversions(part, element[1][0], self.changes)
 
 
 class RosTypes(Conversion):
@@ -402,48 +358,8 @@ def _fixed_size(part: Field) -> int | None:
     return prod(sizes) if len(sizes) == part.depth else None
 
 
-def _holds(ours: str, theirs: str) -> bool:
-    """Return whether an LCM type has the bits of an integer of ROS, or is larger than unsigned."""
-    if ours not in _BITS or theirs not in _BITS:
-        return False
-    is_larger = theirs in _UNSIGNED and _BITS[ours] == 2 * _BITS[theirs]
-    return is_larger or _BITS[ours] == _BITS[theirs]
-
-
-def _bounds(name: str) -> tuple[int, int]:
-    """Return the least and the greatest number of an integer type."""
-    bits = _BITS[name]
-    return (-(1 << bits - 1), (1 << bits - 1) - 1) if name in _SIGNED else (0, (1 << bits) - 1)
-
-
-def _narrowed(part: Field, value: int, theirs: tuple[int, int], ours: tuple[int, int]) -> int:
-    """Return a number of LCM for ROS: its bits, or of a larger type its value."""
-    low, high = theirs
-    if not low <= value <= high and ours[1] - ours[0] > high - low:
-        raise _too_large(part, value)
-    return _same_bits(value, theirs)
-
-
-def _same_bits(value: int, bounds: tuple[int, int]) -> int:
-    """Return the number of a type, from its least to its greatest number, with the same bits."""
-    low, high = bounds
-    return (value - low) % (high - low + 1) + low
-
-
-def _too_large(part: Field, value: int) -> DecodeError:
-    return DecodeError(f"{part.name} is {value}, which ROS's smaller type cannot hold")
-
-
 def _as_it_is(value: Any) -> Any:  # noqa: ANN401 - a value of any type
     return value
-
-
-def _flat(values: Sequence[Any], depth: int) -> Iterator[Any]:
-    if depth == 1:
-        yield from values
-    else:
-        for row in values:
-            yield from _flat(row, depth - 1)
 
 
 def _shaped(values: Sequence[Any], sizes: Sequence[int]) -> Any:  # noqa: ANN401 - nested lists
