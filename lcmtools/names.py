@@ -140,7 +140,12 @@ def as_utf_8(name: str) -> str:
 
 def is_hidden(name: str) -> bool:
     """Return True for a name that lists omit: a part starts with "_", or LCM itself uses it."""
-    return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))
+    return is_of_lcm(name) or any(part.startswith("_") for part in name.split("/"))
+
+
+def is_of_lcm(channel: str) -> bool:
+    """Return True for a channel that LCM itself uses, whose messages have no type."""
+    return channel.startswith(_LCM_INTERNAL)
 
 
 def namespace_of(name: str) -> str:

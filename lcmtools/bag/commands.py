@@ -133,11 +133,11 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
 def _set_to_zero(message: Message) -> None:
     """Set all numbers of a message to zero except in its header."""
     for field in visible_fields(type(message)):
-        value = getattr(message, field.name)
+        value = getattr(message, field.attribute)
         if field.dimensions == () and field.message_class:
             if field.type != "std_msgs/Header":
                 _set_to_zero(value)
         elif not field.dimensions and isinstance(value, (int, float)):
-            setattr(message, field.name, type(value)(0))
+            setattr(message, field.attribute, type(value)(0))
         elif field.depth == 1 and field.type.startswith(("float", "int")):
-            setattr(message, field.name, [0] * len(value))
+            setattr(message, field.attribute, [0] * len(value))

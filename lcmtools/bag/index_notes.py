@@ -37,7 +37,7 @@ class IndexNotes:
         self._named: dict[Sender, str] = {}  # senders' names in the current file
         self._nodes: dict[str, Packet] = {}  # the last announcement of each node by its id
         self._revisions: dict[bytes, bytes] = {}
-        self._types: dict[str, RecordedType] = {}
+        self._types: dict[tuple[str, int], RecordedType] = {}
         self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints that have occurred
         self._unknown: list[Packet] = []
         self._latched: frozenset[str] = frozenset()
@@ -157,7 +157,7 @@ class IndexNotes:
 
     def _end_lookup(self, lookup: "Future[list[RecordedType]]", writer: LogWriter) -> None:
         self._lookup = None
-        self._types.update((one.name, one) for one in lookup.result())
+        self._types.update(((one.name, one.fingerprint), one) for one in lookup.result())
         writer.add_types(self._types.values())
         for sender, number in self._numbers.items():
             name = self._names.name(sender)

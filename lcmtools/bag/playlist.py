@@ -18,8 +18,8 @@ from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
-from lcmtools.messages.registry import candidates
 from lcmtools.names import Resolver, check_channel, is_hidden, resolve_namespace, spellings
+from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block, disorder
@@ -224,6 +224,5 @@ def _track(
     channel: str, topic: str, count: tuple[int, int | None], announced: Sequence[str]
 ) -> Track:
     messages, number = count
-    known = candidates(number) if number is not None else []
-    kind = next((name for name in announced if name in known), next(iter(known), ""))
-    return Track(channel, topic, messages, kind or next(iter(announced), ""), number)
+    known = [] if number is None else possible_types(number, channel, announced)
+    return Track(channel, topic, messages, next(iter((*known, *announced)), ""), number)

@@ -5,9 +5,10 @@ from contextlib import suppress
 from pathlib import PurePath
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.messages.fields import fields
+from lcmtools.messages.fields import parts
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.packages.cache import VERSION_PREFIX
 from lcmtools.packages.user_types import source_file, source_text
 from lcmtools.wire.log_index import RecordedType
 from lcmtools.wire.packet import Packet
@@ -18,23 +19,18 @@ def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[Recorded
     known: dict[type[Message], None] = {}
     for packet in packets:
         with suppress(LcmtoolsError):  # an unknown type does no harm to the log
-            _add(decoder.message_class(packet), known)
-    found: dict[str, RecordedType] = {}
+            known.update(dict.fromkeys(parts(decoder.message_class(packet))))
+    found: list[RecordedType] = []
     for kind in known:
         with suppress(LcmtoolsError):  # its file does not exist here
-            found[type_name(kind)] = _recorded(kind)
-    return list(found.values())
+            found.append(_recorded(kind))
+    return found
 
 
 def _recorded(kind: type[Message]) -> RecordedType:
     name = type_name(kind)
-    path = f"{name.rpartition('/')[0]}/{PurePath(source_file(name)).name}"
-    return RecordedType(name, fingerprint(kind), path, source_text(kind) + "\n")
-
-
-def _add(kind: type[Message], known: dict[type[Message], None]) -> None:
-    if kind not in known:
-        known[kind] = None
-        for part in fields(kind):
-            if part.message_class:
-                _add(part.message_class, known)
+    path = PurePath(name.rpartition("/")[0], PurePath(source_file(kind)).name)
+    home = kind.__module__.partition(".")[0]
+    if home.startswith(VERSION_PREFIX):  # to stay apart from other versions
+        path = home / path
+    return RecordedType(name, fingerprint(kind), str(path), source_text(kind) + "\n")

@@ -51,8 +51,9 @@ def _lines(log: LogFile, progress: Progress) -> Iterator[str]:
         seen |= {(name, one.fingerprint): None for name, one in counts if one.fingerprint}
     yield from map(log_index.lost_line, index.lost)
     heads = (Packet(name, number.to_bytes(8, "big"), 0) for name, number in seen)
+    known = {(one.name, one.fingerprint) for one in index.types.values()}
     for kind in recorded_types(heads, Decoder(builder.types_of)):
-        if kind.name not in index.types:
+        if (kind.name, kind.fingerprint) not in known:
             yield log_index.type_line(kind)
     yield log_index.end_line(log.size)
 

@@ -1,5 +1,6 @@
 """Writing logs in ROS's formats: MCAP, and bags of ROS 1 and ROS 2."""
 
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -60,18 +61,20 @@ class McapFile(AbstractContextManager["McapFile"]):
                 its name came before.
         """
         message = decoder.decode(packet)
-        channel = self._channel(packet.channel, type(message))
+        channel = self._channel(packet.channel, type(message), decoder.types(packet))
         data, time = self._types.serialize(message), _time(packet)
         self._writer.add_message(channel, log_time=time, data=data, publish_time=time)
 
-    def _channel(self, topic: str, cls: type[Message]) -> int:
+    def _channel(self, topic: str, cls: type[Message], names: Sequence[str]) -> int:
         if (topic, cls) not in self._channels:
             one = self._types.schema(cls)
             if one.name not in self._schemas:
                 number = self._writer.register_schema(one.name, one.form, one.text)
                 self._schemas[one.name] = number
+            # if other types have the same fields, the schema may be that of another one
+            metadata = {"possible_types": ", ".join(names)} if len(names) > 1 else {}
             self._channels[topic, cls] = self._writer.register_channel(
-                as_utf_8(topic), self._encoding, self._schemas[one.name]
+                as_utf_8(topic), self._encoding, self._schemas[one.name], metadata
             )
         return self._channels[topic, cls]
 

@@ -1,11 +1,11 @@
 """The definitions of types in bags, and their translation for LCM.
 
 A translated type is a .msg file that LCM can express: unsigned numbers become signed ones of the
-next larger type (of uint64 there is none larger), and fields whose names lcm-gen needs are renamed.
-Its comments keep ROS's own lines, from which ``original_text`` makes the definition again.
+next larger type (of uint64 there is none larger), and a field named like the length of an array
+gets another name. Its comments keep ROS's own lines, of which ``original_text`` makes the
+definition again.
 """
 
-import keyword
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -22,7 +22,6 @@ FILLER = "structure_needs_at_least_one_member"  # rosbags' field in a type witho
 _MARK = "  # ROS: "
 _LARGER = {"uint16": "int32", "uint32": "int64", "uint64": "int64", "octet": "uint8"}
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
-_OF_GENERATED_CODE = {"encode", "decode", "get_hash"}  # methods of lcm-gen's classes
 _KINDS: dict[str, RosVersion] = {"ros1msg": 1, "ros2msg": 2, "ros2idl": 2, "omgidl": 2}
 _NONE = ("", "unknown")  # as ROS 2 writes for a type that it does not find
 _IDL_SEPARATOR = "=" * 80 + "\nIDL: "
@@ -75,20 +74,6 @@ def parts(name: str, known: Definitions) -> Iterator[str]:
         yield from parts(nested, known)
 
 
-def field_names(names: Iterable[str], arrays: Iterable[str]) -> dict[str, str]:
-    """Return the names in LCM of a type's fields, of which some are arrays of variable size."""
-    names = list(names)
-    reserved = _OF_GENERATED_CODE | {f"{name}_length" for name in arrays}
-    taken, found = {*names, *reserved}, {}
-    for name in names:
-        ours = name
-        while ours in reserved or keyword.iskeyword(ours) or (ours != name and ours in taken):
-            ours += "_"
-        taken.add(ours)
-        found[name] = ours
-    return found
-
-
 def translated(name: str, known: Definitions, version: RosVersion) -> str:
     """Return a type as the text of a .msg file that LCM can express."""
     constants, fields = known[name]
@@ -99,18 +84,24 @@ def translated(name: str, known: Definitions, version: RosVersion) -> str:
     for field, described in fields:
         if field != FILLER:
             line = f"{_type_text(described)} {field}"
-            ours = f"{_lcm_type_text(described, version)} {names[field]}"
+            ours = f"{_lcm_type_text(described, version)} {names.get(field, field)}"
             lines.append(ours if ours == line else f"{ours}{_MARK}{line}")
     return "\n".join([*lines, ""])
 
 
 def renamed_fields(described: Iterable[tuple[str, Any]]) -> dict[str, str]:
-    """Return the names in LCM of the fields of a ROS type."""
+    """Return the fields of a ROS type that are named like an array's length, with other names."""
     from rosbags.interfaces import Nodetype
 
-    described = list(described)
-    arrays = (name for name, (kind, _) in described if kind == Nodetype.SEQUENCE)
-    return field_names((name for name, _ in described), arrays)
+    kinds = {name: kind for name, (kind, _) in described}
+    lengths = {f"{name}_length" for name, kind in kinds.items() if kind == Nodetype.SEQUENCE}
+    found: dict[str, str] = {}
+    for name in (one for one in kinds if one in lengths):
+        ours = f"{name}_"
+        while ours in kinds or ours in lengths or ours in found.values():
+            ours += "_"
+        found[name] = ours
+    return found
 
 
 def original_text(text: str) -> str:

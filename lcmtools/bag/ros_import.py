@@ -53,7 +53,8 @@ class ImportReport:
     left_out: Counter[str] = field(default_factory=Counter)  # messages, by reason
     # The numbers that became negative, by topic and field, with the first as an example.
     changed: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
-    renamed: dict[str, str] = field(default_factory=dict)  # fields: "a_msgs/Item.from" to "from_"
+    # Fields with other names: of "a_msgs/Item.x_length" this is "x_length_".
+    renamed: dict[str, str] = field(default_factory=dict)
 
     @property
     def is_complete(self) -> bool:
@@ -198,9 +199,7 @@ class RosImport:
 
     def _note_renamed(self, one: RecordedType, known: Definitions) -> None:
         names = renamed_fields(known[one.path.removesuffix(".msg")][1])
-        for theirs, ours in names.items():
-            if ours != theirs:
-                self.report.renamed[f"{one.name}.{theirs}"] = ours
+        self.report.renamed |= {f"{one.name}.{theirs}": ours for theirs, ours in names.items()}
 
 
 def _types_of(channel: Channel, data: bytes) -> tuple["Typestore", str]:

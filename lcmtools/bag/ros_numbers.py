@@ -61,6 +61,7 @@ def array_conversions(part: Field, name: str, changes: list[Change]) -> Conversi
     ours = np.dtype(part.type)
     theirs = np.dtype("uint8" if name in ("byte", "char", "octet") else name)
     is_larger = ours.itemsize > theirs.itemsize
+    can_change = not is_larger and theirs.kind != ours.kind and name != "byte"
 
     def to_ros(values: Any) -> Any:  # noqa: ANN401 - any value in messages
         if part.depth > 1:
@@ -78,10 +79,8 @@ def array_conversions(part: Field, name: str, changes: list[Change]) -> Conversi
     def to_lcm(values: Any) -> Any:  # noqa: ANN401 - likewise
         there = np.ascontiguousarray(values, theirs)
         found = there.astype(ours) if is_larger else there.view(ours)
-        if not is_larger and theirs.kind != ours.kind and name != "byte":
-            changed = there[(found if ours.kind == "i" else there) < 0]
-            if changed.size:
-                changes.append(Change(part.name, changed.size, int(changed[0])))
+        if can_change and (changed := there[(found if ours.kind == "i" else there) < 0]).size:
+            changes.append(Change(part.name, changed.size, int(changed[0])))
         return found.tobytes() if part.is_bytes and part.depth == 1 else found.tolist()
 
     return to_ros, to_lcm

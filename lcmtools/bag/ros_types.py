@@ -30,7 +30,7 @@ from lcmtools.bag.ros_numbers import (
     number_conversions,
 )
 from lcmtools.errors import DecodeError, needing_extra
-from lcmtools.messages.fields import Field, fields, holds_itself, is_time
+from lcmtools.messages.fields import Field, fields, holds_itself, is_time, length_values
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.wire.log_index import RecordedType
 
@@ -72,7 +72,7 @@ class _Pair:
     ros_name: str
     to_ros: _Convert
     to_lcm: _Convert
-    sizes: tuple[int | str, ...] = ()  # of an array of several dimensions, which ROS has as one
+    array: Field | None = None  # an array of several dimensions, which ROS has as one
 
 
 def ros_store(version: RosVersion | None) -> "Typestore":
@@ -133,9 +133,8 @@ class Conversion:
         made = cls()
         for pair in self._find(cls, name) or ():
             value = pair.to_lcm(getattr(message, pair.ros_name))
-            if pair.sizes:
-                sizes = [getattr(made, n) if isinstance(n, str) else n for n in pair.sizes]
-                value = _shaped(value, sizes)
+            if pair.array:
+                value = _shaped(value, length_values(made, pair.array))
             setattr(made, pair.lcm_name, value)
         return made
 
@@ -158,8 +157,9 @@ class Conversion:
         theirs = {
             spelled: one for spelled, one in self.store.fielddefs[name][1] if spelled != FILLER
         }
-        renamed = {ours: one for one, ours in renamed_fields(theirs.items()).items() if ours != one}
-        renamed = {ours: one for ours, one in renamed.items() if ours in cls.__slots__}
+        names = {part.name for part in fields(cls)}
+        renamed = {ours: one for one, ours in renamed_fields(theirs.items()).items()}
+        renamed = {ours: one for ours, one in renamed.items() if ours in names}
         pairs: list[_Pair] = []
         for part in fields(cls):
             known = [one for one in theirs if one not in renamed.values()]
@@ -170,8 +170,8 @@ class Conversion:
             converts = self._converts(part, theirs.pop(spelled)) if spelled else None
             if spelled is None or converts is None:
                 return None
-            sizes = part.dimensions if part.depth > 1 else ()
-            pairs.append(_Pair(part.name, normalize_fieldname(spelled), *converts, sizes))
+            array = part if part.depth > 1 else None
+            pairs.append(_Pair(part.attribute, normalize_fieldname(spelled), *converts, array))
         return None if theirs else tuple(pairs)
 
     def _converts(self, part: Field, described: _Described) -> Conversions | None:

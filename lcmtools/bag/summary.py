@@ -5,11 +5,12 @@ Must not know how it is shown. Of events not in the index, only the head is read
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
-from lcmtools.messages.registry import candidates
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reports.describe import Kinds, seen_kinds
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_events import HEAD_BYTES
 from lcmtools.wire.log_index import Block, ChannelCount, disorder
@@ -26,7 +27,7 @@ class TopicSummary:
     """The messages of a topic in a log; times are nanoseconds since 1970."""
 
     name: str
-    types: tuple[str, ...] = ()  # as nodes announce them, else by fingerprint, the likeliest first
+    kinds: Kinds = ()  # its types as nodes announce them, else by fingerprint
     messages: int = 0
     bytes: int = 0  # of payloads
     first_time: int = 0
@@ -34,6 +35,11 @@ class TopicSummary:
     longest_gap: int = 0  # longest time without a message, between the first and the last [ns]
     fingerprints: dict[int, None] = field(default_factory=dict)  # in order of appearance
     senders: dict[str, int] = field(default_factory=dict)  # messages by the sender's name
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """All types that its messages may have, the likeliest first."""
+        return tuple(dict.fromkeys(chain(*self.kinds)))
 
     @property
     def rate(self) -> float | None:
@@ -105,8 +111,8 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
                 )
             topic.add(count, names)
     for topic in topics.values():
-        seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
-        topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
+        known = tuple((name,) for name in builder.types_of(topic.name))
+        topic.kinds = known or seen_kinds(topic.fingerprints, topic.name)
     start, end = span_of(blocks)
     return LogSummary(
         str(log.path),

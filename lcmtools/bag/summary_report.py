@@ -5,7 +5,7 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.observe.reports.describe import UNKNOWN, size_text
+from lcmtools.observe.reports.describe import kinds_text, size_text
 from lcmtools.text_table import text_table
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
@@ -99,7 +99,7 @@ def _facts(summary: LogSummary) -> Iterator[tuple[str, str]]:
 def _cells(topic: TopicSummary) -> Sequence[str]:
     return (
         topic.name,
-        ", ".join(topic.types) or UNKNOWN,
+        kinds_text(topic.kinds, topic.name),
         str(topic.messages),
         "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
         size_text(topic.mean_bytes),

@@ -97,7 +97,10 @@ class CsvFiles(AbstractContextManager["CsvFiles"]):
 
 
 class JsonLines(AbstractContextManager["JsonLines"]):
-    """A line of JSON for each message: topic, time [ns], sender if known, type, message."""
+    """A line of JSON for each message: topic, time [ns], sender if known, type, message.
+
+    Where other types have the same fields, and no node has announced its own, ``types`` has all.
+    """
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("x", encoding="utf-8", errors="backslashreplace")
@@ -112,7 +115,9 @@ class JsonLines(AbstractContextManager["JsonLines"]):
         sender = packet.sender.name if packet.sender else ""
         row: dict[str, Plain] = {"topic": packet.channel, "time": packet.time}
         row |= {"sender": sender} if sender else {}
-        row |= {"type": type_name(message), "message": to_plain(message)}
+        names: list[Plain] = [*decoder.types(packet)]
+        row |= {"type": names[0], **({"types": names} if len(names) > 1 else {})}
+        row |= {"message": to_plain(message)}
         self._file.write(f"{write_json(row)}\n")
 
 
@@ -212,14 +217,22 @@ class ParquetFiles(ColumnsOfTopics):
 
 
 def _arrow(column: "Array") -> Any:  # noqa: ANN401 - a pyarrow object
-    import numpy as np
     import pyarrow as pa
 
     if column.ndim == 1 and column.dtype != object:
         return pa.array(column)
     if column.dtype == object or 0 in column.shape:
-        return pa.array([np.asarray(row).tolist() for row in column])
+        return pa.array(_lists(column))
     rows = pa.array(column.ravel())
     for size in reversed(column.shape[1:]):
         rows = pa.FixedSizeListArray.from_arrays(rows, size)
     return rows
+
+
+def _lists(rows: object) -> object:
+    """Return an array as lists, also where its elements are arrays of different lengths."""
+    import numpy as np
+
+    if not isinstance(rows, np.ndarray):
+        return rows
+    return list(map(_lists, rows)) if rows.dtype == object else rows.tolist()

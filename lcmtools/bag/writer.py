@@ -60,7 +60,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._taken = 0
         self._is_cut_off = False  # True after a failed write: the index ends before it
         self._senders: dict[tuple[Sender | None, str], int] = {}
-        self._types: set[str] = set()
+        self._types: set[tuple[str, int]] = set()  # names and fingerprints
 
     def __exit__(self, *_: object) -> None:
         """Write the rest, and close the files."""
@@ -89,8 +89,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     def add_types(self, types: Iterable[RecordedType]) -> None:
         """Keep message types in the index, each once."""
         for one in types:
-            if one.name not in self._types:
-                self._types.add(one.name)
+            if (key := (one.name, one.fingerprint)) not in self._types:
+                self._types.add(key)
                 self._lines.append(log_index.type_line(one))
 
     def add_node(self, node: RecordedNode) -> None:

@@ -13,12 +13,7 @@ from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import one_channel
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.wire.datagram import (
-    FRAGMENT_HEADER_BYTES,
-    MAGIC_FRAGMENT,
-    MAGIC_SHORT,
-    SHORT_HEADER_BYTES,
-)
+from lcmtools.wire import datagram
 
 _NUMBER_OFFSET = 16  # offset of a fragment's number
 _MAX_DATAGRAM = 65536
@@ -50,15 +45,16 @@ class ChannelSocket:
     def receive(self) -> list[tuple[bytes, int]]:
         """Return waiting payloads with their receive times [ns since 1970]; never blocks."""
         received: list[tuple[bytes, int]] = []
-        start = SHORT_HEADER_BYTES + len(self._name)
+        head = datagram.SHORT_HEADER_BYTES
+        start = head + len(self._name)
         with contextlib.suppress(OSError):  # BlockingIOError: no more are waiting
             for _ in range(_MOST_AT_ONCE):
                 size, ancillary, *_ = self._receiver.recvmsg_into([self._buffer], ANCILLARY_BYTES)
                 data = bytes(self._buffer[:size])
                 # compared again: datagrams from before the filter was attached may be any
-                if data.startswith(MAGIC_SHORT) and data[SHORT_HEADER_BYTES:start] == self._name:
+                if data.startswith(datagram.MAGIC_SHORT) and data[head:start] == self._name:
                     received.append((data[start:], arrival(ancillary)[0]))
-                elif data.startswith(MAGIC_FRAGMENT) and self._begins_large(data):
+                elif data.startswith(datagram.MAGIC_FRAGMENT) and self._begins_large(data):
                     self.has_large = True
         return received
 
@@ -72,4 +68,4 @@ class ChannelSocket:
 
     def _begins_large(self, fragment: bytes) -> bool:
         is_first = fragment[_NUMBER_OFFSET : _NUMBER_OFFSET + 2] == b"\0\0"
-        return is_first and fragment.startswith(self._name, FRAGMENT_HEADER_BYTES)
+        return is_first and fragment.startswith(self._name, datagram.FRAGMENT_HEADER_BYTES)

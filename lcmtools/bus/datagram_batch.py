@@ -43,8 +43,9 @@ class DatagramBatch:
             bytearray(_SLOTS * size) for size in (_LARGEST, _PART.size, _HEADER.size, _FACTS.size)
         )
         self._data = memoryview(data)
-        places = [*map(_address, (data, self._parts, self._headers, self._facts))]
-        start, parts, headers, facts = places
+        buffers = (data, self._parts, self._headers, self._facts)
+        cells = (ctypes.c_char.from_buffer(buffer) for buffer in buffers)
+        start, parts, headers, facts = map(ctypes.addressof, cells)
         self._start = ctypes.c_void_p(headers)
         fresh = bytearray()
         for slot in range(_SLOTS):
@@ -70,22 +71,20 @@ class DatagramBatch:
 
     def _receive(self) -> int:
         self._headers[:] = self._fresh
-        count: int = self._call(
-            self._receiver.fileno(), self._start, _SLOTS, socket.MSG_DONTWAIT, None
-        )
+        number, flags = self._receiver.fileno(), socket.MSG_DONTWAIT
+        count: int = self._call(number, self._start, _SLOTS, flags, None)
         if count >= 0:
             return count
-        number = ctypes.get_errno()
-        if number not in (errno.EAGAIN, errno.EINTR):
-            raise OSError(number, os.strerror(number))
+        if (fault := ctypes.get_errno()) not in (errno.EAGAIN, errno.EINTR):
+            raise OSError(fault, os.strerror(fault))
         return 0
 
     def _received(self, count: int) -> list[Datagram]:
-        """The datagrams in the first slots."""
         data, known, add = self._data, self._senders.get, self._add_sender
         facts = _FACTS.iter_unpack(memoryview(self._facts)[: count * _FACTS.size])
         is_known = all(self._words[place] == kind for place, kind in _KINDS.items())
-        now = time.time_ns()
+        now, places = time.time_ns(), range(0, count * _LARGEST, _LARGEST)
+        slots = zip(places, self._sizes[:count].tolist(), facts, strict=True)
         return [
             (
                 data[at : at + size].tobytes(),
@@ -93,12 +92,7 @@ class DatagramBatch:
                 seconds * 1_000_000_000 + rest if is_known else now,
                 ttl if is_known else None,
             )
-            for at, size, (source, seconds, rest, ttl) in zip(
-                range(0, count * _LARGEST, _LARGEST),
-                self._sizes[:count].tolist(),
-                facts,
-                strict=True,
-            )
+            for at, size, (source, seconds, rest, ttl) in slots
         ]
 
     def _add_sender(self, source: int) -> Sender:
@@ -107,7 +101,3 @@ class DatagramBatch:
         port, address = struct.unpack(">2xH4s", struct.pack("@Q", source))
         sender = self._senders[source] = Sender(socket.inet_ntoa(address), port)
         return sender
-
-
-def _address(buffer: bytearray) -> int:
-    return ctypes.addressof(ctypes.c_char.from_buffer(buffer))

@@ -86,9 +86,8 @@ def keep_little_waiting(connection: socket.socket) -> None:
 
 def is_unanswered(connection: socket.socket) -> bool:
     """Return whether data had to be retransmitted and are still not acknowledged."""
-    if not IS_LINUX:
-        return False
-    return connection.getsockopt(socket.IPPROTO_TCP, _TCP_INFO, 8)[_RETRANSMITS] > 0
+    option = socket.IPPROTO_TCP, _TCP_INFO, 8
+    return IS_LINUX and connection.getsockopt(*option)[_RETRANSMITS] > 0
 
 
 def share_port(receiver: socket.socket) -> None:
@@ -224,12 +223,9 @@ def computer_id() -> int:
 def receive_buffers() -> dict[int, int]:
     """Return the size of each UDP socket's receive buffer [byte] by its inode."""
     start = 4 * _MEMORY_LIMIT
-    families = socket.AF_INET, socket.AF_INET6
-    return {
-        inode: size
-        for inode, numbers in chain.from_iterable(_attributes(_MEMORY, one) for one in families)
-        if (size := int.from_bytes(numbers[start : start + 4], sys.byteorder))
-    }
+    found = chain(_attributes(_MEMORY), _attributes(_MEMORY, socket.AF_INET6))
+    sizes = ((i, int.from_bytes(row[start : start + 4], sys.byteorder)) for i, row in found)
+    return {inode: size for inode, size in sizes if size}
 
 
 def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
@@ -265,9 +261,8 @@ def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
 
 def marked_sockets(*marks: int) -> frozenset[int]:
     """Return the inodes of the sockets with one of these marks; all marks: lcmtools' own."""
-    return frozenset(
-        inode for inode, value in _attributes(_TYPE_OF_SERVICE) if value and value[0] in marks
-    )
+    found = _attributes(_TYPE_OF_SERVICE)
+    return frozenset(inode for inode, value in found if value and value[0] in marks)
 
 
 def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, bytes]]:

@@ -114,10 +114,8 @@ class LcmBus(ReceivingBus):
         self._connection.leave_to_parent()
 
     def _missing(self) -> BusError:
-        """Return the error for a bus without an instance."""
-        if self._closed:
-            return self._refusal()
-        return BusError(f"the connection to {self.url} is lost")
+        lost = BusError(f"the connection to {self.url} is lost")
+        return self._refusal() if self._closed else lost
 
     def _instance(self) -> Instance:
         instance = self._connection.instance
@@ -204,7 +202,6 @@ class LcmBus(ReceivingBus):
         return has_come
 
     def _receive_on_own_thread(self) -> None:
-        """Wait for messages, requests and attempts to connect, and handle them."""
         instance = None if self._has_ended else self._connection.instance
         works, readable = self._wait(instance)
         wake = self._right.wakeup.fileno()

@@ -54,9 +54,8 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
             return
         instance, is_lost = self._connection.instance, self._connection.is_lost
         if instance is None:
-            raise BusError(
-                f"the connection to {self._url} is lost" if is_lost else "the bus is closed"
-            )
+            lost = f"the connection to {self._url} is lost"
+            raise BusError(lost if is_lost else "the bus is closed")
         try:
             instance.publish(channel, payload)
         except OSError as error:
@@ -85,7 +84,7 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
         return packets
 
     def _subscribe(self, instance: Instance) -> None:
-        instance.subscribe(".*", self._collect).set_queue_capacity(QUEUE_CAPACITY)
+        def collect(channel: str, payload: bytes) -> None:
+            self._packets.append(Packet(channel, payload, time.time_ns()))
 
-    def _collect(self, channel: str, payload: bytes) -> None:
-        self._packets.append(Packet(channel, payload, time.time_ns()))
+        instance.subscribe(".*", collect).set_queue_capacity(QUEUE_CAPACITY)

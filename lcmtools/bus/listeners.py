@@ -23,9 +23,8 @@ def listening_sockets(url: BusUrl) -> frozenset[int]:
     if not url.is_multicast:
         return frozenset()
     addresses = ("0.0.0.0", url.host)  # noqa: S104 - a comparison
-    return frozenset(
-        row.inode for row in udp_sockets() if row.port == url.port and row.address in addresses
-    )
+    rows = (row for row in udp_sockets() if row.port == url.port)
+    return frozenset(row.inode for row in rows if row.address in addresses)
 
 
 def listening_processes(sockets: frozenset[int]) -> frozenset[Process]:

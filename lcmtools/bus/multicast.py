@@ -87,10 +87,8 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
             sender.sendto(_SELF_TEST, (url.host, url.port))
             if _receives_self_test(receiver, sender.getsockname()[1], min(left, 0.05)):
                 return
-    raise BusError(
-        f"multicast to {url.host}:{url.port} does not come back to this host",
-        f"a firewall or the route to the group blocks it; type: {_LOOPBACK_ROUTE}",
-    )
+    hint = f"a firewall or the route to the group blocks it; type: {_LOOPBACK_ROUTE}"
+    raise BusError(f"multicast to {url.host}:{url.port} does not come back to this host", hint)
 
 
 def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> bool:

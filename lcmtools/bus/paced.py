@@ -58,9 +58,8 @@ class PacedSender(SendingThread[tuple[str, bytes]]):
             BusError: The message is larger than LCM's receivers accept, or the sender is closed.
         """
         if len(payload) > MESSAGE_MAX:
-            raise BusError(
-                f"{channel}: {len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
-            )
+            size = f"{len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
+            raise BusError(f"{channel}: {size}")
         with self._changed:
             self._start()
             self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)

@@ -62,10 +62,8 @@ def _check_descriptors() -> None:
     """Check that about ten file descriptors are left below 1024, the limit of ``select``."""
     with Path(os.devnull).open("rb") as lowest_free:
         if lowest_free.fileno() > _SELECT_LIMIT - 20:
-            raise BusError(
-                f"this process has over {lowest_free.fileno()} open files, and liblcm cannot wait"
-                f" for a descriptor above {_SELECT_LIMIT}"
-            )
+            limit = f"liblcm cannot wait for a descriptor above {_SELECT_LIMIT}"
+            raise BusError(f"this process has over {lowest_free.fileno()} open files, and {limit}")
 
 
 def _check_server(url: BusUrl) -> None:
@@ -82,9 +80,8 @@ def _check_server(url: BusUrl) -> None:
         hint = f"start one there: lcmtools relay --serve {url}"
         if isinstance(error, socket.gaierror):
             hint = f"see whether the name is right: ping {url.host}"
-        raise BusError(
-            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})", hint
-        ) from error
+        what = f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})"
+        raise BusError(what, hint) from error
 
 
 def _check_log(url: BusUrl) -> None:

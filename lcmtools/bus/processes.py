@@ -177,37 +177,26 @@ def is_local(address: str) -> bool:
     return True
 
 
-def silent_senders(
-    group: str, group_port: int, seen_ports: set[int], known_pids: set[int]
-) -> set[int]:
+def silent_senders(group: str, group_port: int, seen: set[int], known_pids: set[int]) -> set[int]:
     """Return the ports of programs here that may publish to the group but have not done so yet.
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
     Candidates are such sockets of processes that use liblcm, except processes that listen only on
-    other buses. ``known_pids`` are processes whose publications are known in another way (announced
-    nodes).
+    other buses. ``seen`` are ports; ``known_pids`` are processes whose publications are known in
+    another way (announced nodes).
     """
     if not _is_joined(group):
         return set()
     rows = udp_sockets()
-    silent = [
-        row
-        for row in rows
-        if row.address == "0.0.0.0"  # noqa: S104 - a comparison
-        and row.port not in seen_ports
-        and os.getuid() in (0, row.uid)
-    ]
+    unbound = (row for row in rows if row.address == "0.0.0.0")  # noqa: S104 - a comparison
+    own = (row for row in unbound if os.getuid() in (0, row.uid))
+    silent = [row for row in own if row.port not in seen]
     if not silent:  # finding the owners means inspecting every open file
         return set()
     holders = owners(row.inode for row in rows)
     known = known_pids | {os.getpid()} | _listening_elsewhere(rows, holders, group_port)
-    return {
-        row.port
-        for row in silent
-        if (process := holders.get(row.inode))
-        and process.pid not in known
-        and uses_lcm(process.pid)
-    }
+    held = ((row.port, holders[row.inode].pid) for row in silent if row.inode in holders)
+    return {port for port, pid in held if pid not in known and uses_lcm(pid)}
 
 
 def _listening_elsewhere(

@@ -111,7 +111,6 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
             while time.monotonic() < until:
                 data, address = self._receiver.recvfrom(_MAX_DATAGRAM)
                 packet = reader.read(data, Sender(*address), time.time_ns())
-                announcement = packet and builder.add(packet)
-                if announcement:
+                if announcement := packet and builder.add(packet):
                     answered.add(announcement.node.id)
         return answered

@@ -120,11 +120,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
         Programs in Java share ports, and their numbers are mixed.
         """
-        return {
-            sender: sequence
-            for sender, sequence in tuple(self.sequences.items())  # may grow meanwhile
-            if sender.port != self._address[1] and not sequence.is_shared
-        }
+        known = tuple(self.sequences.items())  # may grow meanwhile
+        return {s: one for s, one in known if s.port != self._address[1] and not one.is_shared}
 
     def want_whole(self, channels: tuple[str, ...]) -> None:
         """Assemble the large messages of these channels instead, as ``always_whole``."""

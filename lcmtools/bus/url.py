@@ -110,9 +110,8 @@ def choose_url(
 def domain_url(domain: str, source: str = "domain") -> BusUrl:
     """Return the bus of a domain: LCM's default group, port 7667 + domain, staying on this host."""
     if not (_is_number(domain) and int(domain) <= MAX_DOMAIN):
-        raise UsageError(
-            f"{source} '{domain}' is not a domain", f"a domain is a number from 0 to {MAX_DOMAIN}"
-        )
+        hint = f"a domain is a number from 0 to {MAX_DOMAIN}"
+        raise UsageError(f"{source} '{domain}' is not a domain", hint)
     return parse_url(f"udpm://{DEFAULT_GROUP}:{DEFAULT_PORT + int(domain)}?ttl=0", source)
 
 
@@ -124,10 +123,8 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     """
     provider, separator, rest = text.partition("://")
     if not separator or provider not in _PROVIDERS:
-        raise InvalidUrl(
-            f"{source} '{text}': no LCM provider '{provider}'",
-            did_you_mean(provider, _PROVIDERS) or f"write {_example()}",
-        )
+        hint = did_you_mean(provider, _PROVIDERS) or f"write {_example()}"
+        raise InvalidUrl(f"{source} '{text}': no LCM provider '{provider}'", hint)
     network, *option_parts = rest.split("?")
     pairs = (part.partition("=") for part in "&".join(option_parts).split("&") if part)
     options = {key: value for key, _, value in pairs}  # also unknown ones, which liblcm ignores
@@ -177,10 +174,8 @@ def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:
     except AddressValueError:
         multicast = False
     if not multicast:
-        raise InvalidUrl(
-            f"{where}: {host or 'nothing'} is not a multicast address",
-            f"groups are 224.0.0.0 to 239.255.255.255; write {_example(provider)}",
-        )
+        hint = f"groups are 224.0.0.0 to 239.255.255.255; write {_example(provider)}"
+        raise InvalidUrl(f"{where}: {host or 'nothing'} is not a multicast address", hint)
     return host, number
 
 
@@ -193,9 +188,8 @@ def _parse_server(where: str, network: str) -> tuple[str, int]:
 
 def _parse_port(where: str, text: str, example: str) -> int:
     if not (_is_number(text) and 0 < int(text) < 65536):  # noqa: PLR2004 - UDP and TCP
-        raise InvalidUrl(
-            f"{where}: '{text}' is not a port", f"ports are 1 to 65535; write {example}"
-        )
+        hint = f"ports are 1 to 65535; write {example}"
+        raise InvalidUrl(f"{where}: '{text}' is not a port", hint)
     return int(text)
 
 

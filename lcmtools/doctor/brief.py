@@ -16,9 +16,7 @@ from lcmtools.observe.measuring.counters import busy_share
 
 BRIEF = 0.7  # the duration of such a look, with the request for the nodes' counters at its end [s]
 WHOLE = 1.0  # the default duration of a look if a brief one is not enough [s]
-_SLOWEST = (
-    1_200_000_000  # [ns] the longest interval that a whole look shows: a little more than 1 s
-)
+_SLOWEST = 1_200_000_000  # [ns] the longest interval that a whole look shows
 _BUSY = 0.5  # share of time in callbacks: a call may be longer than a brief look
 
 

@@ -7,13 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from lcmtools.bus.kernel import (
-    SELECTIVE,
-    SUBSCRIBED,
-    joined_interfaces,
-    marked_sockets,
-    receive_buffers,
-)
+from lcmtools.bus import kernel
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local, usage_of
 from lcmtools.bus.records import NodeRecords
@@ -24,10 +18,10 @@ from lcmtools.doctor.drops import BufferDrops
 from lcmtools.doctor.evidence import (
     Evidence,
     HostClock,
-    LcmProcess,
     Listener,
     SenderFacts,
     SimulatedClock,
+    Stream,
 )
 from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
@@ -65,17 +59,13 @@ def collect(
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
-    return replace(
-        evidence,
-        processes=processes,
-        stale_published=records.topics(stale, Role.PUBLISHER),
-        stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
-        host=replace(
-            here,
-            reassembly_failures=computer.reassembly_failures() - failures,
-            rp_filter_drops=computer.rp_filter_drops() - filtered,
-        ),
-    )
+    sides = (Role.PUBLISHER, Role.SUBSCRIBER)
+    published, subscribed = (records.topics(stale, side) for side in sides)
+    evidence = replace(evidence, stale_published=published, stale_subscribed=subscribed)
+    failures = computer.reassembly_failures() - failures
+    drops = computer.rp_filter_drops() - filtered
+    here = replace(here, reassembly_failures=failures, rp_filter_drops=drops)
+    return replace(evidence, processes=processes, host=here)
 
 
 def unusable(error: UsageError) -> Evidence:
@@ -109,9 +99,7 @@ def _observe(
 
 
 @dataclass(frozen=True, slots=True)
-class _Baseline:
-    """The state of the bus and of this computer at the start of a look."""
-
+class _Baseline:  # the state of the bus and of this computer at the start of a look
     graph: Graph
     table: SocketTable
     on_bus: frozenset[int]  # the inodes of the sockets that receive from it
@@ -155,11 +143,8 @@ def _gather(
     nodes = {node.id: node for node in (*baseline.graph.nodes, *after.nodes)}
     names = lcm_processes.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
-    processes: tuple[LcmProcess, ...] = ()
-    if not monitor.is_log:
-        processes = lcm_processes.lcm_processes(
-            monitor.url, later.rows.values(), later.holders, ports
-        )
+    known = later.rows.values(), later.holders, ports
+    processes = () if monitor.is_log else lcm_processes.lcm_processes(monitor.url, *known)
     return replace(
         evidence,
         graph=_without_departed(after, baseline.graph),
@@ -167,15 +152,7 @@ def _gather(
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
         senders=_senders(monitor, names),
-        streams=tuple(
-            replace(
-                one,
-                name=names.name(one.sender),
-                pid=names.pid(one),
-                has_ended=_has_ended(one.sender, later),
-            )
-            for one in listening.streams()
-        ),
+        streams=tuple(_named(one, names) for one in listening.streams()),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
             for one in _listeners(baseline, still_on_bus, names, overflows, monitor.url.host)
@@ -228,18 +205,15 @@ def _without_departed(graph: Graph, before: Graph) -> Graph:
 
 
 def _may_answer(node: Node) -> bool:
-    """Return whether a node has not answered yet, but still may."""
-    is_silent = node.stale and node.stale is not Staleness.ENDED and not node.is_hidden
-    return bool(is_silent) and not (
-        is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t")
-    )
+    if not node.stale or node.stale is Staleness.ENDED or node.is_hidden:
+        return False
+    return not (is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t"))
 
 
 def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
     """Return this computer's UDP sockets, and the inodes of those that receive from the bus."""
-    if not url.is_multicast:
-        return SocketTable({}, {}), frozenset()
-    return SocketTable.read(), listening_sockets(url)
+    table = SocketTable.read() if url.is_multicast else SocketTable({}, {})
+    return table, listening_sockets(url)
 
 
 def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[SenderFacts, ...]:
@@ -248,37 +222,34 @@ def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[Se
         return ()
     facts, lost = [], monitor.losses()
     for sender, sequence in tap.sequences.items():
-        if sender.port == tap.port:
-            continue
         users = {row.uid for row in names.table.sockets(sender)}
         age = 0.0 if sequence.is_shared else _age(names.senders.process(sender))
-        facts.append(
-            SenderFacts(
-                sender,
-                names.name(sender),
-                is_local=is_local(sender.address),
-                messages=sequence.messages,
-                lost=lost[sender].lost if sender in lost else 0,
-                ttl=tap.ttls.get(sender),
-                uid=users.pop() if len(users) == 1 else None,
-                paces=names.senders.node(sender) is not None,
-                process_age=age,
-                average_rate=sequence.sent / age if age else 0.0,
-            )
+        one = SenderFacts(
+            *(sender, names.name(sender)),
+            is_local=is_local(sender.address),
+            messages=sequence.messages,
+            lost=lost[sender].lost if sender in lost else 0,
+            ttl=tap.ttls.get(sender),
+            uid=users.pop() if len(users) == 1 else None,
+            paces=names.senders.node(sender) is not None,
+            process_age=age,
+            average_rate=sequence.sent / age if age else 0.0,
         )
+        facts += [one] if sender.port != tap.port else []
     return tuple(facts)
 
 
 def _age(process: Process | None) -> float:
-    """Return the time since a process started [s]; 0 if unknown."""
+    # [s] since it started; 0 if unknown
     usage = usage_of(process.pid) if process else None
     return max(0.0, (time.time_ns() - usage.start_time) / 1e9) if usage else 0.0
 
 
-def _has_ended(sender: Sender | None, table: SocketTable) -> bool:
-    """Return whether a sender was a program of this computer and its socket is gone."""
-    known = sender is not None and bool(table.rows) and is_local(sender.address)
-    return known and not table.sockets(cast("Sender", sender))
+def _named(stream: Stream, names: lcm_processes.ProgramNames) -> Stream:
+    sender, table = stream.sender, names.table
+    is_here = sender and table.rows and is_local(sender.address)
+    has_ended = bool(is_here) and not table.sockets(cast("Sender", sender))
+    return replace(stream, name=names.name(sender), pid=names.pid(stream), has_ended=has_ended)
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:
@@ -298,10 +269,10 @@ def _listeners(
     overflows: int,
     group: str,
 ) -> tuple[Listener, ...]:
-    buffers, before, after = receive_buffers(), baseline.table, names.table
+    buffers, before, after = kernel.receive_buffers(), baseline.table, names.table
     # a channel socket's kernel counters mean nothing: its filter drops nearly everything
-    selective = marked_sockets(SELECTIVE)
-    filtered = selective | marked_sockets(SUBSCRIBED)
+    selective = kernel.marked_sockets(kernel.SELECTIVE)
+    filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     found = []
     for inode in (baseline.on_bus & still_on_bus) - selective:
@@ -324,7 +295,7 @@ def _listeners(
                 state=lcm_processes.state_of(process.pid) if process else "",
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
-                joined=joined_interfaces(process.pid, inode, group) if process else (),
+                joined=kernel.joined_interfaces(process.pid, inode, group) if process else (),
                 interpreter=interpreter(process.command) if process else "",
             )
         )

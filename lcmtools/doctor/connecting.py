@@ -21,8 +21,8 @@ from lcmtools.doctor.renaming import (
 )
 from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
-from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
+from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
 
 CONNECTIONS = {
@@ -320,9 +320,9 @@ class ConnectionFinder:
                 return
         meant = (seen for name in near for seen in self._graph.topic(name).foreign)
         for seen in chain(self._foreign[base], meant):
-            known = [name for number in seen.fingerprints for name in candidates(number)]
+            known = seen_kinds(seen.fingerprints, seen.channel)
             if known:
-                yield _change_type(node, end, seen.channel, self._sender(seen.channel), known[0])
+                yield _change_type(node, end, seen.channel, self._sender(seen.channel), known[0][0])
                 return
 
 

@@ -45,14 +45,13 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
         yield from _quaternion(message, path)
     elif isinstance(message, Time) and not 0 <= message.nsec < _SECOND:
         yield "nsec", f"{path}nsec is {message.nsec}, and a second has {_SECOND}"
-    unmeasured = {
-        field.name.removesuffix("_covariance")
-        for field in visible_fields(cls)
-        if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
-    }
-    for field in visible_fields(cls):
+    fields = visible_fields(cls)
+    covariances = (one for one in fields if one.name.endswith("covariance"))
+    unknown = (one.name for one in covariances if _is_unmeasured(getattr(message, one.attribute)))
+    unmeasured = {name.removesuffix("_covariance") for name in unknown}
+    for field in fields:
         if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
-            yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
+            yield from _field(getattr(message, field.attribute), field, f"{path}{field.name}")
 
 
 def _field(value: object, field: Field, path: str) -> Iterator[Odd]:
@@ -86,10 +85,8 @@ def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
     side = _SQUARES[len(values)]
     for row in range(side):
         if values[row * side + row] < 0:
-            yield (
-                "covariance",
-                f"{path}[{row * side + row}], a variance, is {values[row * side + row]:g}",
-            )
+            place = row * side + row
+            yield "covariance", f"{path}[{place}], a variance, is {values[place]:g}"
             return
         for column in range(row):
             one, other = values[row * side + column], values[column * side + row]

@@ -34,8 +34,8 @@ class BufferDrops:
         counted = self._counted(inode)
         if inode not in self._filtered:
             return counted
-        rows = (self._before.get(inode), self._after.get(inode))
-        queued = max((row.queued_bytes for row in rows if row), default=0)
+        rows = [row for table in (self._before, self._after) if (row := table.get(inode))]
+        queued = max((row.queued_bytes for row in rows), default=0)
         is_behind = bool(buffer_bytes) and queued >= _BEHIND * (buffer_bytes or 0)
         return min(counted, self._unexplained) if is_behind else 0
 

@@ -32,9 +32,7 @@ class Host:
     is_wireless: bool = False
     most_receive_buffer: int = 0  # [byte] that a socket may request (rmem_max)
     firewall: str = ""  # the name of the enabled one
-    firewall_chain: str = (
-        ""  # the chain that drops datagrams: "inet filter input" of nftables, "INPUT"
-    )
+    firewall_chain: str = ""  # it drops datagrams: "inet filter input" of nftables, "INPUT"
     container: str = ""  # "container" or "WSL"
     reassembly_failures: int = 0  # IP datagrams with fragments missing, during the look
     environment: tuple[str, ...] = ()  # faults of variables and Python packages, one line each
@@ -109,6 +107,7 @@ class Stream:
     format: str = ""  # "JSON", "protobuf", ... of payloads that are likely no LCM messages
     doubled: int = 0  # messages that arrived twice with the same number
     repeated: int = 0  # messages that another sender sent before, with the same bytes
+    grown: str = ""  # the type of which payloads of unknown type have all fields, and then more
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,8 +127,7 @@ class Publication:
 class Oddity:
     """A value in the messages of a topic that looks wrong."""
 
-    kind: str  # "not-finite", "quaternion", "covariance", "nsec", "future", "old", "replayed",
-    # "boot", "unit" or "undecodable"
+    kind: str  # the key of its title in ``rules.content``, or "not-finite", "undecodable"
     topic: str
     name: str  # the displayed name of the sender
     text: str  # the field's path, and what is odd about it

@@ -218,9 +218,7 @@ def rule(  # noqa: PLR0913 - all that is known of a rule
     def make(check: Check) -> Rule:
         explanation = " ".join((check.__doc__ or "").split())
         titles = {identifier: title} if isinstance(title, str) else title
-        sentences = titles, facts, remedies
-        return Rule(
-            identifier, severity, explanation, remedy, check, *sentences, evidence, root_only
-        )
+        texts = titles, facts, remedies
+        return Rule(identifier, severity, explanation, remedy, check, *texts, evidence, root_only)
 
     return make

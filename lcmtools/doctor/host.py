@@ -45,6 +45,8 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
     interface = route_interface(url.host) if url.is_multicast else ""
     folder = _NET / interface if interface else Path("/nonexistent")
     flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
+    filters = _PROC / "sys/net/ipv4/conf"
+    misread = [f"the URL {url}: {odd}" for odd in misread_options(url)]
     return Host(
         uid=os.getuid(),
         interface=interface,
@@ -52,18 +54,12 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         can_multicast=bool(flags & _MULTICAST) or not interface,
         has_link=bool(flags & _RUNNING) or not interface,
         joined=_joined(url.host) if url.is_multicast else (),
-        rp_filter=max(
-            _number(_PROC / f"sys/net/ipv4/conf/{name}/rp_filter")
-            for name in ("all", interface or "all")
-        ),
+        rp_filter=max(_number(filters / one / "rp_filter") for one in ("all", interface or "all")),
         speed_mbit=max(0, _number(folder / "speed")),
         is_wireless=(folder / "wireless").exists(),
         most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
         container=_container(),
-        environment=(
-            *_environment(environment),
-            *(f"the URL {url}: {odd}" for odd in misread_options(url)),
-        ),
+        environment=(*_environment(environment), *misread),
         has_sockets=sockets_are_known(),
         **(_network(url, interface) if url.is_multicast else {}),
     )
@@ -117,7 +113,6 @@ def _flags(interface: str) -> int:
 
 
 def _routed_interfaces() -> set[str]:
-    """Return the interfaces of all routes."""
     rows = text_of(_PROC / "net/route").splitlines()[1:]
     return {columns[0] for row in rows if (columns := row.split())}
 
@@ -146,7 +141,6 @@ def _counter(file: Path, group: str, name: str) -> int:
 
 
 def _joined(group: str) -> tuple[str, ...]:
-    """Return the interfaces on which the group is joined."""
     packed = f"{struct.unpack('=I', socket.inet_aton(group))[0]:08X}"
     found, interface = [], ""
     for line in text_of(_PROC / "net/igmp").splitlines()[1:]:
@@ -252,25 +246,21 @@ def _reached(base: str, jumps: Mapping[str, set[str]]) -> set[str]:
 
 
 def _output(command: Sequence[str]) -> str:
-    try:
-        done = subprocess.run(  # noqa: S603 - a fixed command
+    with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+        return subprocess.run(  # noqa: S603 - a fixed command
             command, capture_output=True, text=True, timeout=_TIMEOUT, check=False
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return ""
-    return done.stdout
+        ).stdout
+    return ""
 
 
 def text_of(file: Path) -> str:
     """Return the text of a file; "" if it cannot be read."""
-    try:
+    with contextlib.suppress(OSError):
         return file.read_text(errors="replace")
-    except OSError:
-        return ""
+    return ""
 
 
 def _number(file: Path) -> int:
-    try:
+    with contextlib.suppress(ValueError):
         return int(text_of(file) or 0)  # int("") may lose a Ctrl-C
-    except ValueError:
-        return 0
+    return 0

@@ -71,11 +71,8 @@ def lcm_processes(
     process without UDP.
     """
     own = os.getuid()
-    mine = [
-        (process.pid, row)
-        for row in sockets
-        if (process := holders.get(row.inode)) and row.uid == own and process.pid != os.getpid()
-    ]
+    held = ((holders[one.inode].pid, one) for one in sockets if one.inode in holders)
+    mine = [(pid, row) for pid, row in held if row.uid == own and pid != os.getpid()]
     buses: dict[int, str] = {}
     sending: dict[int, set[int]] = {}
     for pid, row in mine:
@@ -84,7 +81,8 @@ def lcm_processes(
             buses[pid] = ""
         elif not multicast:
             sending.setdefault(pid, set()).add(row.port)
-        elif _probably_uses_lcm(holders[row.inode]):
+        # a guess: for Java only the command line can tell
+        elif "lcm" in holders[row.inode].command or uses_lcm(pid):
             buses.setdefault(pid, f"{row.address}:{row.port}")
     guessed = set()
     for pid, ports in sending.items():
@@ -95,20 +93,12 @@ def lcm_processes(
     without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
     named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
     buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
-    return tuple(
-        replace(_lcm_process(pid, bus), is_guess=pid in guessed)
-        for pid, bus in sorted(buses.items())
-    )
-
-
-def _probably_uses_lcm(process: Process) -> bool:
-    """Guess whether a process uses LCM. For Java only the command line can tell."""
-    return "lcm" in process.command or uses_lcm(process.pid)
+    ordered = sorted(buses.items())
+    return tuple(replace(_lcm_process(pid, bus), is_guess=pid in guessed) for pid, bus in ordered)
 
 
 def _pids_of(user: int) -> set[int]:
-    """Return the processes of a user in this network namespace."""
-    found = set()
+    found = set()  # in this network namespace
     for folder in _PROC.glob("[0-9]*"):
         with contextlib.suppress(OSError):
             is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
@@ -131,7 +121,6 @@ def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
 
 
 def _argument_url(pid: int) -> str:
-    """Return the URL of a bus in a process's command line; "" if there is none."""
     found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
     return found[0] if found else ""
 
@@ -162,15 +151,9 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
         if sys.platform == "linux":
             most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
-    return LcmProcess(
-        pid,
-        shortened(process.command, LONGEST_COMMAND) if process else "",
-        bus,
-        next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
-        open_files,
-        most,
-        state_of(pid),
-    )
+    command = shortened(process.command, LONGEST_COMMAND) if process else ""
+    variable = next((f"{name}={value}" for name, value in _variables(pid).items()), "")
+    return LcmProcess(pid, command, bus, variable, open_files, most, state_of(pid))
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
@@ -186,14 +169,12 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
     if not (missed or offered) and any(not node.tool for node in graph.nodes):
         return every
     topics, awaited = _topics([process for process in every if process.bus], missed)
-    return tuple(
-        replace(
-            one,
-            topics=tuple(sorted(topics[one.bus])),
-            awaited=tuple(sorted(awaited[one.pid] & offered - topics[one.bus])),
-        )
-        for one in every
-    )
+    found = []
+    for one in every:
+        there, missing = topics[one.bus], awaited[one.pid] & offered - topics[one.bus]
+        known = tuple(sorted(there)), tuple(sorted(missing))
+        found.append(replace(one, topics=known[0], awaited=known[1]))
+    return tuple(found)
 
 
 def _topics(
@@ -274,9 +255,6 @@ class ProgramNames:
 
     def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
         """Return the senders of datagrams that are not LCM's, with the reasons."""
-        found = []
-        for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
-            process = self.senders.process(sender)
-            who = f"{sender}, {self.of_process(process)}" if process else str(sender)
-            found.append((who, reason))
-        return tuple(found)
+        malformed = monitor.tap.malformed if monitor.tap else {}
+        known = ((sender, self.senders.process(sender), why) for sender, why in malformed.items())
+        return tuple((f"{s}, {self.of_process(p)}" if p else str(s), why) for s, p, why in known)

@@ -7,7 +7,7 @@ a sample of a busy bus is decoded.
 import contextlib
 import shlex
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, cast
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
+from lcmtools.doctor.near_types import grown_type, own_types_like
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.graph.relay_report import Link, State, decode_report
-from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.foreign import foreign_format
+from lcmtools.messages.message_time import UNITS, MessageTime, message_time
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder
@@ -38,6 +39,7 @@ _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
 _MOST_ODDITIES, _MOST_LOGS, _MOST_FRAMES = 200, 50, 2000
 _MOST_COMPARED = 1000  # messages of a channel
+_TRIED = 3  # messages of an unknown type that are compared with known ones
 _COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
 _SHARE = 0.3  # of the time may be spent on decoding
@@ -45,7 +47,6 @@ _LARGEST = 4 << 20  # bytes of a message that is decoded
 _FUTURE, _OLD = 1.0, 10.0  # [s] the largest error of a stamp
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
 
-_UNITS = {"nanoseconds": 1, "milliseconds": 10**6, "seconds": 10**9}  # [ns]
 _DAY = 86_400 * 10**9  # [ns]
 _FASTEST = 10  # times real time, or its part, at which a log is played
 
@@ -59,6 +60,7 @@ class _Stream:
     largest: int = 0
     bytes: int = 0
     format: str = ""
+    grown: str = ""
     numbered: dict[int, int] = field(default_factory=dict)  # hashes of payloads, by their numbers
     doubled: set[int] = field(default_factory=set)  # numbers
     repeated: set[int] = field(default_factory=set)  # hashes of payloads
@@ -73,7 +75,8 @@ class Listening:
 
     def __init__(self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE) -> None:
         self._share = share
-        self._decoder = Decoder(types_of)
+        self._types_of, self._decoder = types_of, Decoder(types_of)
+        self._known: defaultdict[str, dict[str, None]] = defaultdict(dict)  # types by channel
         self._streams: dict[_Key, _Stream] = {}
         self._compared: dict[str, dict[int, Sender | None]] = {}  # the first sender of each payload
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
@@ -104,17 +107,14 @@ class Listening:
         stream.bytes += packet.size
         self._compare(packet, stream)
         try:
-            self._decoder.message_class(packet)  # loading a type does not count as decoding
+            cls = self._decoder.message_class(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
-            is_whole = packet.whole_bytes is None
-            if packet.fingerprint is not None and not stream.format:
-                stream.format = foreign_format(packet.payload, is_whole=is_whole)
+            self._inspect_unknown(packet, stream)
             return
+        self._known[packet.channel][type_name(cls)] = None
         now = time.monotonic()
-        if (
-            packet.channel in (CLOCK_TOPIC, _LOG)
-            or self._spent <= self._share * (now - self._start) + 0.05
-        ):
+        has_time = self._spent <= self._share * (now - self._start) + 0.05
+        if has_time or packet.channel in (CLOCK_TOPIC, _LOG):
             self._inspect(packet, key)
             self._spent += time.monotonic() - now
 
@@ -126,6 +126,7 @@ class Listening:
                 format=s.format,
                 doubled=len(s.doubled),
                 repeated=len(s.repeated),
+                grown=s.grown,
             )
             for key, s in sorted(self._streams.items(), key=str)
         )
@@ -135,11 +136,11 @@ class Listening:
         return tuple(
             replace(odd, name=name(key[1]), kind=self._replayed(key) if kind == "old" else kind)
             for (kind, key, place), odd in self._odd.items()
-            # a constant utime may belong to a message that is sent repeatedly
-            if (kind, place) != ("old", "utime") or self._replayed(key) == "replayed"
+            # a constant number may belong to a message that is sent repeatedly
+            if kind != "old" or place == "header.stamp" or self._replayed(key) == "replayed"
             if kind != "boot" or not self.clock_ticks  # the clock started later
-            if kind not in ("future", "old")
-            or len(self._clocks) <= 1  # with several clocks it is ambiguous
+            # with several clocks these are ambiguous
+            if kind not in ("future", "old") or len(self._clocks) <= 1
         )
 
     def _replayed(self, key: _Key) -> str:
@@ -193,6 +194,16 @@ class Listening:
                 stream.doubled.add(packet.seqno)
             stream.numbered[packet.seqno] = message
 
+    def _inspect_unknown(self, packet: Packet, stream: _Stream) -> None:
+        is_whole = packet.whole_bytes is None
+        if packet.fingerprint is None or stream.format:
+            return
+        stream.format = foreign_format(packet.payload, is_whole=is_whole)
+        if is_whole and not (stream.format or stream.grown) and len(stream.times) <= _TRIED:
+            channel = packet.channel
+            known = (*self._types_of(channel), *self._known[channel], *own_types_like(channel))
+            stream.grown = grown_type(packet.payload, known)
+
     def _inspect(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
@@ -226,16 +237,18 @@ class Listening:
                 self._frames.setdefault((tree, *names), packet.sender)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
-        stamped, place = stamp(message), "header.stamp"
-        if stamped is None:
-            stamped, place = utime(message), "utime"
-            if stamped and (unit := _unit(stamped // 1000, arrival)):
-                self._add_oddity(
-                    "unit", key, f"utime is {stamped // 1000}: {unit}, not microseconds"
-                )
-                return
-        if not stamped or (place == "utime" and stamped < _SIMULATED):  # by another clock
+        found = message_time(message)
+        if found is None or not found.time:
             return
+        if found.field == "utime" and (unit := _unit(int(found.value), arrival)):
+            text = f"utime is {found.value}: {unit}, not microseconds"
+            self._add_oddity("unit", key, text)
+        elif found.field != "utime" or found.time >= _SIMULATED:  # else by another clock
+            self._compare_time(found, arrival, key)
+
+    def _compare_time(self, found: MessageTime, arrival: int, key: _Key) -> None:
+        """Note a time that is not the present one."""
+        stamped, place = found.time, str(found)
         if stamped < _SIMULATED and not self.clock_ticks:
             self._add_oddity("boot", key, f"{place} is {stamped / 1e9:.1f} s since a start")
             return
@@ -252,8 +265,7 @@ class Listening:
     def _add_oddity(self, kind: str, key: _Key, text: str) -> None:
         """Count an oddity by its kind and its place, the first word of its text."""
         place = (kind, key, text.partition(" ")[0])
-        known = self._odd.get(place)
-        if known:
+        if known := self._odd.get(place):
             self._odd[place] = replace(known, count=known.count + 1)
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
@@ -261,7 +273,8 @@ class Listening:
 
 def _unit(number: int, now: int) -> str:
     """Return the unit in which a number is near the time ``now`` [ns]; "" for microseconds."""
-    return next((name for name, size in _UNITS.items() if abs(number * size - now) < _DAY), "")
+    near = (name for name, length in UNITS.items() if abs(number * length - now) < _DAY)
+    return next((name for name in near if name != "microseconds"), "")
 
 
 def target_rate(command: str) -> float | None:
@@ -292,13 +305,10 @@ class RelayReports:
 
     def ends(self) -> tuple[RelayEnd, ...]:
         """Return both ends of each relay that has not left."""
-        return tuple(
-            RelayEnd(
-                *(last.name, last.host, end.bus, end.trouble, end.dropped - before.dropped),
-                commands=tuple(end.commands),
-                stands_by=last.state == State.STANDBY,
-            )
-            for first, last in self._found.values()
-            if last.state != State.LEFT
-            for before, end in zip(first.ends, last.ends, strict=False)
-        )
+        found = []
+        for first, last in self._found.values():
+            for was, end in zip(first.ends, last.ends, strict=True):
+                known = last.name, last.host, end.bus, end.trouble, end.dropped - was.dropped
+                if last.state != State.LEFT:
+                    found.append(RelayEnd(*known, end.commands, last.state == State.STANDBY))
+        return tuple(found)

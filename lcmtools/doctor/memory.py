@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import replace
 from itertools import pairwise
 
-from lcmtools.doctor.evidence import Evidence, Publication, Stream
+from lcmtools.doctor.evidence import Evidence, Publication
 from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Sender
 
@@ -42,16 +42,14 @@ class Memory:
     def remember(self, evidence: Evidence) -> None:
         """Remember the publishers of a look."""
         for stream in evidence.streams:
-            if not (is_hidden(stream.channel) or stream.has_ended):
-                self._remember_stream(stream)
-
-    def _remember_stream(self, stream: Stream) -> None:
-        key = stream.channel, stream.sender
-        times = self._times.setdefault(key, deque(maxlen=_KEPT))
-        times.extend(stream.times[-_KEPT:])
-        span = times[-1] - times[0] if times else 0
-        if len(times) >= _ENOUGH and span >= _SPAN:
-            before = self._known[key].rate if key in self._known else 0.0
-            rate = max(before, (len(times) - 1) * 1e9 / span)
-            gap = max(b - a for a, b in pairwise(list(times)[-_LATEST:])) / 1e9
-            self._known[key] = Publication(*key, stream.name, stream.pid, rate, gap, times[-1])
+            if is_hidden(stream.channel) or stream.has_ended:
+                continue
+            key = stream.channel, stream.sender
+            times = self._times.setdefault(key, deque(maxlen=_KEPT))
+            times.extend(stream.times[-_KEPT:])
+            span = times[-1] - times[0] if times else 0
+            if len(times) >= _ENOUGH and span >= _SPAN:
+                before = self._known[key].rate if key in self._known else 0.0
+                rate = max(before, (len(times) - 1) * 1e9 / span)
+                gap = max(b - a for a, b in pairwise(list(times)[-_LATEST:])) / 1e9
+                self._known[key] = Publication(*key, stream.name, stream.pid, rate, gap, times[-1])

@@ -13,7 +13,6 @@ from lcmtools.doctor.collect import clock_of
 from lcmtools.doctor.evidence import Evidence, SenderFacts
 from lcmtools.doctor.lcm_processes import ProgramNames
 from lcmtools.doctor.listening import Listening
-from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable
 from lcmtools.observe.reading.sources import LogObserver
@@ -35,7 +34,9 @@ def collect_log(path: str | Path) -> Evidence:
         BusError: It cannot be read.
     """
     url = BusUrl("file", str(path))
-    with BusMonitor(url, "wtf", {}, LogObserver(str(path))) as monitor:
+    observer = LogObserver(str(path))
+    log = observer.file
+    with BusMonitor(url, "wtf", {}, observer) as monitor:
         listening = Listening(monitor.types_of, share=math.inf)
         first = 0
         for packet in monitor.packets():
@@ -57,9 +58,5 @@ def collect_log(path: str | Path) -> Evidence:
             frames=listening.frames(names.name),
             logs=listening.logs(),
             clock=clock_of(listening, graph, names, {}),
-            damaged_bytes=_damaged_bytes(monitor.log) if monitor.log else 0,
+            damaged_bytes=log.size - sum(event.end - event.start for event in log.events()),
         )
-
-
-def _damaged_bytes(log: LogFile) -> int:
-    return log.size - sum(event.end - event.start for event in log.events())

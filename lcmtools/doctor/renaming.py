@@ -32,10 +32,7 @@ _REASONS = {
     "same-type": "{channel} is of the same type",
     "subscribes": "{listener} subscribes to {channel}",
 }
-_SHORT, _LONG = (
-    4,
-    8,
-)  # characters: shorter names are similar by chance; longer ones have more errors
+_SHORT, _LONG = 4, 8  # characters: shorter names look alike by chance, longer ones have more errors
 _ABBREVIATED = 4  # consonants of a word that may be abbreviated, as command by cmd
 
 
@@ -109,7 +106,7 @@ def _has_distance_within(one: str, other: str, edits: int) -> bool:
 
 def _are_abbreviations(one: str, other: str) -> bool:
     """Return whether each word of one name may abbreviate the same word of the other."""
-    pairs = list(zip_longest(*(name.casefold().split("_") for name in (one, other)), fillvalue=""))
+    pairs = zip_longest(*(name.casefold().split("_") for name in (one, other)), fillvalue="")
     return all(a[:1] == b[:1] and _are_near_words(a, b) for a, b in pairs)
 
 
@@ -161,9 +158,8 @@ def publish_on(publisher: Node, topic: str, target: str) -> Statement:
     if publisher.tool:  # a command: its topic is an argument, which no remap changes
         return state("republish", topic=expanded(target, publisher))
     space = namespace_of(target)
-    if namespace_of(publisher.name) == namespace_of(topic) and base_name_of(topic) == base_name_of(
-        target
-    ):
+    is_own = namespace_of(publisher.name) == namespace_of(topic)
+    if is_own and base_name_of(topic) == base_name_of(target):
         return state("namespace", node=publisher, namespace=space)
     return start_with(publisher, topic, target)
 

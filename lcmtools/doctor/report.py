@@ -5,7 +5,7 @@ Pure: findings in, lines and plain values out.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import groupby
 
 from lcmtools.color import BOLD, RED, YELLOW, paint
@@ -72,10 +72,8 @@ def colored(row: str) -> str:
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
     """Format the rules that lack evidence, a line for each reason, after an empty line."""
     records = groupby(unchecked_records(evidence, rules), lambda one: one["text"])
-    rows = [
-        f"Not checked: {', '.join(str(one['rule']) for one in those)} ({text})"
-        for text, those in records
-    ]
+    groups = ((text, ", ".join(str(one["rule"]) for one in those)) for text, those in records)
+    rows = [f"Not checked: {names} ({text})" for text, names in groups]
     return ["", *rows] if rows else []
 
 
@@ -106,7 +104,7 @@ def record(finding: Finding) -> dict[str, object]:
         "text": words.title,
         "items": [item.strip(" *") for item in words.items],
         "remedies": list(words.remedies),
-        "subjects": [_subject(subject) for subject in finding.subjects()],
+        "subjects": [{**asdict(x), "address": x.address or None} for x in finding.subjects()],
         "values": _plain(finding.title),
         "facts": [_plain(fact) for fact in finding.facts],
         "actions": [
@@ -116,13 +114,7 @@ def record(finding: Finding) -> dict[str, object]:
     }
 
 
-def _subject(subject: Subject) -> dict[str, object]:
-    address = subject.address or None
-    return {"kind": subject.kind, "name": subject.name, "pid": subject.pid, "address": address}
-
-
 def _plain(statement: Statement) -> dict[str, object]:
-    """Return the kind and the parts of a statement, subjects by their names."""
 
     def plain(part: Part) -> object:
         if isinstance(part, tuple):
@@ -163,7 +155,10 @@ def watch(
 
 def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple[str, Finding]]:
     """Yield findings that "cleared", "appeared" or "changed" their subjects between two looks."""
-    known, found = ({_key(one): one for one in findings} for findings in (before, now))
+    known, found = (
+        {f"{one.rule} {_without_numbers(describe(one).title)}": one for one in findings}
+        for findings in (before, now)
+    )
     for key, finding in known.items():
         if key not in found:
             yield "cleared", finding
@@ -176,10 +171,6 @@ def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple
             yield "cleared", replace(known[key], facts=tuple(gone))
         if cases != old:
             yield "changed", finding
-
-
-def _key(finding: Finding) -> str:
-    return f"{finding.rule} {_without_numbers(describe(finding).title)}"
 
 
 def _cases(facts: Iterable[Statement]) -> set[str]:

@@ -54,9 +54,8 @@ def load(file: Path) -> Evidence:
             return from_text(file.read_text(encoding="ascii"))
     except (_InvalidEvidence, ValueError, RecursionError) as error:
         why = error if isinstance(error, _InvalidEvidence) else "it is not JSON"
-        raise LcmtoolsError(
-            f"{file} does not contain evidence that wtf can judge: {why}"
-        ) from error
+        what = f"{file} does not contain evidence that wtf can judge: {why}"
+        raise LcmtoolsError(what) from error
 
 
 def to_text(evidence: Evidence) -> str:

@@ -37,7 +37,8 @@ def large_problem(url: BusUrl) -> str:
             parts = list(fragments(0, _CHANNEL, bytes(LARGE_BYTES)))
             for number, part in enumerate(parts, start=1):
                 sender.sendto(part, address)
-                if not _comes(receiver, part):
+                has_come = select.select([receiver], [], [], _TIMEOUT)[0]
+                if not has_come or receiver.recv(_LARGEST_DATAGRAM) != part:
                     return f"part {number} of {len(parts)}, {len(part)} bytes, is lost"
     except BusError as error:
         return error.what
@@ -55,10 +56,3 @@ def send_problem(url: BusUrl) -> tuple[str, str]:
     except BusError as error:
         return error.what, error.hint
     return "", ""
-
-
-def _comes(receiver: socket.socket, datagram: bytes) -> bool:
-    """Return whether a datagram arrives."""
-    if not select.select([receiver], [], [], _TIMEOUT)[0]:
-        return False
-    return receiver.recv(_LARGEST_DATAGRAM) == datagram

@@ -6,9 +6,11 @@ the values of names come from: see ``NameLookup``.
 """
 
 import ast
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from keyword import kwlist
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UsageError
@@ -29,6 +31,17 @@ from lcmtools.formats.operations import (
 DEEPEST = 40
 """The maximum depth of an expression's tree."""
 _SHOWN = 40  # characters of an expression that an error repeats
+# A field may be called "from": after a dot, or if no expression has that word, it is no keyword.
+# Python reads the letters of East Asian text, which are as wide as two, as the usual ones in names
+# (NFKC), but not in keywords.
+_OPERATORS = {"and", "or", "not", "in", "is", "if", "else", "for", "lambda"}
+_VALUES = {"True", "False", "None"}
+_WIDE = {code: code + 0xFEE0 for code in range(ord("!"), ord("~") + 1)}
+_NARROW = {wide: code for code, wide in _WIDE.items()}
+_KEYWORD = re.compile(
+    r"""'(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*"|\b\d[\w.]*"""
+    rf"""|(?P<dot>\.\s*)?\b(?P<word>{"|".join(kwlist)})\b"""
+)
 _PLAIN_NODES = (ast.Name, ast.BoolOp, ast.Call, ast.Tuple, ast.List)
 _FIELD_NODES = (ast.Attribute, ast.Subscript, ast.Slice)
 _OF_VALUES = (ArithmeticError, LookupError, ValueError)
@@ -76,6 +89,7 @@ class Expression:
     def __init__(self, text: str, language: Language) -> None:
         self.text = text.strip()
         self._language = language
+        self._source = _KEYWORD.sub(_as_name, self.text) if language.has_fields else self.text
         self._functions = {**FUNCTIONS, **language.functions}
         self.root = self._parsed()
         self._check(self.root, 0)
@@ -91,7 +105,7 @@ class Expression:
     def place(self, node: ast.AST) -> str:
         """Return the source text of a node, shortened."""
         start, end = getattr(node, "col_offset", 0), getattr(node, "end_col_offset", None)
-        part = self.text.encode()[start:end].decode(errors="replace")
+        part = self._source.encode()[start:end].decode(errors="replace").translate(_NARROW)
         return part if len(part) <= _SHOWN else f"{part[: _SHOWN - 3]}..."
 
     def _bad(self, reason: str, hint: str = "") -> UsageError:
@@ -108,7 +122,7 @@ class Expression:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # Python's SyntaxWarnings are not for users
-                return ast.parse(text, mode="eval").body
+                return ast.parse(self._source, mode="eval").body
         except SyntaxError as error:
             start = max(0, (error.offset or 1) - 1)
             where = text[start : start + _SHOWN] or text[-_SHOWN:]
@@ -255,3 +269,11 @@ def operands(node: ast.AST) -> list[ast.expr]:
     if isinstance(node, ast.Call):
         return list(node.args)
     return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
+
+
+def _as_name(found: re.Match[str]) -> str:
+    """Return a keyword that is a field's name in letters that make it one for Python."""
+    dot, word = found["dot"] or "", found["word"]
+    if word is None or not (dot or word not in _OPERATORS | _VALUES):
+        return found[0]
+    return dot + word.translate(_WIDE)

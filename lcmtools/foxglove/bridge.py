@@ -9,7 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
@@ -20,9 +20,9 @@ from lcmtools.foxglove.client_publisher import Publishing
 from lcmtools.foxglove.schemas import Schemas
 from lcmtools.foxglove.websocket import FoxgloveServer
 from lcmtools.graph.model import Ends, Graph, Topic
-from lcmtools.messages.registry import Message, candidates, message_class, type_name
+from lcmtools.messages.registry import Message, message_class, type_name
 from lcmtools.node.node import Node
-from lcmtools.observe.reading.decoding import Decoder, remedy_of_unknown
+from lcmtools.observe.reading.decoding import Decoder, possible_types, remedy_of_unknown
 from lcmtools.observe.reading.following import Following
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
@@ -45,7 +45,7 @@ class _Offer:
     channel: "Channel"
     is_latched: bool = False
     last: Packet | None = None  # last message of a latched topic
-    end: Callable[[], None] | None = field(default=None)  # stops following it; None if not followed
+    end: Callable[[], None] | None = None  # stops following it; None if not followed
 
 
 class Bridge(AbstractContextManager["Bridge"]):
@@ -150,8 +150,7 @@ class Bridge(AbstractContextManager["Bridge"]):
 
     def _begin(self, topic: str) -> None:
         self._subscribers[topic] += 1
-        offer = self._offers.get(topic)
-        if offer and offer.last:
+        if (offer := self._offers.get(topic)) and offer.last:
             self._send(offer, offer.last)
         self._update_following(topic)
 
@@ -166,11 +165,8 @@ class Bridge(AbstractContextManager["Bridge"]):
         Returns whether there is more to offer.
         """
         most = len(self._offers) + _AT_ONCE
-        topics = {
-            one.name: one
-            for one in graph.topics()
-            if one.name.isprintable() and self._topics.includes(one.name)
-        }
+        printable = {one.name: one for one in graph.topics() if one.name.isprintable()}
+        topics = {name: one for name, one in printable.items() if self._topics.includes(name)}
         for name in self._offers.keys() - topics.keys():
             self._withdraw(name)
         for name, topic in topics.items():
@@ -232,9 +228,8 @@ class Bridge(AbstractContextManager["Bridge"]):
         """Return a topic's observed type, else the announced one; None if not known yet."""
         try:
             for number in topic.fingerprints:
-                if names := candidates(number):
-                    said = next((one for one in topic.types if one in names), names[0])
-                    return message_class(said, number)
+                if names := possible_types(number, topic.name, topic.types):
+                    return message_class(names[0], number)
             if topic.types and not topic.fingerprints:
                 return message_class(topic.types[0])
         except LcmtoolsError as error:
@@ -245,7 +240,6 @@ class Bridge(AbstractContextManager["Bridge"]):
         return None
 
     def _notify_once(self, text: str) -> None:
-        """Notify the user of something once."""
         if text not in self._told:
             self._told.add(text)
             self._notify(text)

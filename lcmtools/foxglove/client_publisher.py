@@ -14,8 +14,6 @@ from lcmtools.node.publisher import Publisher
 if TYPE_CHECKING:
     from foxglove.websocket import ClientChannel
 
-_Key = tuple[int, int]  # a client, and its channel
-
 
 class Publishing:
     """Publishes clients' messages on the bus. Its methods are called on the server's threads.
@@ -30,15 +28,15 @@ class Publishing:
     ) -> None:
         self._node, self._allowed, self._schemas, self._refuse = node, allowed, schemas, refuse
         self._lock = threading.Lock()
-        self._publishers: dict[_Key, tuple[Publisher[Message], str]] = {}
+        # By client and its channel; each with the encoding of the messages.
+        self._publishers: dict[tuple[int, int], tuple[Publisher[Message], str]] = {}
 
     def advertise(self, client: int, channel: "ClientChannel") -> None:
         """Allow publishing on a channel, if permitted and its type is known."""
         try:
             with self._lock:
-                publisher = self._node.create_publisher(
-                    self._class_of(channel), channel.topic, literal=True
-                )
+                cls = self._class_of(channel)
+                publisher = self._node.create_publisher(cls, channel.topic, literal=True)
                 self._publishers[client, channel.id] = publisher, channel.encoding
         except LcmtoolsError as error:
             self._refuse(f"cannot publish on {channel.topic}: {error}")

@@ -9,16 +9,11 @@ from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, type_name
 
 ROS1, JSON = "ros1", "json"
-ENCODINGS = (JSON, ROS1)
-"""The encodings of clients' messages, the preferred one first."""
+ENCODINGS = (JSON, ROS1)  # of clients' messages, the preferred one first
 
 
 class Schemas:
-    """Conversion of LCM types and messages to Foxglove's, and back.
-
-    Raises:
-        MissingExtra: The library for ROS's formats is missing.
-    """
+    """Conversion of LCM types and messages to Foxglove's, and back; MissingExtra if it cannot."""
 
     def __init__(self) -> None:
         with needing_extra("foxglove", "foxglove needs"):  # it also has ROS's types
@@ -31,7 +26,9 @@ class Schemas:
             try:
                 self._found[cls] = ROS1, self._types.schema(cls)
             except LcmtoolsError:
-                self._found[cls] = JSON, _open_schema(type_name(cls))
+                name = type_name(cls)
+                schema = json.dumps({"title": name, "type": "object"}).encode()
+                self._found[cls] = JSON, Schema(name, "jsonschema", schema)
         return self._found[cls]
 
     def write(self, message: Message) -> bytes:
@@ -51,7 +48,3 @@ class Schemas:
         except (ValueError, ValueMismatch) as error:
             raise DecodeError(f"no {type_name(cls)}: {error}") from error
         return message
-
-
-def _open_schema(name: str) -> Schema:
-    return Schema(name, "jsonschema", json.dumps({"title": name, "type": "object"}).encode())

@@ -11,8 +11,7 @@ from lcmtools.errors import BusError, needing_extra
 if TYPE_CHECKING:
     from foxglove import Channel
 
-_MOST_WAITING = 256
-"""The most messages that wait for a slow client; beyond this, the oldest are dropped."""
+_MOST_WAITING = 256  # messages for a slow client; beyond this, the oldest are dropped
 
 
 class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
@@ -67,9 +66,8 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
     def offer(self, topic: str, encoding: str, schema: Schema) -> "Channel":
         """Offer a topic."""
         described = self._package.Schema(name=schema.name, encoding=schema.form, data=schema.text)
-        channel: Channel = self._package.Channel(
-            topic, schema=described, message_encoding=encoding, context=self._context
-        )
+        options = {"message_encoding": encoding, "context": self._context}
+        channel: Channel = self._package.Channel(topic, schema=described, **options)
         return channel
 
     def show_problem(self, key: str, text: str) -> None:

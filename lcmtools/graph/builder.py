@@ -17,9 +17,7 @@ MOST_FINGERPRINTS = 4
 _OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})
 
 
-class _Count:
-    """Traffic while it is being counted."""
-
+class _Count:  # traffic while it is being counted
     __slots__ = ("bytes", "fingerprints", "first_time", "head", "last_time", "messages", "types")
 
     def __init__(self, first_time: int) -> None:
@@ -132,18 +130,12 @@ class GraphBuilder:
 
     def snapshot(self, now: int) -> Graph:
         """Return the graph at the time ``now`` [ns since 1970]."""
-        announced = [
-            node if node.is_recorded else _aged(node, now) for node in self._nodes.values()
-        ]
-        silent = [
-            node._replace(stale=node.stale or Staleness.UNANSWERED)
-            for identifier, node in self._recorded.items()
-            if identifier not in self._nodes and identifier not in self._left
-        ]
+        announced = [x if x.is_recorded else _aged(x, now) for x in self._nodes.values()]
+        heard = self.heard()
+        unheard = (node for id_, node in self._recorded.items() if id_ not in heard)
+        silent = [node._replace(stale=node.stale or Staleness.UNANSWERED) for node in unheard]
         traffic = tuple(self._traffic_seen())
-        known = [
-            node if node.has_details else _with_observed_topics(node, traffic) for node in announced
-        ]
+        known = [x if x.has_details else _with_observed_topics(x, traffic) for x in announced]
         nodes = sorted(known + silent, key=lambda node: (node.name, node.start_time))
         return Graph(tuple(nodes), traffic, now)
 
@@ -175,48 +167,28 @@ class GraphBuilder:
 
     def _forget_behind(self, relay: str) -> None:
         """Drop the nodes behind a relay that has left; another relay may show them again."""
-        behind = [
-            node.id for node in self._nodes.values() if any(step.id == relay for step in node.path)
-        ]
+        behind = [n.id for n in self._nodes.values() if relay in (step.id for step in n.path)]
         for identifier in behind:
             self.forget(identifier)
 
     def _traffic_seen(self) -> Iterable[Traffic]:
-        for (channel, sender), count in sorted(
-            self._traffic.items(), key=lambda item: (item[0][0], str(item[0][1]))
-        ):
-            yield Traffic(
-                channel,
-                sender,
-                tuple(count.fingerprints),
-                count.messages,
-                count.bytes,
-                count.first_time,
-                count.last_time,
-                tuple(count.types),
-            )
+        counts = sorted(self._traffic.items(), key=lambda item: (item[0][0], str(item[0][1])))
+        for (channel, sender), one in counts:
+            numbers = one.messages, one.bytes, one.first_time, one.last_time
+            yield Traffic(channel, sender, tuple(one.fingerprints), *numbers, tuple(one.types))
 
 
 def _with_observed_topics(node: Node, traffic: Iterable[Traffic]) -> Node:
     """Return a node whose endpoints are unknown, with those that its messages show."""
-    own = node.senders()
-    return node._replace(
-        endpoints=tuple(
-            Endpoint(
-                seen.channel,
-                Role.PUBLISHER,
-                fingerprints=seen.fingerprints,
-                messages=seen.messages,
-                bytes=seen.bytes,
-                last_time=seen.last_time,
-            )
-            for seen in traffic
-            if seen.sender in own
-        )
-    )
+    own, ends = node.senders(), []
+    for seen in traffic:
+        if seen.sender in own:
+            end = Endpoint(seen.channel, Role.PUBLISHER, fingerprints=seen.fingerprints)
+            last = seen.last_time
+            ends.append(end._replace(messages=seen.messages, bytes=seen.bytes, last_time=last))
+    return node._replace(endpoints=tuple(ends))
 
 
 def _aged(node: Node, now: int) -> Node:
-    if now - node.last_announced <= STALE_AFTER:
-        return node
-    return node._replace(stale=Staleness.SILENT)
+    is_silent = now - node.last_announced > STALE_AFTER
+    return node._replace(stale=Staleness.SILENT) if is_silent else node

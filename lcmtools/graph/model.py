@@ -128,16 +128,14 @@ class Node(NamedTuple):
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """Return the endpoints of one role, sorted by topic."""
-        return tuple(
-            sorted((e for e in self.endpoints if e.role is role), key=lambda one: one.topic)
-        )
+        ends = (end for end in self.endpoints if end.role is role)
+        return tuple(sorted(ends, key=lambda end: end.topic))
 
     def senders(self) -> frozenset[Sender]:
         """Return all senders that are known to belong to this node."""
         if self.sender is None:
             return frozenset()
-        address = self.sender.address
-        name = self.sender.name
+        address, name = self.sender.address, self.sender.name
         return frozenset({self.sender, *(Sender(address, port, name) for port in self.ports)})
 
     def time_there(self, now: int) -> int:
@@ -242,9 +240,8 @@ class Graph(_Known):  # a separate class, to cache the table of topics
 
         See ``Topic``.
         """
-        return [
-            seen for one in self.topics() if one.name != SELF_TEST_CHANNEL for seen in one.foreign
-        ]
+        topics = (one for one in self.topics() if one.name != SELF_TEST_CHANNEL)
+        return [seen for one in topics for seen in one.foreign]
 
     def unexplained(self) -> list[Node]:
         """Return the living nodes, except commands, of which only the head is known."""
@@ -260,7 +257,6 @@ class Graph(_Known):  # a separate class, to cache the table of topics
 
     @cached_property
     def _topics(self) -> dict[str, Topic]:
-        """Return every channel with a message, a publisher or a subscriber, sorted."""
         ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = defaultdict(list)
         for node in self.nodes:
             for end in node.endpoints:
@@ -272,13 +268,10 @@ class Graph(_Known):  # a separate class, to cache the table of topics
         announced = {name for name, role in ends if role in (Role.PUBLISHER, Role.SUBSCRIBER)}
         found = {}
         for name in sorted(announced | traffic.keys()):
-            publishers = tuple(ends.get((name, Role.PUBLISHER), ()))
+            sides = (Role.PUBLISHER, Role.SUBSCRIBER)
+            publishers, subscribers = (tuple(ends.get((name, role), ())) for role in sides)
             explained = senders | {None} if publishers else senders
-            found[name] = Topic(
-                name,
-                publishers,
-                tuple(ends.get((name, Role.SUBSCRIBER), ())),
-                tuple(traffic.get(name, ())),
-                tuple(seen for seen in traffic.get(name, ()) if seen.sender not in explained),
-            )
+            every = tuple(traffic.get(name, ()))
+            foreign = tuple(seen for seen in every if seen.sender not in explained)
+            found[name] = Topic(name, publishers, subscribers, every, foreign)
         return found

@@ -206,9 +206,7 @@ def _encode_details(node: Node) -> bytes:
     details.ports, details.busy = list(node.ports), node.busy
     details.endpoints = appendables(map(_endpoint_message, node.endpoints))
     newest = node.errors[-_MOST_ERRORS:]
-    details.errors = appendables(
-        _filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest
-    )
+    details.errors = appendables(_filled(msgs.CallbackError(), e, _OF_ERROR) for e in newest)
     return encode_appendable(details)
 
 
@@ -236,7 +234,7 @@ def _decode_version_0(payload: bytes) -> Announcement | None:
     try:
         name, host = read_string(cursor, "name"), read_string(cursor, "host")
         pid, start_time = struct.unpack_from(">iq", payload, cursor.advance(12, "pid"))
-        identifier = read_string(cursor, "id")
+        id_ = read_string(cursor, "id")
         state, _, tool = struct.unpack_from(">bq?", payload, cursor.advance(10, "state"))
         command = read_string(cursor, "command")
         (answers,) = struct.unpack_from(">q", payload, cursor.advance(8, "answers"))
@@ -244,9 +242,7 @@ def _decode_version_0(payload: bytes) -> Announcement | None:
         return None
     if not _is_node_name(name):
         return None
-    node = Node(
-        name, identifier, host, pid, start_time, command, tool, version=0, has_details=False
-    )
+    node = Node(name, id_, host, pid, start_time, command, tool, version=0, has_details=False)
     return Announcement(node, state == msgs.Announcement.LEAVING, answers)
 
 
@@ -270,11 +266,11 @@ def _decode_remote(payload: bytes) -> Announcement | None:
     if message is None or not message.steps or inner.startswith(_REMOTE):
         return None
     announcement = decode_announcement(inner)
-    if announcement is None:
-        return None
     try:
         steps = [decode_appendable(msgs.RelayStep, step.data) for step in message.steps]
     except DecodeError:
+        return None
+    if announcement is None:
         return None
     path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in steps)
     return announcement._replace(node=announcement.node._replace(path=path, ports=()))

@@ -25,7 +25,6 @@ HEADERS: Mapping[str, str] = {
 }
 """Headers of every answer."""
 WATCH, COMMAND, PLAY = "watch", "command", "play"
-_TOKEN_BYTES = 16
 _LOCAL = ("127.0.0.1", "localhost", "::1")
 
 
@@ -41,19 +40,13 @@ class Refused(Exception):  # noqa: N818 - named for what happened
 class Access:
     """The rules of one server."""
 
-    # The allowed names in the header Host, without port.
-    names: frozenset[str]
-    # True if any IP address is also allowed there: no website can take one over.
-    any_address: bool = False
+    names: frozenset[str]  # allowed in the header Host, without port
+    any_address: bool = False  # True if it may be any IP address: no website can take one over
     tokens: Mapping[str, str] | None = None  # the token of each right; none if not needed
     is_read_only: bool = False  # True if nobody may command
 
     def rights(self, host: str, target: str) -> tuple[str, ...]:
-        """Return the rights for a request for ``target`` (path and query) at ``host`` (the header).
-
-        Raises:
-            Refused: There are none.
-        """
+        """Return the rights for ``target`` (path and query) at ``host``; Refused for none."""
         self.check_host(host)
         every = (WATCH,) if self.is_read_only else (WATCH, COMMAND)
         if not self.tokens:
@@ -63,10 +56,8 @@ class Access:
             return every
         if any(_is(given, token) for token in self.tokens.values()):
             return (WATCH,)
-        raise Refused(
-            HTTPStatus.FORBIDDEN,
-            "This window needs the token in its address: lcmtools gui has printed it.",
-        )
+        reason = "This window needs the token in its address: lcmtools gui has printed it."
+        raise Refused(HTTPStatus.FORBIDDEN, reason)
 
     def addresses(self, host: str, port: int) -> dict[str, str]:
         """Return the address to open for each right: only to watch, and also to command."""
@@ -77,22 +68,14 @@ class Access:
         return {WATCH if self.is_read_only else COMMAND: start}
 
     def check_host(self, host: str) -> None:
-        """Refuse a host name that is not this server's: a website's name that points here.
-
-        Raises:
-            Refused: It is not this server's.
-        """
+        """Raise Refused for a host name that is not this server's: a website's that points here."""
         name = _host_name(host)
         if name in self.names or (self.any_address and _is_address(name)):
             return
         raise Refused(HTTPStatus.FORBIDDEN, "This server does not answer to that name.")
 
     def check_origin(self, host: str, origin: str | None) -> None:
-        """Refuse a connection opened by a page of another server.
-
-        Raises:
-            Refused: It is one, or its origin is not given.
-        """
+        """Raise Refused for a connection by another server's page, or without an origin."""
         if origin is None or origin.casefold() not in (f"http://{host}", f"https://{host}"):
             raise Refused(HTTPStatus.FORBIDDEN, "This server answers its own pages only.")
 
@@ -107,7 +90,7 @@ def access_for(
     if address is None or address in _LOCAL:
         return Access(frozenset(_LOCAL), is_read_only=is_read_only)
     rights = (WATCH,) if is_read_only else (WATCH, COMMAND)
-    tokens = {right: secrets.token_urlsafe(_TOKEN_BYTES) for right in rights}
+    tokens = {right: secrets.token_urlsafe(16) for right in rights}
     names = {*_LOCAL, address.casefold(), *(name.casefold() for name in own_names)}
     is_any = _is_address(address) and ipaddress.ip_address(address).is_unspecified
     return Access(frozenset(names), is_any, tokens, is_read_only)

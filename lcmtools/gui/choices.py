@@ -1,6 +1,7 @@
 """The topics and fields that a panel offers for selection."""
 
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
@@ -8,17 +9,14 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams.image import TYPES
 from lcmtools.gui.streams.steer import is_velocity
 from lcmtools.messages.definition import array_type
-from lcmtools.messages.fields import is_time, visible_fields
+from lcmtools.messages.fields import fields, is_time
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.channels.rows import ChannelRow
 
 _MOST_FIELDS = 300  # of one type
 _DEEPEST = 6  # levels of nested messages
 
-_KINDS: dict[str, Callable[[str], bool]] = {
-    "velocity": is_velocity,
-    "image": TYPES.__contains__,
-}
+_KINDS: dict[str, Callable[[str], bool]] = {"velocity": is_velocity, "image": TYPES.__contains__}
 
 
 def topics(source: Source, parameters: Parameters) -> Json:
@@ -40,21 +38,20 @@ def numbers(source: Source, parameters: Parameters) -> Json:
         cls = message_class(row.types[0])
     except LcmtoolsError:
         return []
-    found = [_field(row.channel, path, about) for path, about in number_fields(cls)]
-    return found[:_MOST_FIELDS]
+    fields = islice(number_fields(cls), _MOST_FIELDS)
+    return [{"value": f"{row.channel}/{path}", "detail": about} for path, about in fields]
 
 
 def number_fields(cls: type[Message], prefix: str = "", deep: int = 0) -> Iterator[tuple[str, str]]:
     """Yield the paths of a type's fields with numbers, each with its type."""
-    for field in visible_fields(cls):
+    for field in fields(cls):
         path = f"{prefix}{field.name}"
         inner = field.message_class
         if inner is None or is_time(inner):
             if field.type != "string" and not field.is_bytes:
                 yield path, array_type(field.type, field.dimensions)
         elif deep < _DEEPEST:
-            path += "[0]" * field.depth
-            yield from number_fields(inner, f"{path}.", deep + 1)
+            yield from number_fields(inner, f"{path}{'[0]' * field.depth}.", deep + 1)
 
 
 def _begun(row: ChannelRow) -> Iterator[str]:
@@ -63,7 +60,3 @@ def _begun(row: ChannelRow) -> Iterator[str]:
 
 def _choice(row: ChannelRow) -> Json:
     return {"value": row.channel, "detail": row.types[0] if row.types else ""}
-
-
-def _field(topic: str, path: str, about: str) -> Json:
-    return {"value": f"{topic}/{path}", "detail": about}

@@ -7,10 +7,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-HOLD = 0.35
-"""Time for which one command is valid [s]; a page repeats it every 0.1 s."""
-STOP_GAP = 0.01
-"""Time between the stops of a topic [s]."""
+HOLD = 0.35  # [s] for which one command is valid; a page repeats it every 0.1 s
+STOP_GAP = 0.01  # [s] between the stops of a topic
 
 
 @dataclass(slots=True)

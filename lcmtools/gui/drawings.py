@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import NamedTuple, cast
 
+from lcmtools.clock import NANOSECONDS
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.streams.base import Update
 from lcmtools.messages.registry import Message, type_name
@@ -30,8 +31,6 @@ from lcmtools.types.sensor_msgs import LaserScan, PointCloud, PointCloud2
 from lcmtools.types.std_msgs import ColorRGBA
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
-
-_NANOSECONDS = 1e9
 
 
 @cache
@@ -60,7 +59,7 @@ class Poses:
         """Add the frames of a message."""
         for one in message.transforms:
             stamp = one.header.stamp
-            self._stamp = stamp.sec + stamp.nsec / _NANOSECONDS
+            self._stamp = stamp.sec + stamp.nsec / NANOSECONDS
             place, turn = one.transform.translation, one.transform.rotation
             self._frames[one.child_frame_id] = (one.header.frame_id, _pose(place, turn))
 
@@ -107,7 +106,7 @@ class MarkerScene:
         self._markers.pop(key, None)
         if marker.action == Marker.ADD:
             self._markers[key] = _marker(marker)
-            if life := marker.lifetime.sec + marker.lifetime.nsec / _NANOSECONDS:
+            if life := marker.lifetime.sec + marker.lifetime.nsec / NANOSECONDS:
                 self._ends[key] = now + life
 
 
@@ -179,14 +178,13 @@ def _plain_cloud(cloud: PointCloud) -> Update:
 
 def _odometry(odometry: Odometry) -> Update:
     linear, angular = odometry.twist.twist.linear, odometry.twist.twist.angular
-    return Update(
-        {
-            "frame": odometry.header.frame_id,
-            "child": odometry.child_frame_id,
-            "pose": _of(odometry.pose.pose),
-            "twist": [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z],
-        }
-    )
+    about: dict[str, Json] = {
+        "frame": odometry.header.frame_id,
+        "child": odometry.child_frame_id,
+        "pose": _of(odometry.pose.pose),
+        "twist": [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z],
+    }
+    return Update(about)
 
 
 def _stamped(message: PoseStamped) -> Update:
@@ -194,13 +192,8 @@ def _stamped(message: PoseStamped) -> Update:
 
 
 def _uncertain(message: PoseWithCovarianceStamped) -> Update:
-    return Update(
-        {
-            "frame": message.header.frame_id,
-            "pose": _of(message.pose.pose),
-            "covariance": list(message.pose.covariance),
-        }
-    )
+    about: dict[str, Json] = {"frame": message.header.frame_id, "pose": _of(message.pose.pose)}
+    return Update({**about, "covariance": list(message.pose.covariance)})
 
 
 def _many(message: PoseArray) -> Update:
@@ -240,9 +233,7 @@ _DRAWINGS = {
     OccupancyGrid: ("grid", _grid),
 }
 DRAWINGS = {
-    cast("type[Message]", message_type): WorldDrawing(
-        kind, cast("Callable[[Message], Update]", convert)
-    )
-    for message_type, (kind, convert) in _DRAWINGS.items()
+    cast("type[Message]", cls): WorldDrawing(kind, cast("Callable[[Message], Update]", convert))
+    for cls, (kind, convert) in _DRAWINGS.items()
 }
 """The types of which only the newest message is drawn."""

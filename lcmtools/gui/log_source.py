@@ -7,6 +7,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -166,20 +167,17 @@ class LogSource:
                     next_snapshot = time.monotonic() + _PERIOD
                     self.latest = self._snapshot()
                 if not due:
-                    pause = self._player.wait(time.monotonic_ns())
                     left = max(0.0, next_snapshot - time.monotonic())
-                    self._wakes.wait(min(pause, left))
+                    self._wakes.wait(min(self._player.wait(time.monotonic_ns()), left))
         except Exception as error:  # noqa: BLE001 - shown on the pages
             self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
 
     def _handle_requests(self) -> None:
         """Execute pages' requests; new followers get the latest messages, in order of time."""
         self._wakes.clear()
-        try:
+        with suppress(Empty):
             while True:
                 self._wishes.get_nowait()()
-        except Empty:
-            pass
         if self._new:
             new, self._new = self._new, []
             now = self._player.time(time.monotonic_ns())
@@ -232,21 +230,16 @@ class LogSource:
         self._player.seek(there + 1, now)
         there = max(start, min(there, self._playlist.span[1]))
         latest = self._playlist.latest(self._types.keys(), there)
-        self._count(latest, there)
+        # count the messages before that time, so that rates and ages are known there
+        self._activity.clear()
+        window = there - round(_WINDOW * NANOSECONDS)
+        older = [one for one in latest if one.time < window]
+        for one in (*older, *self._playlist.messages(window, there)):
+            self._activity.add(_packet(one))
         for one in latest:
             if there < before or one.time > before:
                 self._give(_packet(one))
         self.latest = self._snapshot()
-
-    def _count(self, latest: Iterable[Played], now: int) -> None:
-        """Count the messages before a time, so that rates and ages are known there."""
-        self._activity.clear()
-        start = now - round(_WINDOW * NANOSECONDS)
-        for one in (
-            *(one for one in latest if one.time < start),
-            *self._playlist.messages(start, now),
-        ):
-            self._activity.add(_packet(one))
 
     def _snapshot(self) -> Snapshot:
         now = self._player.time(time.monotonic_ns())

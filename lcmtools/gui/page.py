@@ -7,7 +7,7 @@ that a slow page sees less, while neither the bus nor the memory suffers.
 import asyncio
 import time
 from collections import defaultdict, deque
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager, nullcontext
 from functools import partial
 
@@ -39,11 +39,7 @@ class BrowserPage:
     """One page, at the other end of a socket."""
 
     def __init__(
-        self,
-        socket: ServerConnection,
-        source: Source,
-        streams: StreamPool,
-        rights: tuple[str, ...],
+        self, socket: ServerConnection, source: Source, streams: StreamPool, rights: tuple[str, ...]
     ) -> None:
         self._socket, self._source, self._streams, self._rights = socket, source, streams, rights
         self._open: dict[int, _Subscription] = {}
@@ -56,20 +52,15 @@ class BrowserPage:
         self._wakes = asyncio.Event()
         self._has_gone = asyncio.Event()
         self._operations: dict[str, Callable[[PageRequest], None]] = {
+            **dict.fromkeys(("ask", "do"), self._answer),
             "open": self._open_stream,
             "close": self._close_stream,
-            "drive": self._steer,
-            "release": self._steer,
-            "stop": self._steer,
+            **dict.fromkeys(("drive", "release", "stop"), self._steer),
         }
         self._refusals: dict[int, str] = {}
 
     async def serve(self, hello: Mapping[str, Json]) -> None:
-        """Serve the page until it is gone.
-
-        Raises:
-            MalformedRequest: It sends data that no page of this server would.
-        """
+        """Serve the page until it is gone; MalformedRequest if it sends what no page would."""
         self._outbox.append(text_frame({"hello": hello}))
         both = [asyncio.ensure_future(work) for work in (self._read(), self._write())]
         try:
@@ -87,28 +78,18 @@ class BrowserPage:
 
     async def _read(self) -> None:
         async for data in self._socket:
-            await self._handle(read_request(data))
-
-    async def _handle(self, request: PageRequest) -> None:
-        if request.op in _ANSWERED:
-            await self._has_room()
-        if request.op in ("ask", "do"):
-            self._answer(request)
-        elif request.op in self._operations:
+            request = read_request(data)
+            if request.op in _ANSWERED:
+                await self._has_room()
+            if request.op not in self._operations:
+                raise MalformedRequest(f"there is no operation '{request.op[:40]}'")
             self._operations[request.op](request)
-        else:
-            raise MalformedRequest(f"there is no operation '{request.op[:40]}'")
 
     async def _has_room(self) -> None:
         """Wait while the page has too many pending answers, or does not accept them."""
         while len(self._tasks) + len(self._outbox) > _MOST_REQUESTS:
             self._has_gone.clear()
             await self._has_gone.wait()
-
-    def _begin(self, work: Coroutine[None, None, None]) -> None:
-        task = asyncio.ensure_future(work)
-        self._tasks.add(task)  # it raises nothing
-        task.add_done_callback(self._end)
 
     def _end(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
@@ -157,7 +138,10 @@ class BrowserPage:
             return
         parameters = request.without("op", "id", "what")
         turn = self._turns[name] if is_action else nullcontext()
-        self._begin(self._reply(number, partial(function, self._source, parameters), turn))
+        work = partial(function, self._source, parameters)
+        task = asyncio.ensure_future(self._reply(number, work, turn))
+        self._tasks.add(task)  # it raises nothing
+        task.add_done_callback(self._end)
 
     async def _reply(
         self, number: int, work: Callable[[], Json], turn: AbstractAsyncContextManager[None]
@@ -180,7 +164,8 @@ class BrowserPage:
             while frame := self._next_frame():
                 await self._socket.send(frame)
                 self._has_gone.set()
-            pause = max(0.001, self._next_time() - time.monotonic())
+            due = min((one.next_time for one in self._open.values()), default=self._next_state)
+            pause = max(0.001, due - time.monotonic())
             # not wait_for(), which before Python 3.12 may miss the cancellation of this task
             timer = asyncio.get_running_loop().call_later(pause, self._wakes.set)
             try:
@@ -189,9 +174,6 @@ class BrowserPage:
                 timer.cancel()
             self._wakes.clear()
 
-    def _next_time(self) -> float:
-        return min((one.next_time for one in self._open.values()), default=self._next_state)
-
     def _next_frame(self) -> Frame | None:
         """Return the next frame that is due: answers first, then the stream that waited longest."""
         if self._outbox:
@@ -199,10 +181,9 @@ class BrowserPage:
         now = time.monotonic()
         if now >= self._next_state:
             self._next_state = now + _STATE_PERIOD
-            state = self._source.state()
-            if state != self._state:
-                self._state = state
-                return text_frame({"state": state})
+            before, self._state = self._state, self._source.state()
+            if self._state != before:
+                return text_frame({"state": self._state})
         for one in sorted(self._open.values(), key=lambda one: one.next_time):
             if one.next_time > now:
                 break

@@ -28,11 +28,7 @@ class Publishers:
 
     @property
     def node(self) -> Node:
-        """The node, which is hidden, like that of ``lcmtools pub``.
-
-        Raises:
-            BusError: The bus cannot be reached.
-        """
+        """The node, hidden like that of ``lcmtools pub``; BusError if the bus cannot be reached."""
         with self._lock:
             if self._node is None:
                 self._node = self._stack.enter_context(own_node("gui", self._url))
@@ -54,11 +50,7 @@ class Publishers:
     def client(
         self, kind: ServiceType[RequestT, ResponseT], name: str
     ) -> Client[RequestT, ResponseT]:
-        """Return a client of a service of this full name, created when first needed.
-
-        Raises:
-            BusError: The bus cannot be reached.
-        """
+        """Return a client of a service by its full name; BusError if the bus cannot be reached."""
         with self._lock:
             if name not in self._clients:
                 self._clients[name] = self.node.create_client(kind, name)

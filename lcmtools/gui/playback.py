@@ -17,16 +17,13 @@ def timeline(source: Source, _: Parameters) -> Json:
 def play(source: Source, parameters: Parameters) -> Json:
     """Execute ``action``: "play", "pause", "step", "seek" to ``time``, or "rate"."""
     log, action = _log(source), parameters.text("action")
-    if action == "seek":
+    plain = {"play": log.resume, "pause": log.pause, "step": log.step}
+    if action in plain:
+        plain[action]()
+    elif action == "seek":
         log.seek(parameters.number("time", None, -_DAY, 1000 * _DAY))
     elif action == "rate":
         log.set_rate(parameters.number("rate", None, _SLOWEST, _FASTEST))
-    elif action == "play":
-        log.resume()
-    elif action == "pause":
-        log.pause()
-    elif action == "step":
-        log.step()
     else:
         raise MalformedRequest(f"a log cannot '{action[:40]}'")
     return None

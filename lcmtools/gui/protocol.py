@@ -30,8 +30,7 @@ Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json
 Frame: TypeAlias = str | bytes
 
 SUBPROTOCOL = "lcmtools.1"
-LONGEST_REQUEST = 1 << 20
-"""Bytes of the longest text that a page may send, such as a form with long arrays."""
+LONGEST_REQUEST = 1 << 20  # bytes of a text that a page may send, such as a form with long arrays
 _LONGEST_TEXT = 1000  # characters of a name
 _MOST_TEXTS = 1000  # names in a list
 _LARGEST_ID = 1 << 31
@@ -43,11 +42,7 @@ class MalformedRequest(LcmtoolsError):  # noqa: N818 - named for what happened, 
 
 
 class Parameters:
-    """The values of a request, each checked as it is read.
-
-    Raises:
-        MalformedRequest: Raised by every method if a value is not as expected.
-    """
+    """The values of a request; every method raises MalformedRequest for an unexpected one."""
 
     def __init__(self, values: Mapping[str, Json]) -> None:
         self._values = values

@@ -56,7 +56,8 @@ class Server:
     ) -> None:
         self._source, self._access, self._view, self._notify = source, access, view, notify
         self._streams = StreamPool(source)
-        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in _files()}
+        files = (path for path in STATIC.rglob("*") if path.is_file())
+        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in files}
         self._files["/"] = STATIC / "index.html"
         self._pages = 0
         self._said: set[str] = set()
@@ -75,11 +76,7 @@ class Server:
 
     @contextlib.contextmanager
     def serving(self, address: str, port: int) -> Iterator[int]:
-        """Serve on a thread of its own within the block, which gets the port; then close all pages.
-
-        Raises:
-            LcmtoolsError: The port is in use, or the address is not this computer's.
-        """
+        """Serve on a thread within the block, which gets the port; close all pages; see ``run``."""
         started: Future[int] = Future()
         with contextlib.closing(asyncio.new_event_loop()) as loop:
             task = loop.create_task(self.run(address, port, started.set_result))
@@ -165,12 +162,13 @@ class Server:
     async def _serve_page(self, connection: ServerConnection) -> None:
         request = connection.request
         assert request is not None, "it has been answered"
-        rights = self._rights(request)
+        rights = self._access.rights(_single_header(request, "Host") or "", request.path)
+        if self._source.kind == "log":  # the right to command a bus is the right to play a log
+            rights = tuple(PLAY if one == COMMAND else one for one in rights)
         self._pages += 1
         try:
-            await BrowserPage(connection, self._source, self._streams, rights).serve(
-                self._hello(rights)
-            )
+            page = BrowserPage(connection, self._source, self._streams, rights)
+            await page.serve(self._hello(rights))
         except ConnectionClosed:
             pass
         except MalformedRequest as fault:
@@ -180,12 +178,6 @@ class Server:
             self._say_once(f"a fault of lcmtools ({type(error).__name__}: {error})")
         finally:
             self._pages -= 1
-
-    def _rights(self, request: Request) -> tuple[str, ...]:
-        """Return a page's rights; the right to command a bus is the right to play a log."""
-        rights = self._access.rights(_single_header(request, "Host") or "", request.path)
-        is_log = self._source.kind == "log"
-        return tuple(PLAY if is_log and one == COMMAND else one for one in rights)
 
     def _hello(self, rights: tuple[str, ...]) -> Mapping[str, Json]:
         return {
@@ -233,10 +225,6 @@ def _cancelled_by_signals(
             signal.raise_signal(came[0])
 
 
-def _files() -> list[Path]:
-    return [path for path in STATIC.rglob("*") if path.is_file()]
-
-
 def _single_header(request: Request, name: str) -> str | None:
     """Return the value of a header that occurs once."""
     values = request.headers.get_all(name)
@@ -253,9 +241,8 @@ def _file_response(path: Path, known: str | None) -> Response:
 
 
 def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Response:
-    kind = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
     headers = Headers(HEADERS)
-    headers["Content-Type"] = kind
+    headers["Content-Type"] = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
     headers["Content-Length"] = str(len(body))
     headers["Cache-Control"] = "no-cache"  # revalidate with the tag
     headers["Connection"] = "close"
@@ -266,14 +253,11 @@ def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Resp
 
 def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
     if error.errno == errno.EADDRINUSE:
-        hint = (
-            f"another window may be open at http://{address}:{port}; else choose: --port {port + 1}"
-        )
-        return LcmtoolsError(f"port {port} is in use", hint)
+        hint = f"another window may be open at http://{address}:{port}"
+        return LcmtoolsError(f"port {port} is in use", f"{hint}; else choose: --port {port + 1}")
     if error.errno == errno.EACCES:
-        return LcmtoolsError(
-            f"port {port} is not permitted", "choose one from 1024 on: --port 7680"
-        )
+        hint = "choose one from 1024 on: --port 7680"
+        return LcmtoolsError(f"port {port} is not permitted", hint)
     # asyncio replaces the system's message; negative numbers are name look-up errors
     number = error.errno or 0
     reason = os.strerror(number) if number > 0 else error.strerror or str(error)

@@ -3,7 +3,7 @@
 from typing import Protocol, TypeVar
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.page_publisher import Publishers
+from lcmtools.gui.page_publisher import Publishers, RequestT
 from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.messages.codec import encode
@@ -18,8 +18,6 @@ _TIMEOUT = 5.0  # [s]
 _FARTHEST = 1e5  # [m]
 _MOST_STEPS = 10_000
 
-RequestT = TypeVar("RequestT", bound=Message)
-
 
 class _Outcome(Message, Protocol):
     """The fields of every simulator's response."""
@@ -29,7 +27,6 @@ class _Outcome(Message, Protocol):
 
 
 OutcomeT = TypeVar("OutcomeT", bound=_Outcome)
-_TRIGGERS = ("pause", "resume", "reset")
 
 
 def simulate(source: Source, parameters: Parameters) -> Json:
@@ -42,7 +39,7 @@ def simulate(source: Source, parameters: Parameters) -> Json:
     verb = parameters.text("verb")
     name = resolve(f"{parameters.text('node')}/{verb}")
     publishers = _publishers(source)
-    if verb in _TRIGGERS:
+    if verb in ("pause", "resume", "reset"):
         return _call(publishers, Trigger, name, Trigger.Request())
     if verb == "step":
         step = Step.Request()
@@ -69,10 +66,7 @@ def send_pose(source: Source, parameters: Parameters) -> Json:
 
 
 def _call(
-    publishers: Publishers,
-    kind: ServiceType[RequestT, OutcomeT],
-    name: str,
-    request: RequestT,
+    publishers: Publishers, kind: ServiceType[RequestT, OutcomeT], name: str, request: RequestT
 ) -> Json:
     response = publishers.client(kind, name).call(request, _TIMEOUT)
     if not response.success:

@@ -19,8 +19,7 @@ from lcmtools.observe.reading.following import Receiver
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
-End = Callable[[], None]
-"""Ends what was begun; must be called once."""
+End = Callable[[], None]  # ends what was begun; must be called once
 
 
 class Source(Protocol):
@@ -127,8 +126,5 @@ def absence(source: Source, topic: str) -> str:
     if row.age is None:
         who = f"published by {', '.join(row.senders)}" if row.senders else "nothing publishes it"
         return f"no message of {topic} has come yet; {who}"
-    return f"{topic} is silent: the last message came {_age(row.age)} ago" if row.is_silent else ""
-
-
-def _age(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"  # noqa: PLR2004
+    age = f"{row.age:.0f} s" if row.age < 100 else f"{row.age / 60:.0f} min"  # noqa: PLR2004
+    return f"{topic} is silent: the last message came {age} ago" if row.is_silent else ""

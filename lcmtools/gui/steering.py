@@ -6,6 +6,7 @@ A separate thread sends the stops, so that no robot runs away if the server is b
 import threading
 import time
 from contextlib import suppress
+from math import inf
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.gui.dead_man import DeadMansSwitch
@@ -30,11 +31,7 @@ class Steering:
         self._is_over = False
 
     def execute(self, page: int, request: PageRequest) -> str:
-        """Execute a page's command, "drive", "release" or "stop"; returns the same as ``drive``.
-
-        Raises:
-            MalformedRequest: It is another command.
-        """
+        """Execute "drive", "release" or "stop"; return as ``drive``; else MalformedRequest."""
         topic = request.text("topic")
         if request.op == "release":
             self.release(page, topic)
@@ -112,12 +109,9 @@ class Steering:
                     with suppress(LcmtoolsError):  # the page learns of it by its own commands
                         self._publish(topic, 0.0, 0.0)
                 pause = self._switch.next_time - time.monotonic()
-                if pause == float("inf"):
-                    if self._is_over:
-                        return
-                    self._changed.wait()
-                else:
-                    self._changed.wait(max(0.0, pause))
+                if self._is_over and pause == inf:
+                    return
+                self._changed.wait(None if pause == inf else max(0.0, pause))
 
     def _publish(self, topic: str, forward: float, turn: float) -> None:
         kind, command = self._commands[topic]

@@ -16,8 +16,6 @@ from lcmtools.messages.registry import Message, message_class, type_name, type_n
 from lcmtools.packages.comments import Comment, comments
 from lcmtools.packages.user_types import source_text
 
-_NOTHING: Mapping[str, Comment] = {}
-
 
 def names(source: Source, _: Parameters) -> Json:
     """Return the names of all types; those on the bus first."""
@@ -73,7 +71,7 @@ def _comments(kind: type[Message]) -> Mapping[str, Comment]:
     try:
         return comments(source_text(kind))
     except LcmtoolsError:  # a type from a log, or without its file
-        return _NOTHING
+        return {}
 
 
 def _fields(kind: type[Message], outer: tuple[type[Message], ...]) -> list[Json]:

@@ -7,8 +7,7 @@ from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.message_template import draft
 from lcmtools.messages.registry import Message
 
-USUAL = "geometry_msgs/Twist"
-"""The type for a topic without one."""
+USUAL = "geometry_msgs/Twist"  # the type for a topic without one
 _HEADER = "std_msgs/Header"
 _OTHERS = ("Accel", "Wrench", "Inertia")  # names of messages with the fields of a velocity
 
@@ -16,10 +15,8 @@ _OTHERS = ("Accel", "Wrench", "Inertia")  # names of messages with the fields of
 class VelocityCommand:
     """A message of a type that commands a velocity: Twist, TwistStamped, or one like them.
 
-    The message itself, or its only nested one besides a header, has ``linear.x`` and ``angular.z``.
-
-    Raises:
-        ValueError: The class is not one of these.
+    The message itself, or its only nested one besides a header, has ``linear.x`` and ``angular.z``;
+    ValueError for other classes.
     """
 
     def __init__(self, cls: type[Message]) -> None:

@@ -80,9 +80,8 @@ def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
     for name, text in passed.items():
         if name not in known:
             files = ", ".join(root.source for root in roots)
-            raise UsageError(
-                f"{name}:={text}: {files} has no argument '{name}'", _hint(name, known)
-            )
+            what = f"{name}:={text}: {files} has no argument '{name}'"
+            raise UsageError(what, _hint(name, known))
 
 
 def check_passed(element: Element, passed: Mapping[str, str], root: Element) -> None:

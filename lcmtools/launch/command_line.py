@@ -10,8 +10,8 @@ from lcmtools.errors import UsageError
 from lcmtools.names import resolve, resolve_namespace
 
 _ASSIGNMENT = re.compile(r"([^\s:=]+):=(.*)", re.DOTALL)
+# ROS's special names that mean nothing with LCM; accepted so that old command lines work
 _MEANINGLESS = ("__log", "__ip", "__hostname", "__master")
-"""ROS's special names that mean nothing with LCM; accepted so that old command lines work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +24,7 @@ class CommandLine:
 
 
 def read_words(words: Sequence[str], flag: str | None, default: str) -> CommandLine:
-    """Parse the words, given the value of ``--ns`` and the default namespace.
-
-    Raises:
-        UsageError: One of them is wrong, or there is no file.
-    """
+    """Parse the words, given ``--ns`` and the default namespace; UsageError if wrong or no file."""
     places: list[str] = []
     arguments: dict[str, str] = {}
     namespace = flag

@@ -49,13 +49,10 @@ class Executable:
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:
-    """Return the command of a package's node, as ``pkg`` and ``type`` name it.
+    """Return the command of a package's node, as ``pkg`` and ``type`` name it; UsageError for none.
 
     The package is in the workspace (also that of the launch file's folder), installed, or one that
     the labs' texts name. A script's name may have its suffix.
-
-    Raises:
-        UsageError: There is no such package, or no such node in it.
     """
     plain = name.removesuffix(".py")
     known = _nodes_from(Path.cwd(), folder)
@@ -99,9 +96,8 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
         return replace(find_executable(words[0], words[1], folder), arguments=tuple(words[2:]))
     if shutil.which(words[0]) or is_there(path_from(folder, words[0])):
         hint = f"write a program as  exec: {words[0]}"
-        raise UsageError(
-            failure.what, f"{hint},  args: {shlex.join(words[1:])}" if words[1:] else hint
-        )
+        hint += f",  args: {shlex.join(words[1:])}" if words[1:] else ""
+        raise UsageError(failure.what, hint)
     raise failure
 
 
@@ -134,9 +130,8 @@ def find_script(word: str, folder: Path) -> tuple[str, ...]:
 def startable(command: Sequence[str]) -> list[str]:
     """Return a command line as it is started here: ``lcmtools`` means the running one."""
     words = list(command)
-    try:
-        place = next(i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN)
-    except StopIteration:
+    place = next((i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN), None)
+    if place is None:
         return words
     own = Path(sysconfig.get_path("scripts")) / OWN
     words[place : place + 1] = [str(own)] if own.is_file() else [sys.executable, "-m", OWN]
@@ -164,7 +159,6 @@ def _nodes_from(*starts: Path) -> tuple[Runnable, ...]:
 
 
 def _as_lcmtools() -> set[str]:
-    """Return the packages whose nodes lcmtools has."""
     return {OWN, *lab_packages(), *_ROS_PACKAGES}
 
 

@@ -12,11 +12,7 @@ from lcmtools.folders import home_folder
 
 
 def make_folder(environment: Mapping[str, str]) -> Path:
-    """Make this launch's folder, by the XDG rules, and point the link ``latest`` to it.
-
-    Raises:
-        LcmtoolsError: It cannot be created.
-    """
+    """Make this launch's folder, by XDG's rules, and its link ``latest``; LcmtoolsError if not."""
     state = home_folder(environment, "XDG_STATE_HOME", ".local/state")
     if state is None:
         raise LcmtoolsError("there is no folder for log files", "set HOME or XDG_STATE_HOME")

@@ -13,9 +13,8 @@ from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
-_LONG_LIFE = 5.0
-"""Seconds; a node that repeatedly dies sooner is restarted after increasing delays."""
-_SLOWEST = 10.0
+_LONG_LIFE = 5.0  # [s]; a node that repeatedly dies sooner is restarted after increasing delays
+_SLOWEST = 10.0  # [s], the longest of these
 
 
 @dataclass(slots=True, eq=False)
@@ -126,8 +125,7 @@ class NodeProcess:
             return "not started"
         asked = " when asked to" if self.was_asked else ""
         if self.code < 0:
-            name = _signal_name(-self.code)
-            return f"ended by {name}" if self.was_asked else f"died by {name}"
+            return f"{'ended' if self.was_asked else 'died'} by {_signal_name(-self.code)}"
         if self.code == 0:
             return f"ended{asked}"
         return f"{'ended' if asked else 'died'} with exit code {self.code}{asked}"

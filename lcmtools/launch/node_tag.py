@@ -11,14 +11,8 @@ from collections.abc import Iterable, Mapping
 
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.formats.strict_xml import Element
-from lcmtools.launch.executables import (
-    RUN,
-    Executable,
-    find_executable,
-    find_program,
-    find_script,
-    find_typed,
-)
+from lcmtools.launch import executables
+from lcmtools.launch.executables import RUN, Executable
 from lcmtools.launch.packages import path_from
 from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.launch.scope import Scope, located
@@ -26,14 +20,16 @@ from lcmtools.names import base_name_of, check_base_name, namespace_of, resolve
 
 _OUTPUTS = tuple(output.value for output in Output)
 _HOMES = ("ROS_HOME", "node")  # values of cwd that roslaunch knows; others are errors
-_NAMESPACE = "LCMTOOLS_NAMESPACE"
 
 
 def node_name(element: Element, scope: Scope, program: Executable) -> str:
     """Return a node's full name."""
     name = scope.text(element, "name")
-    if not name and {"run", "exec"} & set(element.attributes):
-        name = _name_of(program)
+    if not name and {"run", "exec"} & set(element.attributes):  # then it has its program's
+        first, *rest = program.command
+        is_run = (first, *rest[:1]) == RUN
+        word = rest[-1] if is_run else rest[0] if first == sys.executable else first
+        name = word.rpartition("/")[2].partition(".")[0].replace("-", "_")
     name = name or scope.required(element, "name")
     located(element, lambda: check_base_name(name, "the attribute ns"))
     return resolve(name, scope.namespace)
@@ -51,18 +47,18 @@ def find_node(element: Element, scope: Scope) -> Executable:
             raise element.error(f"'{ways[0]}' is empty in node")
         return located(element, lambda: _of_words(words, scope, ways[0]))
     package, name = scope.required(element, "pkg"), scope.required(element, "type")
-    return located(element, lambda: find_executable(package, name, scope.folder))
+    return located(element, lambda: executables.find_executable(package, name, scope.folder))
 
 
 def _of_words(words: list[str], scope: Scope, way: str) -> Executable:
     """Return the program of exec: or run:, given words as for ``lcmtools run`` or a path."""
     first, rest = words[0], tuple(words[1:])
     if way == "exec":
-        program = find_program(first, scope.folder)
+        program = executables.find_program(first, scope.folder)
         return Executable((program,), arguments=rest, takes_names=False)
     if "/" in first or first.endswith(".py"):
-        return Executable(find_script(first, scope.folder), arguments=rest)
-    return find_typed(words, scope.folder)
+        return Executable(executables.find_script(first, scope.folder), arguments=rest)
+    return executables.find_typed(words, scope.folder)
 
 
 def plan_node(
@@ -103,16 +99,7 @@ def plan_node(
     )
 
 
-def _name_of(program: Executable) -> str:
-    """Return the name of a node without one: its program's."""
-    first, *rest = program.command
-    is_run = (first, *rest[:1]) == RUN
-    word = rest[-1] if is_run else rest[0] if first == sys.executable else first
-    return word.rpartition("/")[2].partition(".")[0].replace("-", "_")
-
-
 def _words(element: Element, text: str) -> list[str]:
-    """Return the words of a text, split as by a shell."""
     try:
         return shlex.split(text)
     except ValueError:
@@ -121,8 +108,9 @@ def _words(element: Element, text: str) -> list[str]:
 
 def _environment(scope: Scope, program: Executable) -> dict[str, str]:
     """Return the variables that files set; a program that accepts no names may read this one."""
-    is_told = program.takes_names or scope.namespace == "/"
-    return {**({} if is_told else {_NAMESPACE: scope.namespace}), **scope.set_variables}
+    if program.takes_names or scope.namespace == "/":
+        return dict(scope.set_variables)
+    return {"LCMTOOLS_NAMESPACE": scope.namespace, **scope.set_variables}
 
 
 def _check_texts(element: Element, texts: Iterable[str]) -> None:

@@ -1,7 +1,6 @@
 """Packages and the launch files in them: from names to folders and files.
 
-A package is one of the workspace, an installed Python package, or one of the labs' packages, which
-are part of lcmtools.
+A package is one of the workspace, an installed Python package, or one of lcmtools' own, the labs'.
 """
 
 import os
@@ -15,13 +14,10 @@ from lcmtools.names import did_you_mean
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
-LABS = Path(__file__).parent / "files"
-"""The packages that the labs' texts name, each with its launch files."""
-LARGEST = 1_000_000
-"""Bytes of a file."""
+LABS = Path(__file__).parent / "files"  # packages that the labs' texts name, with launch files
+LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
-_MOST_FILES = 10_000
-"""The most files of a package that are searched: it may be a home folder."""
+_MOST_FILES = 10_000  # of a package that are searched: it may be a home folder
 
 
 def path_from(folder: Path, name: str) -> Path:
@@ -75,11 +71,7 @@ def lab_packages() -> list[str]:
 
 def lab_files() -> list[tuple[str, str]]:
     """Return the labs' launch files, each with its package."""
-    return [
-        (package, path.name)
-        for package in lab_packages()
-        for path in sorted((LABS / package / "launch").iterdir())
-    ]
+    return sorted((path.parts[-3], path.name) for path in LABS.glob("*/launch/*"))
 
 
 def launch_files(package: str) -> list[str]:
@@ -161,12 +153,8 @@ def _only_file(folder: Path, package: str) -> Path:
 
 
 def _launch_files(folder: Path) -> list[Path]:
-    """Return the files in the usual places of launch files."""
-    return [
-        path
-        for path in files_below(folder)
-        if path.suffix in SUFFIXES and path.parent.name == "launch"
-    ]
+    files = files_below(folder)
+    return [path for path in files if path.suffix in SUFFIXES and path.parent.name == "launch"]
 
 
 def _spellings(name: str) -> list[str]:

@@ -96,7 +96,6 @@ def _read(element: Element, name: str, scope: Scope) -> str:
 
 
 def _typed(element: Element, scope: Scope, name: str) -> str:
-    """Return a value's text, checked by its type."""
     kind, text = scope.text(element, "type", "auto"), scope.text(element, "value")
     if kind in ("auto", "yaml"):
         return text or write_setting("")  # nodes ignore an empty text
@@ -108,7 +107,6 @@ def _typed(element: Element, scope: Scope, name: str) -> str:
 
 
 def _leaves(value: Value, name: str) -> Iterator[tuple[str, Value]]:
-    """Return each value with the path of names to it."""
     if isinstance(value, dict):
         for key, part in value.items():
             yield from _leaves(part, f"{name}/{key}" if name else key)

@@ -43,14 +43,11 @@ class NodePlan:
 
 @dataclass(frozen=True, slots=True)
 class LaunchArgument:
-    """An argument of a launch file: its name, its default as written, its description.
-
-    If the default is None, a value must be given.
-    """
+    """An argument of a launch file."""
 
     name: str
-    default: str | None
-    doc: str = ""
+    default: str | None  # as written; if it is None, a value must be given
+    doc: str = ""  # its description
 
 
 @dataclass(frozen=True, slots=True)

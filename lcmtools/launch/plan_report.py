@@ -9,8 +9,7 @@ from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.messages.setting import ANY, read_setting, write_setting
 
-Answer = tuple[object, Sequence[str]]
-"""A value for JSON, and rows of text."""
+Answer = tuple[object, Sequence[str]]  # a value for JSON, and rows of text
 
 
 def list_answer() -> Answer:

@@ -24,8 +24,7 @@ from lcmtools.launch.tags import known_children, notes_on
 from lcmtools.names import resolve
 from lcmtools.packages.workspace import workspace
 
-_MOST_ELEMENTS = 100_000
-"""The most tags of all files together, repeated includes counted each time."""
+_MOST_ELEMENTS = 100_000  # tags of all files together, repeated includes counted each time
 
 
 def make_plan(
@@ -68,7 +67,8 @@ class _Reading:
 
     def read(self, file: File, scope: Scope) -> None:
         root = file.root
-        if file.folder.is_relative_to(LABS) and not any(map(_is_own, self.files)):
+        is_first_own = not any(Path(one).is_relative_to(LABS) for one in self.files)
+        if file.folder.is_relative_to(LABS) and is_first_own:
             package = file.folder.relative_to(LABS).parts[0]
             note = f"this is lcmtools' own {Path(file.path).name}, of its package {package}"
             self.notes.append("; ".join([note, *map(str, workspace(Path.cwd()).problems)]))
@@ -166,18 +166,9 @@ class _Reading:
         file = read_file(path, element.place)
         if not takes_all:
             check_passed(element, passed, file.root)
-        inside = replace(
-            inside,
-            folder=file.folder,
-            arguments={},
-            passed={**(scope.arguments if takes_all else {}), **passed},
-            is_included=True,
-            takes_all=takes_all,
-        )
+        passed = {**(scope.arguments if takes_all else {}), **passed}
+        inside = replace(inside, folder=file.folder, is_included=True, takes_all=takes_all)
+        inside = replace(inside, arguments={}, passed=passed)
         self.depth += 1
         self.read(file, inside)
         self.depth -= 1
-
-
-def _is_own(file: str) -> bool:
-    return Path(file).is_relative_to(LABS)

@@ -40,13 +40,11 @@ class Scope:
 
     def substituted(self, element: Element, text: str) -> str:
         """Return a text of an element with everything in ``$( )`` replaced."""
-        known = Known(
-            self.arguments,
-            self.environment,
-            str(self.folder),
-            lambda name: str(package_folder(name, self.folder)),
-            self.names,
-        )
+
+        def find(name: str) -> str:
+            return str(package_folder(name, self.folder))
+
+        known = Known(self.arguments, self.environment, str(self.folder), find, self.names)
         return located(element, lambda: substitute(text, known))
 
     def text(self, element: Element, name: str, default: str = "") -> str:
@@ -112,11 +110,9 @@ class Scope:
             raise element.error("'value' is missing in env")
         if "=" in name or "\0" in name + text:
             raise element.error(f"'{name}' is not the name of an environment variable")
-        return replace(
-            self,
-            environment={**self.environment, name: text},
-            set_variables={**self.set_variables, name: text},
-        )
+        environment = {**self.environment, name: text}
+        set_variables = {**self.set_variables, name: text}
+        return replace(self, environment=environment, set_variables=set_variables)
 
 
 def located(element: Element, work: Callable[[], T]) -> T:

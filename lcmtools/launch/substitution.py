@@ -69,11 +69,7 @@ class Known:
 
 
 def substitute(text: str, known: Known) -> str:
-    """Replace everything in ``$( )``; values are not searched for further ``$( )``.
-
-    Raises:
-        UsageError: It names something that does not exist, or is not closed.
-    """
+    """Replace all ``$( )``, but not those in values; UsageError if unknown or not closed."""
     return "".join(_replaced(part, known) if inside else part for inside, part in _parts(text))
 
 

@@ -19,8 +19,7 @@ from lcmtools.processes.child import StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.processes.signal_waiter import SignalWaiter
 
-_LOOK_AGAIN = 0.02
-"""Seconds between checks of a process group whose first process has ended."""
+_LOOK_AGAIN = 0.02  # seconds between checks of a process group whose first process has ended
 _TALK = ("[INFO] ", "[DEBUG] ")
 """The prefixes of log lines that are not errors, although they are in the error stream."""
 
@@ -50,12 +49,9 @@ class Supervisor:
         timeouts: StopTimeouts,
     ) -> None:
         self._nodes = [NodeProcess(plan, i, folder) for i, plan in enumerate(nodes, 1)]
-        self._environment = environment
-        self._watcher = watcher
-        self._timeouts = timeouts
+        self._environment, self._watcher, self._timeouts = environment, watcher, timeouts
         self._signals = SignalWaiter()
-        self._is_stopping = False
-        self._is_watched = True
+        self._is_stopping, self._is_watched = False, True
 
     def run(self) -> Sequence[NodeProcess]:
         """Run everything; return the nodes after they have ended."""
@@ -71,7 +67,6 @@ class Supervisor:
         return self._nodes
 
     def _turn(self, guard: ProcessGuard) -> None:
-        """Wait until something happens, and handle it."""
         children = [(node, node.child) for node in self._nodes if node.child]
         of = {stream: (node, child) for node, child in children for stream in child.streams}
         for stream in self._signals.wait([*of], self._patience()):
@@ -152,7 +147,6 @@ class Supervisor:
             self._stop()
 
     def _drain(self, node: NodeProcess, now: float) -> None:
-        """Finish a node if its group has ended."""
         child = node.child
         if child is None or not child.group_is_gone():
             return

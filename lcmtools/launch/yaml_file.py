@@ -33,8 +33,7 @@ _NODE = (
 _GROUP = ("ns", "if", "unless")
 _INCLUDE = ("file", "ns", "pass_all_args", "if", "unless")
 _EXAMPLES = {"a node": "run: talker", "remap": "chatter: news", "param": "kp: 0.5"}
-_FIRST = ("args", "remap", "param", "env")
-"""The keys that apply to the others wherever they stand."""
+_FIRST = ("args", "remap", "param", "env")  # they apply to the others wherever they stand
 
 
 def read_yaml(text: str, source: str) -> Element:
@@ -100,8 +99,7 @@ class _Reader:
     def _node(self, node: Node) -> Element:
         element = self.element("node", node, "a node", _NODE, self._node_parts())
         if not {"run", "exec"} & set(element.attributes):
-            reason = "'run' is missing in a node"
-            raise self._error(node.line, reason, "for example  run: talker")
+            raise self._error(node.line, "'run' is missing in a node", "for example  run: talker")
         element.attributes.setdefault("output", "both")
         return element
 
@@ -120,12 +118,11 @@ class _Reader:
         return found
 
     def _pairs(self, tag: str, first: str, second: str, node: Node) -> list[Element]:
-        return [
-            Element(
-                tag, self.source, value.key_line, {first: name, second: self._text(value, name)}
-            )
-            for name, value in self._fields(node, tag)
-        ]
+        found = []
+        for name, value in self._fields(node, tag):
+            pair = {first: name, second: self._text(value, name)}
+            found.append(Element(tag, self.source, value.key_line, pair))
+        return found
 
     def _private_parameters(self, node: Node, path: str = "~") -> list[Element]:
         """Return the private parameters of the nodes below, also from nested mappings."""
@@ -161,9 +158,8 @@ class _Reader:
         if isinstance(node.value, dict):
             yield from node.value.items()
         elif not node.is_nothing:
-            reason = f"{what}: expected names and values"
-            example = _EXAMPLES.get(what, "name: value")
-            raise self._error(node.line, reason, f"for example  {example}")
+            hint = f"for example  {_EXAMPLES.get(what, 'name: value')}"
+            raise self._error(node.line, f"{what}: expected names and values", hint)
 
     def _items(self, node: Node, what: str) -> list[Node]:
         """Return the elements of a list; nothing counts as an empty one."""
@@ -171,8 +167,8 @@ class _Reader:
             return node.value
         if node.is_nothing:
             return []
-        reason = f"{what}: expected a list"
-        raise self._error(node.line, reason, "begin each of its parts with '- '")
+        hint = "begin each of its parts with '- '"
+        raise self._error(node.line, f"{what}: expected a list", hint)
 
     def _words(self, node: Node, what: str) -> str:
         """Return a text, or the elements of a list, as words for a shell."""

@@ -18,10 +18,10 @@ from lcmtools.messages.coder import coder
 from lcmtools.messages.compiled import Scan, Write
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.layout import has_wire_type, is_generated
-from lcmtools.messages.registry import Message, candidates, fingerprint, type_name
+from lcmtools.messages.registry import Message, candidates, fingerprint, type_name, versioned
 from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, given
-from lcmtools.messages.shape import Element, check_lengths, shaped
+from lcmtools.messages.shape import Element, check_lengths, inner_lengths, shaped
 
 M = TypeVar("M", bound=Message)
 
@@ -134,7 +134,7 @@ def describe_payload(data: bytes) -> str:
         return f"{len(data)} bytes, which are not an LCM message"
     number = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(number)
-    return names[0] if names else f"an unknown type (fingerprint {number:#018x})"
+    return versioned(names[0], number) if names else f"an unknown type (fingerprint {number:#018x})"
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:
@@ -146,14 +146,14 @@ def _conformed(message: object, cls: type[Message]) -> Message:
         got = type_name(kind) if is_generated(kind) else given(message)
         raise Misfit(f"expected {type_name(cls)}, got {got}")
     copy = cls()
-    for field in visible_fields(cls):
-        setattr(copy, field.name, _conformed_field(message, field))
+    for field in (*visible_fields(cls), *inner_lengths(cls)):
+        setattr(copy, field.attribute, _conformed_field(message, field))
     check_lengths(copy)
     return copy
 
 
 def _conformed_field(message: object, field: Field) -> object:
-    value = getattr(message, field.name, None)
+    value = getattr(message, field.attribute, None)
     element: Element = partial(from_python, type_name=field.type)
     if field.message_class:
         element = partial(_conformed, cls=field.message_class)

@@ -10,6 +10,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from lcmtools.messages.compiled import Codecs, Scan, Write, compiled
+from lcmtools.messages.fields import length_values
 from lcmtools.messages.layout import Layout, Leaf, check_type, is_bounded, layout, smallest
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.messages.rows import (
@@ -48,7 +49,7 @@ class Coder(NamedTuple):
                 continue
             for leaf, codec in run:
                 value = _read_other(leaf, codec, made[leaf.part], cursor)
-                setattr(made[leaf.part], leaf.field.name, value)
+                setattr(made[leaf.part], leaf.field.attribute, value)
         return made[0]
 
     def read_available(self, cursor: Cursor) -> Message:
@@ -63,7 +64,7 @@ class Coder(NamedTuple):
             if leaf.is_number:
                 _read_numbers([leaf], [message], cursor)
             else:
-                setattr(message, leaf.field.name, _read_other(leaf, codec, message, cursor))
+                setattr(message, leaf.field.attribute, _read_other(leaf, codec, message, cursor))
         return message
 
 
@@ -91,7 +92,7 @@ def _read_numbers(run: list[Leaf], made: list[Message], cursor: Cursor) -> None:
     packer = struct.Struct(">" + "".join(FORMATS[leaf.field.type] for leaf in run))
     values = packer.unpack_from(cursor.data, cursor.advance(packer.size, run[0].where))
     for leaf, value in zip(run, values, strict=True):
-        setattr(made[leaf.part], leaf.field.name, value)
+        setattr(made[leaf.part], leaf.field.attribute, value)
 
 
 def _read_other(
@@ -99,7 +100,7 @@ def _read_other(
 ) -> object:
     if codec is None:
         return read_string(cursor, leaf.where)
-    sizes = [s if isinstance(s, int) else getattr(owner, s) for s in leaf.field.dimensions]
+    sizes = length_values(owner, leaf.field)
     return codec.read(sizes, cursor) if isinstance(codec, Array) else codec.read(sizes[0], cursor)
 
 

@@ -31,7 +31,7 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias, cast
 
-from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.fields import Field, attribute, visible_fields
 from lcmtools.messages.layout import Layout, Leaf, check_type
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.registry import Message
@@ -102,9 +102,13 @@ class _Source:
         """Yield each leaf with its codec, its expression and the expression of its size."""
         for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
             owner, sizes = f"m{leaf.part}", leaf.field.dimensions
-            counts = [f"{owner}.{size}" if isinstance(size, str) else str(size) for size in sizes]
+            cls = self.layout.parts[leaf.part].cls
+            counts = [
+                f"{owner}.{attribute(cls, size)}" if isinstance(size, str) else str(size)
+                for size in sizes
+            ]
             size = counts[0] if len(counts) == 1 else f"({', '.join(counts)})"
-            yield leaf, codec, f"{owner}.{leaf.field.name}", size
+            yield leaf, codec, f"{owner}.{leaf.field.attribute}", size
 
 
 class _Writing:
@@ -273,9 +277,9 @@ def _set_lengths(cls: type[Message], variable: str) -> Iterator[str]:
     for part in visible_fields(cls):
         for depth, size in enumerate(part.dimensions):
             if isinstance(size, str):
-                found.setdefault(size, []).append(f"({variable}.{part.name}, {depth})")
+                found.setdefault(size, []).append(f"({variable}.{part.attribute}, {depth})")
     for name, arrays in found.items():
-        target = f"{variable}.{name}"
+        target = f"{variable}.{attribute(cls, name)}"
         if len(arrays) == 1 and arrays[0].endswith(", 0)"):
             yield f"{target} = len({arrays[0][1:-4]})"
         else:

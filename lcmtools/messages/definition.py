@@ -5,7 +5,7 @@ Belongs here: the text of a type's fields, constants and defaults. Must not know
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from lcmtools.messages.fields import Field, constants, visible_fields
+from lcmtools.messages.fields import Field, constant_types, constants, visible_fields
 from lcmtools.messages.plain import Plain, to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import INTEGERS
@@ -20,8 +20,8 @@ def definition(cls: type[Message]) -> str:
           ...
         float64[36] covariance
 
-    lcm-gen's classes keep a constant's value, not its type, so constants are shown with the
-    smallest type that holds all of them, unsigned if possible, as in ROS's own definitions.
+    Constants of shipped types are shown with the smallest type that holds all of them, unsigned if
+    possible, as in ROS's own definitions; those of users' types as declared.
     """
     return "\n".join(_lines(cls, "", ()))
 
@@ -69,11 +69,10 @@ def _constants(cls: type[Message]) -> Iterator[str]:
     whole = [value for value in values.values() if isinstance(value, int)] or [0]
     least, most = min(whole), max(whole)
     kind = next(name for name, (low, high) in INTEGERS.items() if low <= least and most <= high)
+    usual = {int: kind, float: "float64", str: "string"}
+    declared = constant_types(cls)
     for name, value in values.items():
-        if isinstance(value, str):
-            yield f"string {name}={value}"
-        else:
-            yield f"{kind if isinstance(value, int) else 'float64'} {name}={value}"
+        yield f"{declared.get(name) or usual[type(value)]} {name}={value}"
 
 
 def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:

@@ -43,7 +43,8 @@ class Field(NamedTuple):
     type: str  # a primitive by its ROS name ("float64"), or a message type
     message_class: MessageClass | None  # None for a primitive
     dimensions: tuple[int | str, ...]  # none for a single value
-    is_length: bool  # True for the length of an array, which users neither see nor set
+    is_length: bool  # True for the length of an array, which is set from the array
+    attribute: str = ""  # its name in Python: "from_" for "from"
 
     @property
     def depth(self) -> int:
@@ -61,13 +62,29 @@ def fields(cls: type[Message]) -> tuple[Field, ...]:
     """Return all fields of a class, in wire order."""
     lengths = {size for sizes in cls.__dimensions__ for size in sizes or ()}
     table = zip(cls.__slots__, cls.__typenames__, cls.__dimensions__, strict=True)
-    return tuple(_field(name, lcm, sizes, name in lengths) for name, lcm, sizes in table)
+    return tuple(
+        _field(cls, name, lcm, sizes or [])._replace(is_length=name in lengths, attribute=name)
+        for name, lcm, sizes in table
+    )
 
 
 @cache
 def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
     """Return the fields that users see and set: all except length fields."""
     return tuple(field for field in fields(cls) if not field.is_length)
+
+
+@cache
+def parts(cls: type[Message]) -> tuple[type[Message], ...]:
+    """Return a class and those of its fields, at any depth, each once."""
+    found = {cls: None}
+    waiting = [cls]
+    while waiting:
+        nested = (field.message_class for field in fields(waiting.pop()))
+        new = [one for one in nested if one and one not in found]
+        found.update(dict.fromkeys(new))
+        waiting += new
+    return tuple(found)
 
 
 @cache
@@ -79,8 +96,28 @@ def holds_itself(cls: type[Message]) -> bool:
 @cache
 def constants(cls: type[Message]) -> dict[str, int | float | str]:
     """Return the constants of a class by name; lcm-gen keeps their values, not their types."""
-    named = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
-    return {name: value for name, value in named.items() if isinstance(value, (int, float, str))}
+    own = _own_names(cls)
+    members = ((own.get(name, name), name, value) for name, value in vars(cls).items())
+    return {
+        name: value
+        for name, spelled, value in members
+        if isinstance(value, (int, float, str)) and not spelled.startswith("__")
+    }
+
+
+def constant_types(cls: type[Message]) -> dict[str, str]:
+    """The types of a class's constants by name, as far as known: lcm-gen keeps only the values."""
+    known: dict[str, str] = getattr(cls, "__constant_types__", {})
+    return {name: PRIMITIVES.get(kind, kind) for name, kind in known.items()}
+
+
+def length_values(message: Message, field: Field) -> list[int]:
+    """Return the array sizes of a field in a message, as its length fields say."""
+    cls = type(message)
+    return [
+        size if isinstance(size, int) else int(getattr(message, attribute(cls, size)))
+        for size in field.dimensions
+    ]
 
 
 def fields_hint(cls: type[Message]) -> str:
@@ -97,10 +134,19 @@ def is_time(cls: type[Message]) -> bool:
 
 @cache
 def field_name(cls: type[Message], name: str) -> str:
-    """Return a class's own name for a field; for a time, secs, nsecs and nanosec work too."""
+    """Return a class's own name for a field.
+
+    For a time, secs, nsecs and nanosec work too, for a field ``from`` Python's ``from_``.
+    """
     if name in _TIME_NAMES and is_time(cls):
         return cls.__slots__[_TIME_NAMES[name]]
-    return name
+    return _own_names(cls).get(name, name)
+
+
+@cache
+def attribute(cls: type[Message], name: str) -> str:
+    """Return the name of a field in Python: ``from_`` for ``from``."""
+    return next((field.attribute for field in fields(cls) if field.name == name), name)
 
 
 def stamp(message: Message) -> int | None:
@@ -112,17 +158,8 @@ def stamp(message: Message) -> int | None:
     return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
 
 
-def utime(message: Message) -> int | None:
-    """Return a message's ``utime``, a field in microseconds, as [ns since 1970]; None without it.
-
-    The field is LCM's convention, as in its event logs and examples.
-    """
-    value = getattr(message, "utime", None)
-    return value * 1000 if isinstance(value, int) else None
-
-
 def is_utime(field: Field) -> bool:
-    """Return True for a field ``utime`` of microseconds: see ``utime``."""
+    """Return True for a field ``utime`` of microseconds, LCM's convention."""
     return field.name == "utime" and field.type == "int64" and not field.dimensions
 
 
@@ -145,10 +182,20 @@ def _is_header(cls: type) -> bool:
     return type_name(cls) == "std_msgs/Header"
 
 
-def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: bool) -> Field:  # noqa: FBT001 - private
-    dimensions = tuple(sizes or ())
+def _own_names(cls: type[Message]) -> dict[str, str]:
+    """The names of fields and constants by those in Python, where these differ."""
+    renamed: dict[str, str] = getattr(cls, "__renamed__", {})
+    return renamed
+
+
+def _field(cls: type[Message], attribute: str, lcm_type: str, sizes: list[int | str]) -> Field:
+    own = _own_names(cls)
+    name = own.get(attribute, attribute)
+    dimensions = tuple(own.get(n, n) if isinstance(n, str) else n for n in sizes)
     if lcm_type in PRIMITIVES:
-        return Field(name, PRIMITIVES[lcm_type], None, dimensions, is_length)
+        return Field(
+            name, PRIMITIVES[lcm_type], None, dimensions, is_length=False, attribute=attribute
+        )
     module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is not in a package
-    cls: type[Message] = getattr(importlib.import_module(module or short), short)
-    return Field(name, type_name(cls), cls, dimensions, is_length)
+    nested: type[Message] = getattr(importlib.import_module(module or short), short)
+    return Field(name, type_name(nested), nested, dimensions, is_length=False)

@@ -23,7 +23,7 @@ from lcmtools.messages.fields import (
 )
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
-from lcmtools.messages.shape import Element, each, shaped
+from lcmtools.messages.shape import Element, check_given_length, each, shaped
 from lcmtools.names import closest
 
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
@@ -86,6 +86,9 @@ def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[Mes
             raise Misfit(f"'{field.name}' is given twice, once as '{key}'")
         seen.add(field)
         _fill_field(message, field, value, times)
+    for field in fields(cls):
+        if field.is_length and field in seen:
+            check_given_length(message, field)
 
 
 def _fill_in_order(message: Message, values: Sequence[Value], times: list[Message]) -> None:
@@ -127,13 +130,13 @@ def _fill_field(message: Message, field: Field, value: Value, times: list[Messag
     try:
         if field.dimensions:
             ready = _bytes_of_text(value, len(field.dimensions)) if field.is_bytes else value
-            setattr(message, field.name, shaped(ready, field, _element(field, times)))
+            setattr(message, field.attribute, shaped(ready, field, _element(field, times)))
         elif field.message_class:
-            _fill(getattr(message, field.name), value, times)
+            _fill(getattr(message, field.attribute), value, times)
         elif value == "now" and is_utime(field):
             times.append(message)
         else:
-            setattr(message, field.name, _scalar(value, field.type))
+            setattr(message, field.attribute, _scalar(value, field.type))
     except Misfit as misfit:
         misfit.inside(f".{field.name}")
         raise
@@ -172,10 +175,6 @@ def _field_named(cls: type[Message], key: str, value: Value) -> Field:
     key = field_name(cls, key)
     if key not in found:
         raise _unknown_field(cls, key, value)
-    if found[key].is_length:
-        arrays = [field.name for field in visible_fields(cls) if key in field.dimensions]
-        what = f"is always the length of {' and '.join(arrays)}"
-        raise Misfit(what, "leave it out").inside(f".{key}")
     return found[key]
 
 

@@ -11,7 +11,7 @@ from typing import cast
 from lcmtools.errors import ValueMismatch
 from lcmtools.formats.expression import Expression, ExpressionFault, Language, NoValue, operands
 from lcmtools.formats.operations import CONSTANTS, comparable
-from lcmtools.messages.fields import constants, field_name, visible_fields
+from lcmtools.messages.fields import attribute, constants, field_name, fields
 from lcmtools.messages.path import Slice, Target, element_target, field_target, root_target
 from lcmtools.messages.registry import Message
 
@@ -103,7 +103,7 @@ class _Fields:
 
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
-        return comparable(getattr(owner, field_name(cls, name)))
+        return comparable(getattr(owner, attribute(cls, field_name(cls, name))))
 
 
 def _named_target(owner: Target, name: str, where: str) -> Target | None:
@@ -115,7 +115,7 @@ def _named_target(owner: Target, name: str, where: str) -> Target | None:
 
 
 def _is_constant(name: str, cls: type[Message]) -> bool:
-    return name in CONSTANTS and all(field.name != name for field in visible_fields(cls))
+    return name in CONSTANTS and all(field.name != name for field in fields(cls))
 
 
 def _constant(index: ast.expr) -> int:

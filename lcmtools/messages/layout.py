@@ -23,7 +23,7 @@ class Part(NamedTuple):
 
     cls: type[Message]
     owner: int = 0  # index in ``Layout.parts`` of the message that contains it
-    name: str = ""  # name of its field there
+    name: str = ""  # name of its field there, in Python
 
 
 class Leaf(NamedTuple):
@@ -59,7 +59,7 @@ def _leaves(parts: list[Part], place: int, path: str) -> Iterator[Leaf]:
     for part in fields(parts[place].cls):
         where = f"{path}.{part.name}"
         if part.message_class and not part.dimensions:
-            parts.append(Part(part.message_class, place, part.name))
+            parts.append(Part(part.message_class, place, part.attribute))
             yield from _leaves(parts, len(parts) - 1, where)
         else:
             yield Leaf(place, part, where)

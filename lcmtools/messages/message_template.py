@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.documents import Document, Documents, parse_values
-from lcmtools.messages.fields import set_moment, visible_fields
+from lcmtools.messages.fields import fields, set_moment, visible_fields
 from lcmtools.messages.fill import Value, fill
 from lcmtools.messages.registry import Message
 
@@ -110,11 +110,11 @@ def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> s
     """Return a hint about words and fields that the shell has split."""
     if len(texts) < 2 or not isinstance(value, list):  # noqa: PLR2004 - one text is not split
         return ""
-    names = {field.name for field in visible_fields(cls)}
+    names = {field.name for field in fields(cls)}
     if all(_names_a_field(part, names) for part in value):
         return "write all fields into one argument: '{name: value, name: value}'"
-    fields = visible_fields(cls)
-    if len(fields) == 1 and fields[0].type == "string":
+    targets = visible_fields(cls)
+    if len(targets) == 1 and targets[0].type == "string":
         return f"put the text in quotes: '{' '.join(texts)}'"
     return ""
 

@@ -13,7 +13,14 @@ from functools import cache
 from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.messages.fields import Field, MessageClass, field_name, fields_hint, visible_fields
+from lcmtools.messages.fields import (
+    Field,
+    MessageClass,
+    attribute,
+    field_name,
+    fields,
+    fields_hint,
+)
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_sequence
@@ -162,7 +169,8 @@ def element_target(owner: Target, step: int | Slice, where: str) -> Target:
 def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:
     for done, step in enumerate(steps, 1):
         if isinstance(step, str):
-            value = getattr(value, field_name(type(cast("Message", value)), step))
+            cls = type(cast("Message", value))
+            value = getattr(value, attribute(cls, field_name(cls, step)))
         elif isinstance(step, int):
             value = _element(value, step, path)
         else:
@@ -191,7 +199,7 @@ def _outside(where: str, size: int, index: str = "") -> ValueMismatch:
 
 
 def _field(cls: type[Message], name: str, where: str) -> Field:
-    known = {field.name: field for field in visible_fields(cls)}
+    known = {field.name: field for field in fields(cls)}
     own_name = field_name(cls, name)
     if own_name in known:
         return known[own_name]
@@ -204,13 +212,13 @@ def _field(cls: type[Message], name: str, where: str) -> Field:
 
 def _deeper(cls: type[Message], name: str) -> str:
     """Return the path to the outermost nested field of this name; "" if there is none."""
-    level = [(field.name, field) for field in visible_fields(cls)]
+    level = [(field.name, field) for field in fields(cls)]
     for _ in range(_DEEPEST):
         level = [
             (f"{path}.{inner.name}", inner)
             for path, field in level
             if field.message_class and not field.dimensions
-            for inner in visible_fields(field.message_class)
+            for inner in fields(field.message_class)
         ]
         found = next((path for path, field in level if field.name == name), "")
         if found:

@@ -11,7 +11,7 @@ from typing import cast
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.fields import Field, fields
+from lcmtools.messages.fields import Field, fields, length_values
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.rows import FORMATS
 from lcmtools.messages.scalars import STRAY_BYTES
@@ -103,7 +103,7 @@ def _leaves(message: Message, path: str, start: int) -> Iterator[_Leaf]:
     """Yield the fields of a decoded message, in their order in the payload."""
     for part in fields(type(message)):
         depth = 0 if part.type in FORMATS else len(part.dimensions)
-        for where, value in _elements(getattr(message, part.name), depth, path + part.name):
+        for where, value in _elements(getattr(message, part.attribute), depth, path + part.name):
             if part.message_class:
                 inner = list(_leaves(cast("Message", value), f"{where}.", start))
             else:
@@ -123,8 +123,7 @@ def _elements(value: object, depth: int, path: str) -> Iterator[tuple[str, objec
 def _leaf(message: Message, part: Field, value: object, path: str, start: int) -> _Leaf:
     if isinstance(value, str):
         return _Leaf(path, start, len(value.encode("utf-8", STRAY_BYTES)) + _STRING_BYTES, "")
-    sizes = (s if isinstance(s, int) else getattr(message, s) for s in part.dimensions)
-    codes = f"{prod(sizes)}{FORMATS[part.type]}"
+    codes = f"{prod(length_values(message, part))}{FORMATS[part.type]}"
     return _Leaf(path, start, struct.calcsize(f">{codes}"), "" if part.is_length else codes)
 
 

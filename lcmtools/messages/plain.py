@@ -10,12 +10,12 @@ from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.formats.strict_json import write_json
-from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
+from lcmtools.messages.fields import TIME_FIELDS, Field, fields, is_time, visible_fields
 from lcmtools.messages.layout import longest_array
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.path import Target
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.shape import as_bytes, as_sequence
+from lcmtools.messages.shape import as_bytes, as_sequence, inner_lengths, lone_lengths
 
 Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain]"
 """A message as plain values."""
@@ -74,17 +74,25 @@ NOTHING = View()
 def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
     """Return a message, as accepted by ``encode``, as a dict; uint8 arrays as lists of numbers.
 
-    Length fields are left out. Infinities and NaN stay floats, which JSON cannot hold: see
-    ``to_json``.
+    Length fields are left out, except one that no array shows: ``cols`` without rows. Infinities
+    and NaN stay floats, which JSON cannot hold: see ``to_json``.
     """
     cls = type(message)
     plain = {
-        field.name: plain_value(getattr(message, field.name), field, view)
-        for field in visible_fields(cls)
+        field.name: plain_value(getattr(message, field.attribute), field, view)
+        for field in _shown_fields(message, view)
         if not view.omits(field)
     }
     is_moved = view.origin is not None and is_time(cls) and type_name(cls) in _TIME_TYPES
     return _since(plain, cast("int", view.origin)) if is_moved else plain
+
+
+def _shown_fields(message: Message, view: View) -> tuple[Field, ...]:
+    cls = type(message)
+    if view.is_table or not inner_lengths(cls):
+        return visible_fields(cls)
+    lone = lone_lengths(message)
+    return tuple(field for field in fields(cls) if not field.is_length or field in lone)
 
 
 def plain_value(value: object, what: Field | Target, view: View = NOTHING) -> Plain:

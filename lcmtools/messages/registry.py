@@ -2,22 +2,34 @@
 
 A look-up reads tables and imports only the type that is found. If two types have the same name, the
 user's own takes precedence, because it is under development. The others are still found by their
-fingerprints. Where users' types are is decided at the edge of the program (``supply.set_supply``);
-nothing here reads the environment, the working directory or the command line.
+fingerprints, and by their names with a version: rover/state_t@old/state_t.lcm. Where users' types
+are is decided at the edge of the program (``supply.set_supply``); nothing here reads the
+environment, the working directory or the command line.
 """
 
 import importlib
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
+from pathlib import PurePath
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
+from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
-from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
+from lcmtools.messages.type_names import (
+    STUDENTS,
+    find,
+    full_name,
+    near_miss,
+    preference,
+    resemblance,
+)
 from lcmtools.messages.type_source import Problem, TypeSource
 
 _SHIPPED = "lcmtools.types."
+_OURS = "lcmtools"  # the version that means lcmtools' own type: std_msgs/String@lcmtools
 _USERS = "lcmtools_types_"  # prefix of the package below which packages.cache writes types
 
 
@@ -71,11 +83,21 @@ class Registry:
         """Return the names of all service pairs, sorted."""
         return sorted({name for source in self._all() for name in source.services})
 
-    def message_class(self, name: str, number: int | None = None) -> type[Message]:
+    def message_class(
+        self, name: str, number: int | None = None, *, any_version: bool = False
+    ) -> type[Message]:
         """Import and return the class of a type; see ``lcmtools.message_class``."""
         source, found = self._type(name, number)
-        self._warn_once(source, found)
+        if not any_version and number is None and "@" not in name:
+            self._warn_once(source, found)
         return cast("type[Message]", _load(source.prefix, found))
+
+    def message_classes(self) -> Iterator[type[Message]]:
+        """Import and yield the classes of all types, and of all their versions."""
+        known = {(n, f): one for one in reversed(self._all()) for n, f in one.fingerprints.items()}
+        for (name, _), source in sorted(known.items(), key=lambda item: item[0]):
+            with suppress(ImportError, AttributeError):  # made anew, or removed, meanwhile
+                yield cast("type[Message]", _load(source.prefix, name))
 
     def service_class(self, name: str) -> type[ServiceType]:
         """Return a service's pair of messages; UnknownType unless exactly one has the name."""
@@ -96,18 +118,45 @@ class Registry:
             hint = f"{found} is a message: lcmtools msg show {found}"
         raise UnknownType(f"unknown service type '{name}'", hint)
 
-    def candidates(self, fingerprint: int) -> list[str]:
-        """Return the names of the types with this fingerprint (equal fields), likeliest first."""
+    def candidates(self, fingerprint: int, channel: str = "") -> list[str]:
+        """Return the names of the types with this fingerprint (equal fields), likeliest first.
+
+        These are the ones whose names resemble the channel's, then the user's own.
+        """
+
+        def order(name: str) -> tuple[object, ...]:
+            short, whole = resemblance(name, channel)
+            return -short, -whole, name not in own, *preference(name)
+
         for sources in self._tiers():
-            if having := [one for one in sources if fingerprint in one.fingerprints.values()]:
-                pairs = (pair for one in having for pair in one.fingerprints.items())
-                return sorted({name for name, of in pairs if of == fingerprint}, key=preference)
+            having = [one for one in sources if fingerprint in one.fingerprints.values()]
+            found = [
+                (n, one) for one in having for n, f in one.fingerprints.items() if f == fingerprint
+            ]
+            if found:
+                names = {name for name, _ in found}
+                stored = self._supply.recorded_names(fingerprint) if self._supply else ()
+                own = {name for name, one in found if one not in self._fixed}
+                own |= set(stored) - names
+                return sorted(names | own, key=order)
         return []
 
-    def file(self, name: str) -> str:
+    def versioned(self, name: str, fingerprint: int) -> str:
+        """Return the name that means the type with this fingerprint and no other.
+
+        It is the name itself, or for a version that the name alone does not mean, with its file:
+        "rover/state_t@old/state_t.lcm".
+        """
+        known = self._versions(name)
+        if fingerprint not in known or fingerprint == next(iter(known)):
+            return name
+        return f"{name}@{_version(fingerprint, known)}"
+
+    def file(self, name: str, number: int | None = None) -> str:
         """Return the .lcm file of a user's own type; "" for a shipped one."""
         having = (one for some in self._tiers() for one in some if name in one.fingerprints)
-        return next((one.files.get(name, "") for one in having), "")
+        found = (one for one in having if number in (None, one.fingerprints[name]))
+        return next((one.files.get(name, "") for one in found), "")
 
     def files(self) -> dict[str, str]:
         """Return the .lcm file of each of the user's own types."""
@@ -122,6 +171,20 @@ class Registry:
 
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
         """Return the source of a type, and its full name."""
+        name, _, version = name.partition("@")
+        if version:
+            number = self._version_number(name, version)
+        if number is not None and (exact := self._exact(full_name(name), number)):
+            return exact
+        return self._named(name, number)
+
+    def _exact(self, name: str, number: int) -> tuple[TypeSource, str] | None:
+        """Return the source that has this very type; a broken file of another does not matter."""
+        every = (one for sources in self._tiers() for one in sources)
+        return next(((one, name) for one in every if one.fingerprints.get(name) == number), None)
+
+    def _named(self, name: str, number: int | None) -> tuple[TypeSource, str]:
+        """Return the source of the type that a name means, best with this fingerprint."""
         problem = other = None
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
@@ -143,21 +206,52 @@ class Registry:
     def _tiers(self) -> Iterator[list[TypeSource]]:
         """Yield the sources that are cheap to search; then more, for names not found in these."""
         near = self._supply.near() if self._supply else None
-        yield (usual := [*([near] if near else []), *self._fixed])
+        yield (usual := [*(near.with_versions() if near else []), *self._fixed])
         far = self._supply.far() if self._supply else None
-        yield (usual := [*usual, *([far] if far else [])])
+        yield (usual := [*usual, *(far.with_versions() if far else [])])
         if recorded := self._supply and self._supply.recorded():
-            yield [*usual, *recorded]
+            yield [*usual, *(one for source in recorded for one in source.with_versions())]
 
     def _all(self) -> list[TypeSource]:
         return list(self._tiers())[-1]
 
+    def _versions(self, name: str) -> dict[int, str]:
+        """Return the versions of a type by fingerprint, first the one that the name alone means."""
+        found: dict[int, str] = {}
+        for sources in self._tiers():
+            for one in sources:
+                if name in one.fingerprints:
+                    place = _OURS if one in self._fixed else one.files.get(name, "")
+                    found.setdefault(one.fingerprints[name], place)
+            if found:
+                break
+        return found
+
+    def _version_number(self, name: str, version: str) -> int:
+        """Return the fingerprint of a version of a type; UnknownType for none, or several."""
+        _, found = self._type(name, None)
+        known = self._versions(found)
+        parts = PurePath(version).parts
+        meant = [n for n, file in known.items() if PurePath(file).parts[-len(parts) :] == parts]
+        if version.startswith("0x"):
+            meant = [number for number in known if f"{number:#018x}" == version]
+        if len(meant) != 1:
+            names = (f"{found}@{_version(number, known)}" for number in known)
+            raise UnknownType(
+                f"unknown version '{version}' of {found}", f"write {' or '.join(names)}"
+            )
+        return meant[0]
+
     def _warn_once(self, source: TypeSource, name: str) -> None:
-        notes = [source.notes[name]] if name in source.notes else []
+        notes = []
+        if name in source.notes:
+            others = [self.versioned(name, number) for number in list(self._versions(name))[1:]]
+            more = f"; the first is used, the other is {' or '.join(others)}" if others else ""
+            notes.append(f"{source.notes[name]}{more}")
         file = None if name.startswith(STUDENTS) else source.files.get(name)
         number = source.fingerprints[name]
         if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
-            notes.append(f"{name} differs from lcmtools' own type; {file} is used")
+            notes.append(f"{name} differs from lcmtools' own type, {name}@{_OURS}; {file} is used")
         for note in notes:
             if note not in self._warned:
                 self._warned.add(note)
@@ -182,6 +276,18 @@ class Registry:
         return near or "see: lcmtools msg list"
 
 
+def _version(number: int, known: Mapping[int, str]) -> str:
+    """Return the shortest end of a version's file that no other has; else its fingerprint."""
+    parts, others = (
+        PurePath(known[number]).parts,
+        [PurePath(known[n]).parts for n in known if n != number],
+    )
+    for count in range(1 if len(parts) == 1 else 2, len(parts) + 1):
+        if not any(one[-count:] == parts[-count:] for one in others):
+            return "/".join(parts[-count:])
+    return f"{number:#018x}"
+
+
 def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
     return find(name, {one for source in sources for one in source.services}, "service")
 
@@ -199,8 +305,8 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
 
 def _load(prefix: str, name: str) -> object:
     package, _, short = name.rpartition("/")
-    module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
-    return cast("object", getattr(module, short))
+    module = importlib.import_module(f"{prefix}.{python_path(package)}" if package else prefix)
+    return cast("object", getattr(module, python_name(short)))
 
 
 _current: tuple[Supply | None, Registry] | None = None
@@ -230,9 +336,11 @@ def _log(text: str) -> None:
     logging.getLogger("lcmtools").warning("%s", text)
 
 
-def message_class(name: str, number: int | None = None) -> type[Message]:
+def message_class(
+    name: str, number: int | None = None, *, any_version: bool = False
+) -> type[Message]:
     """Return the class of a type; see ``Registry.message_class``."""
-    return default_registry().message_class(name, number)
+    return default_registry().message_class(name, number, any_version=any_version)
 
 
 def service_class(name: str) -> type[ServiceType]:
@@ -245,9 +353,19 @@ def service_name(name: str) -> str:
     return default_registry().service_name(name)
 
 
-def candidates(fingerprint: int) -> list[str]:
-    """Return the names of the types with this unsigned fingerprint, likeliest first."""
-    return default_registry().candidates(fingerprint)
+def message_classes() -> Iterator[type[Message]]:
+    """Import and yield the classes of all types, and of all their versions."""
+    return default_registry().message_classes()
+
+
+def candidates(fingerprint: int, channel: str = "") -> list[str]:
+    """Return the names of the types with this unsigned fingerprint; see ``Registry.candidates``."""
+    return default_registry().candidates(fingerprint, channel)
+
+
+def versioned(name: str, number: int) -> str:
+    """Return the name that means the type with this fingerprint; see ``Registry.versioned``."""
+    return default_registry().versioned(name, number)
 
 
 def type_names() -> list[str]:
@@ -260,9 +378,23 @@ def service_names() -> list[str]:
     return default_registry().service_names()
 
 
+def is_own(name: str) -> bool:
+    """Return whether a type, by its full name, is the user's own, not one that lcmtools ships."""
+    return bool(default_registry().file(name.partition("@")[0]))
+
+
 def packages() -> list[str]:
     """Return the names of the packages that have message types, sorted."""
     return sorted({name.partition("/")[0] for name in type_names() if "/" in name})
+
+
+def means_type(word: str) -> bool:
+    """Return whether a word that may be a topic is meant as a type; see ``message_class``.
+
+    UnknownType is raised for the short name of several.
+    """
+    is_of_package = word.partition("/")[0] in packages()
+    return is_of_package or find(word.partition("@")[0], set(type_names()), "type") is not None
 
 
 def problems() -> Sequence[Problem]:
@@ -284,6 +416,8 @@ def fingerprint(cls: type[Message]) -> int:
 @cache
 def _class_name(cls: type) -> str:
     """Return a generated class's name: lcm-gen puts each class into its own module."""
+    if name := getattr(cls, "__lcm_name__", ""):  # one that Python cannot spell
+        return str(name)
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]

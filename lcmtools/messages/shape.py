@@ -6,6 +6,7 @@ format, or where the values come from (a message's attributes or a user's text).
 
 import contextlib
 from collections.abc import Callable, Sequence
+from functools import cache
 
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message
@@ -69,13 +70,49 @@ def check_lengths(message: Message) -> None:
     for field in visible_fields(cls):
         for depth, size in enumerate(field.dimensions):
             if isinstance(size, str):
-                for count in _counts(getattr(message, field.name), depth):
+                for count in _counts(getattr(message, field.attribute), depth):
                     first, owner = found.setdefault(size, (count, field.name))
                     if count != first:
                         raise _disagreement(field.name, count, owner, first)
     for field in fields(cls):
         if field.name in found:
             _check_room(field, *found[field.name])
+
+
+def check_given_length(message: Message, length: Field) -> None:
+    """Raise Misfit for a length field with another value than the length of its arrays."""
+    given_length = getattr(message, length.attribute)
+    if given_length < 0:
+        raise Misfit("is a length, which is never negative").inside(f".{length.name}")
+    for array, depth in _sized_by(type(message), length.name):
+        for count in _counts(getattr(message, array.attribute), depth):
+            if count != given_length:
+                of = "a row of " if depth else ""
+                what = f"is {given_length}, and the length of {of}{array.name} is {count}"
+                raise Misfit(what, "leave it out").inside(f".{length.name}")
+
+
+def lone_lengths(message: Message) -> tuple[Field, ...]:
+    """Return the length fields that the arrays of a message do not show: "cols" without rows."""
+    return tuple(
+        field
+        for field in inner_lengths(type(message))
+        if getattr(message, field.attribute)
+        and not any(
+            _counts(getattr(message, array.attribute), depth)
+            for array, depth in _sized_by(type(message), field.name)
+        )
+    )
+
+
+@cache
+def inner_lengths(cls: type[Message]) -> tuple[Field, ...]:
+    """Return the length fields of a class that are not the length of a whole array."""
+    return tuple(
+        field
+        for field in fields(cls)
+        if field.is_length and all(depth for _, depth in _sized_by(cls, field.name))
+    )
 
 
 def each(elements: Sequence[object], convert: Element) -> list[object]:
@@ -116,6 +153,16 @@ def _plural(field: Field) -> str:
     if field.message_class:
         return "messages"
     return {"bool": "booleans", "string": "strings"}.get(field.type, "numbers")
+
+
+def _sized_by(cls: type[Message], length: str) -> list[tuple[Field, int]]:
+    """Return the arrays that a length field belongs to, and the dimensions."""
+    return [
+        (field, depth)
+        for field in visible_fields(cls)
+        for depth, size in enumerate(field.dimensions)
+        if size == length
+    ]
 
 
 def _counts(value: object, depth: int) -> list[int]:

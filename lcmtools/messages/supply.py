@@ -16,6 +16,9 @@ class Supply(Protocol):
     def far(self) -> "TypeSource | None":
         """Types for names that are otherwise unknown."""
 
+    def recorded_names(self, fingerprint: int) -> "Sequence[str]":
+        """Return the names under which logs have stored types with this fingerprint."""
+
     def recorded(self) -> "Sequence[TypeSource]":
         """The types stored with each log, for its messages if they are otherwise unknown."""
 

@@ -23,12 +23,19 @@ from functools import cache
 from operator import attrgetter
 from typing import NamedTuple, cast
 
-from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
+from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, parts, visible_fields
 from lcmtools.messages.number_array import NumberArray
-from lcmtools.messages.plain import PLAIN_TYPES, More, Plain, plain_scalar, plain_value
+from lcmtools.messages.plain import (
+    PLAIN_TYPES,
+    More,
+    Plain,
+    plain_scalar,
+    plain_value,
+    to_plain,
+)
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import STRAY_BYTES
-from lcmtools.messages.shape import as_sequence
+from lcmtools.messages.shape import as_sequence, inner_lengths
 
 _ESCAPES = dict(zip('\0\a\b\t\n\v\f\r\x1b"\\\x85\xa0\u2028\u2029', '0abtnvfre"\\N_LP', strict=True))
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
@@ -44,7 +51,10 @@ RESERVED_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
 def format_message(message: Message) -> str:
     """Format a message as in ``rostopic echo``, without a line end; "" if it has no fields."""
-    return _form(type(message), "").fill(message)
+    cls = type(message)
+    if any(map(inner_lengths, parts(cls))):  # a field may be shown for some messages only
+        return FREE.block(to_plain(message))
+    return _form(cls, "").fill(message)
 
 
 def quoted(text: str) -> str:
@@ -166,7 +176,7 @@ def _add_fields(
 ) -> None:
     """Add the lines of a class's fields, and for each value its path and text function."""
     for field in visible_fields(cls):
-        head, where = f"{indent}{field.name}: ", f"{path}{field.name}"
+        head, where = f"{indent}{field.name}: ", f"{path}{field.attribute}"
         if field.message_class and not field.dimensions:
             lines.append(head)
             _add_fields(field.message_class, f"{indent}  ", f"{where}.", lines, leaves)

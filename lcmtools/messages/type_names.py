@@ -5,7 +5,7 @@ of types.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from lcmtools.errors import UnknownType
 
@@ -21,11 +21,19 @@ send most. Types that are not listed follow in alphabetical order."""
 STUDENTS = ("air_lab0/",)
 """Packages of lcmtools that students make in the labs: theirs replace these without a warning."""
 
+_MARKS = {"t", "lcmt", "msg", "msgs", "type"}
+"""Words in the names of types that say nothing of their content: lcmt_iiwa_command, pose_t."""
+
 _NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
 
 
-def find(name: str, known: Iterable[str], kind: str) -> str | None:
-    """Return the known name that ``name`` refers to; None if it is unknown."""
+def find(name: str, known: Collection[str], kind: str) -> str | None:
+    """Return the known name that ``name`` refers to; None if it is unknown.
+
+    A known name in full means that type, even if others end in it.
+    """
+    if name in known:
+        return name
     match = _NAME.fullmatch(name)
     if not match:
         return None
@@ -63,3 +71,19 @@ def near_miss(name: str, known: Iterable[str]) -> str:
 def preference(name: str) -> tuple[int, str]:
     """Return a sort key by which the likeliest name comes first."""
     return (PREFERRED.index(name) if name in PREFERRED else len(PREFERRED), name)
+
+
+def resemblance(name: str, channel: str) -> tuple[float, float]:
+    """Return the shares of words that a type has in common with a channel, 0 to 1.
+
+    The first is that of the name without its package, the second of the whole name.
+    """
+    parts, other = (_words(name.rpartition("/")[2]), _words(name)), _words(channel)
+    short, whole = (len(one & other) / len(one | other or {""}) for one in parts)
+    return short, whole
+
+
+def _words(name: str) -> set[str]:
+    """Return the words of a name in small letters, without those that mark a type."""
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name, re.ASCII)
+    return {part.lower() for part in parts} - _MARKS

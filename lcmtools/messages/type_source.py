@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
 
+SHIPPED = "lcmtools.types"
+"""The package of the classes of lcmtools' own types."""
+
 
 class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""
@@ -42,6 +45,12 @@ class TypeSource(NamedTuple):
     files: Mapping[str, str] = MappingProxyType({})  # .lcm files, if known
     problems: Sequence[Problem] = ()  # types and files that cannot be used
     notes: Mapping[str, str] = MappingProxyType({})  # warnings: another file defines the type too
+    places: Sequence[str] = ()  # folders and files that define some of the types differently
+    versions: "Sequence[TypeSource]" = ()  # their types
+
+    def with_versions(self) -> "Sequence[TypeSource]":
+        """Return this source, and those of its types' other versions."""
+        return [self, *self.versions]
 
 
 def shown(path: str | Path) -> str:

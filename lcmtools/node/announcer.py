@@ -9,16 +9,9 @@ from collections.abc import Callable
 
 from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError
+from lcmtools.graph import protocol
 from lcmtools.graph.model import Endpoint, Node
-from lcmtools.graph.protocol import (
-    ANSWER_SPREAD,
-    NODE_CHANNEL,
-    PERIOD,
-    PROBE_CHANNEL,
-    Announcement,
-    decode_probe,
-    encode_announcement,
-)
+from lcmtools.graph.protocol import ANSWER_SPREAD, PERIOD
 
 _CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
 _SHARE = 0.9  # of a period, after which the counters for the rates are replaced
@@ -47,7 +40,7 @@ class Announcer:
         self._before: dict[object, Endpoint] = {}
         self._latest: dict[object, Endpoint] = {}
         self._next_count = 0.0
-        bus.subscribe(PROBE_CHANNEL, self._receive_probe)
+        bus.subscribe(protocol.PROBE_CHANNEL, self._receive_probe)
         self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
         self._thread.start()
 
@@ -73,7 +66,7 @@ class Announcer:
     def say_goodbye(self, node: Node) -> None:
         """Announce for the last time that a node exists, and that it ends."""
         with self._sending:
-            self._send(Announcement(node, leaving=True))
+            self._send(protocol.Announcement(node, leaving=True))
 
     def answer(self, target: str, nonce: int) -> None:
         """Announce the node of this name at once, repeating ``nonce``."""
@@ -93,7 +86,7 @@ class Announcer:
 
     def _receive_probe(self, payload: bytes, _time: int) -> None:
         """Answer a probe: at once for one node, spread a little for all."""
-        probe = decode_probe(payload)
+        probe = protocol.decode_probe(payload)
         if probe is None:
             return
         if probe.target:
@@ -136,7 +129,7 @@ class Announcer:
         nodes = self._describe()
         for node in nodes:
             if target in ("", node.name):
-                self._send(Announcement(self._with_rates(node), answers=nonce))
+                self._send(protocol.Announcement(self._with_rates(node), answers=nonce))
         if (now := time.monotonic()) >= self._next_count:
             self._before, self._next_count = self._latest, now + _SHARE * PERIOD
             self._latest = {(node.id, end.key): end for node in nodes for end in node.endpoints}
@@ -145,13 +138,12 @@ class Announcer:
         """Return a node with the rates of its endpoints over the last one or two periods."""
         rated = []
         for end in node.endpoints:
-            key = (node.id, end.key)
-            was = self._before.get(key) or self._latest.get(key)
+            was = self._before.get((node.id, end.key)) or self._latest.get((node.id, end.key))
             rated.append(end._replace(rate=(was and end.rate_since(was)) or 0.0))
         return node._replace(endpoints=tuple(rated))
 
-    def _send(self, announcement: Announcement) -> None:
+    def _send(self, announcement: protocol.Announcement) -> None:
         # a lost announcement is made up for by the next, a second later; a closing bus takes none
-        payload = encode_announcement(announcement.sent_at(time.time_ns()))
+        payload = protocol.encode_announcement(announcement.sent_at(time.time_ns()))
         with contextlib.suppress(BusError):
-            self._bus.publish(NODE_CHANNEL, payload)
+            self._bus.publish(protocol.NODE_CHANNEL, payload)

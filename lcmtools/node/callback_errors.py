@@ -85,9 +85,8 @@ class CallbackErrors:
         callback, exception, place = key
         more, seen.reported = seen.count - seen.reported, seen.count
         times = "once more" if more == 1 else f"{more} times more"
-        self._logger.error_again(
-            f"{_words(callback)} raised {exception} {times} ({place}: {seen.message})"
-        )
+        text = f"{_words(callback)} raised {exception} {times} ({place}: {seen.message})"
+        self._logger.error_again(text)
 
 
 def _words(callback: str) -> str:

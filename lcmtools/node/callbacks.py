@@ -69,9 +69,8 @@ class Callbacks:
 
     def time(self) -> int:
         """Return the timers' time [ns]: simulated time, or else a monotonic clock's."""
-        if isinstance(self.clock, ManualClock):
-            return self.clock.now()
-        return time.monotonic_ns()
+        is_simulated = isinstance(self.clock, ManualClock)
+        return self.clock.now() if is_simulated else time.monotonic_ns()
 
     def busy(self) -> int:
         """Return the time spent in callbacks so far [ns]; callable from any thread."""
@@ -109,7 +108,7 @@ class Callbacks:
 
     def answer(self, service: Service[Message, Message]) -> None:
         """Run the callback of the oldest waiting request."""
-        request = service.take()
+        request = service.pop_request()
         if request is None:
             return
         with service.stopwatch:
@@ -135,7 +134,6 @@ class Callbacks:
         return has_run
 
     def _note(self, name: str, error: Exception, callback: Callable[..., object]) -> None:
-        """Log and count an exception of user code."""
         if isinstance(error, LcmtoolsError) and not self._go_on():
             return  # not a fault: a call failed because the program is ending
         self._errors.add(name, error, callback)

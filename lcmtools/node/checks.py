@@ -51,14 +51,11 @@ def check_service_type(call: str, kind: object, name: object) -> None:
 def check_callback(call: str, callback: object, *arguments: str) -> None:
     """Make sure that a callback can be called with these arguments, which the error names."""
     if callback is None or inspect.iscoroutine(callback):
-        got = "None"
-        if inspect.iscoroutine(callback):
-            got = "a coroutine"
+        got = "None" if callback is None else "a coroutine"
+        if callback is not None:
             callback.close()  # Python would warn that it was never awaited
-        raise UsageError(
-            f"{call}: the callback is {got}, perhaps the result of a call",
-            "give the function without parentheses: self.tick, not self.tick()",
-        )
+        hint = "give the function without parentheses: self.tick, not self.tick()"
+        raise UsageError(f"{call}: the callback is {got}, perhaps the result of a call", hint)
     if not callable(callback):
         raise UsageError(f"{call}: the callback is {described(callback)}, not a function")
     name = getattr(callback, "__name__", type(callback).__name__)
@@ -77,9 +74,8 @@ def check_callback(call: str, callback: object, *arguments: str) -> None:
 def check_period(seconds: object) -> str:
     """Make sure that this is a timer's period; return a warning if it is very long, else ""."""
     if callable(seconds):
-        raise UsageError(
-            "create_timer takes the period first", "write create_timer(0.1, self.tick)"
-        )
+        hint = "write create_timer(0.1, self.tick)"
+        raise UsageError("create_timer takes the period first", hint)
     if isinstance(seconds, (str, bool)) or not hasattr(seconds, "__float__"):
         got = described(seconds)
         raise UsageError(f"create_timer: the period is a number of seconds, got {got}")
@@ -103,10 +99,8 @@ def period_of(frequency: object) -> float:
 def check_words(args: object) -> None:
     """Make sure that these are a list of command line arguments."""
     if isinstance(args, str):
-        raise UsageError(
-            f"lcmtools.init takes the command line as a list of words, got {args!r}",
-            f"write lcmtools.init() and lcmtools.Node({args!r})",
-        )
+        what = f"lcmtools.init takes the command line as a list of words, got {args!r}"
+        raise UsageError(what, f"write lcmtools.init() and lcmtools.Node({args!r})")
 
 
 def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatch:
@@ -141,22 +135,18 @@ def _type_fault(call: str, kind: object, name: object, *, is_service: bool = Fal
     if isinstance(kind, str) and (isinstance(name, type) or _is_known(find, name)):
         second = name if isinstance(name, type) else find(str(name))
         rest = ", callback" if call in ("create_subscription", "create_service") else ""
-        return UsageError(
-            f"{call} takes the type first", f"write {call}({second.__name__}, {kind!r}{rest})"
-        )
+        hint = f"write {call}({second.__name__}, {kind!r}{rest})"
+        return UsageError(f"{call} takes the type first", hint)
     if isinstance(kind, str):
-        return UsageError(
-            f"{call}: the type is a class, not the text {kind!r}", f"write {_import(find(kind))}"
-        )
+        what = f"{call}: the type is a class, not the text {kind!r}"
+        return UsageError(what, f"write {_import(find(kind))}")
     if isinstance(kind, type):
         return _class_fault(call, kind, what, find)
     if is_generated(type(kind)):
         own = type(kind).__name__
         return UsageError(f"{call}: the type is the class {own}, not a message", f"write {own}")
-    example = find("std_srvs/Trigger" if is_service else "std_msgs/String")
-    return UsageError(
-        f"{call}: the type is a {what} class, got {described(kind)}", f"write {_import(example)}"
-    )
+    hint = f"write {_import(find('std_srvs/Trigger' if is_service else 'std_msgs/String'))}"
+    return UsageError(f"{call}: the type is a {what} class, got {described(kind)}", hint)
 
 
 def _class_fault(call: str, kind: type, what: str, find: Callable[[str], type]) -> UsageError:
@@ -166,9 +156,8 @@ def _class_fault(call: str, kind: type, what: str, find: Callable[[str], type]) 
         hint = f"write {_import(service_class(whole))}" if _is_known(service_class, whole) else ""
         return UsageError(f"{call}: {type_name(kind)} is a message, not a service", hint)
     if is_generated(getattr(kind, "Request", int)):
-        return UsageError(
-            f"{call}: {kind.__name__} is a service, not a message", "see create_service"
-        )
+        what = f"{call}: {kind.__name__} is a service, not a message"
+        return UsageError(what, "see create_service")
     package = kind.__module__.partition(".")[0]
     known = f"{package}/{kind.__name__}"
     hint = f"write {_import(find(known))}" if _is_known(find, known) else ""
@@ -190,16 +179,13 @@ def _import(kind: type) -> str:
     return f"lcmtools.message_class({type_name(kind)!r})"
 
 
-def _arity_fault(
-    call: str, name: str, takes: Sequence[str], arguments: Sequence[str]
-) -> UsageError:
+def _arity_fault(call: str, name: str, takes: list[str], arguments: Sequence[str]) -> UsageError:
     called = f"{name}({', '.join(arguments)})"
     hint = f"write def {name}({', '.join(('self', *arguments))}) in a class"
     if takes[:1] == ["self"]:
         hint = f"give the method of an object: self.{name}"
-    return UsageError(
-        f"{call}: the callback {name}({', '.join(takes)}) is called as {called}", hint
-    )
+    what = f"{call}: the callback {name}({', '.join(takes)}) is called as {called}"
+    return UsageError(what, hint)
 
 
 def described(value: object) -> str:

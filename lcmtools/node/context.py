@@ -110,10 +110,8 @@ class Context:
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         while not self._stopping:
-            has_run = False
-            for one in callbacks:
-                has_run |= one.run_ready()
-            if has_run:
+            have_run = [one.run_ready() for one in callbacks]
+            if any(have_run):
                 return
             wait = None if deadline is None else deadline - time.monotonic()
             if wait is not None and wait <= 0:
@@ -158,7 +156,6 @@ class Context:
         self.bus.wait(wakeup, _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT))
 
     def _pids_here(self) -> frozenset[int]:
-        """Return the processes of this computer that are nodes, this one included."""
         nodes = self.follower.graph().nodes
         others = (node.pid for node in nodes if node.host == self.host and node.has_details)
         return frozenset((os.getpid(), *others))

@@ -15,14 +15,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Graph
-from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
-    PROBE_CHANNEL,
-    Head,
-    Probe,
-    encode_probe,
-    head_of,
-)
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Head, Probe, encode_probe, head_of
 from lcmtools.wire.packet import Packet
 
 _MOST_ANNOUNCED = 10_000

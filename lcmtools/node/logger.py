@@ -29,11 +29,7 @@ class Logger:
     """
 
     def __init__(
-        self,
-        node: str,
-        clock: Clock,
-        forward: Callable[[Log], None],
-        stream: TextIO | None = None,
+        self, node: str, clock: Clock, forward: Callable[[Log], None], stream: TextIO | None = None
     ) -> None:
         self.threshold = Log.INFO
         """Entries below this level are only forwarded, not printed."""

@@ -51,12 +51,7 @@ class Node(Parametric, Factory):
 
     @explained
     def __init__(
-        self,
-        name: str,
-        *,
-        namespace: str = "",
-        tool: bool = False,
-        context: Context | None = None,
+        self, name: str, *, namespace: str = "", tool: bool = False, context: Context | None = None
     ) -> None:
         self.__context = context = context or current_context()
         checks.check_text("Node", "name", name)
@@ -164,9 +159,8 @@ class Node(Parametric, Factory):
     def subscribed_topics(self) -> frozenset[str]:
         """Return the topics with announced subscriptions; data for others need not be computed."""
         alive = (node for node in self.graph().nodes if not node.stale)
-        return frozenset(
-            endpoint.topic for node in alive for endpoint in node.having(model.Role.SUBSCRIBER)
-        )
+        ends = (end for node in alive for end in node.having(model.Role.SUBSCRIBER))
+        return frozenset(end.topic for end in ends)
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """Return whether programs can be listening that do not tell to which topics.
@@ -191,10 +185,8 @@ class Node(Parametric, Factory):
 
     def __keep_time(self) -> None:
         about = "the time is that of /clock, not the computer's"
-        if self.declare_parameter("use_sim_time", False, about, read_only=True).value:  # noqa: FBT003 - the default
-            self.__use_sim_time()
-
-    def __use_sim_time(self) -> None:
+        if not self.declare_parameter("use_sim_time", False, about, read_only=True).value:  # noqa: FBT003 - the default
+            return
         clock = ManualClock()
         self.__callbacks.clock = self.__logger.clock = clock
 

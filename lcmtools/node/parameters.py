@@ -87,10 +87,9 @@ class _Declared:
         message, descriptor = msgs.Parameter(), self.descriptor
         message.name, message.type = name, descriptor.kind
         message.value, message.description = write_setting(self.value), descriptor.description
-        limits = (descriptor.minimum, descriptor.maximum)
-        message.minimum, message.maximum = (
-            "" if limit is None else write_setting(limit) for limit in limits
-        )
+        low, high = descriptor.minimum, descriptor.maximum
+        message.minimum = "" if low is None else write_setting(low)
+        message.maximum = "" if high is None else write_setting(high)
         message.read_only = descriptor.read_only
         return message
 
@@ -262,30 +261,23 @@ class Parametric:
         declared = self.__find(name)
         value = check_setting(parameter.value, declared.descriptor.kind, f"parameter {name}")
         if declared.descriptor.read_only and value != declared.value:
-            raise UsageError(
-                f"parameter {name} cannot change while the node runs",
-                f"start it again with _{name}:={write_setting(value)}",
-            )
+            hint = f"start it again with _{name}:={write_setting(value)}"
+            raise UsageError(f"parameter {name} cannot change while the node runs", hint)
         _check_range(name, value, declared.descriptor)
         return Parameter(name, value)
 
     def __find(self, name: str) -> _Declared:
         if name not in self.__declared:
-            raise UsageError(
-                f"{self.__name} has no parameter '{name}'",
-                did_you_mean(name, self.__declared) or f"it has {', '.join(self.__declared)}",
-            )
+            hint = did_you_mean(name, self.__declared) or f"it has {', '.join(self.__declared)}"
+            raise UsageError(f"{self.__name} has no parameter '{name}'", hint)
         return self.__declared[name]
 
 
 def _check_parameters(parameters: object) -> None:
-    """Refuse anything but a sequence of parameters; the error says what to write."""
     rows = list(parameters) if isinstance(parameters, (list, tuple)) else [None]
     if not all(isinstance(row, Parameter) for row in rows):
-        raise UsageError(
-            f"parameters are set by a list of Parameter, got {described(parameters)}",
-            "write set_parameters([lcmtools.Parameter('name', value)])",
-        )
+        what = f"parameters are set by a list of Parameter, got {described(parameters)}"
+        raise UsageError(what, "write set_parameters([lcmtools.Parameter('name', value)])")
 
 
 def _check_range(name: str, value: ParameterValue, descriptor: ParameterDescriptor) -> None:

@@ -67,9 +67,8 @@ def init(
     words = sys.argv[1:] if args is None else args
     arguments, rest = split_arguments(words)
     typed_url = arguments.lcm_url or (None if arguments.domain else url)
-    bus_url, source = choose_url(
-        typed_url, arguments.domain, os.environ, read_user_file(os.environ)
-    )
+    domain, file = arguments.domain, read_user_file(os.environ)
+    bus_url, source = choose_url(typed_url, domain, os.environ, file)
     _process.context = open_context(bus_url, arguments)
     _process.context.note, _process.note = _process.note, ""
     if not has_supply():
@@ -105,10 +104,8 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
     from lcmtools.bus.open import open_bus
 
     if url.provider == "file" and url.options.get("mode", "r") == "r":
-        raise UsageError(
-            f"{url} is a log, and nodes need a bus",
-            "read it with lcmtools echo --lcm-url, or give the node another bus",
-        )
+        hint = "read it with lcmtools echo --lcm-url, or give the node another bus"
+        raise UsageError(f"{url} is a log, and nodes need a bus", hint)
     records = NodeRecords(url, os.environ)
     context = Context(open_bus(url), arguments, os.environ, records, url)
     context.on_shutdown_request = partial(_end_as_by_signal, context)
@@ -132,7 +129,7 @@ def ok() -> bool:
     if context is None:
         return False
     context.is_ending = not context.ok()
-    return context.ok()
+    return not context.is_ending
 
 
 def current_context() -> Context:

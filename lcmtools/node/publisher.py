@@ -72,12 +72,9 @@ class PayloadPublisher:
 
     def subscriber_ids(self) -> frozenset[str]:
         """Return the ids of the nodes with announced subscriptions that match this publisher."""
-        return frozenset(
-            node.id
-            for node, endpoint in self._graph().topic(self.topic).subscribers
-            if not node.stale
-            and (not endpoint.fingerprints or self._fingerprint in endpoint.fingerprints)
-        )
+        ends = self._graph().topic(self.topic).subscribers
+        alive = ((node.id, end.fingerprints) for node, end in ends if not node.stale)
+        return frozenset(id_ for id_, known in alive if not known or self._fingerprint in known)
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""

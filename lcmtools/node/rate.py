@@ -30,10 +30,8 @@ class Rate:
         """
         context, callbacks = self._context, self._callbacks
         if callbacks.spinning_thread == threading.get_ident():
-            raise UsageError(
-                "rate.sleep() in a callback keeps all others waiting",
-                "let create_timer call it periodically, or loop without spin",
-            )
+            hint = "let create_timer call it periodically, or loop without spin"
+            raise UsageError("rate.sleep() in a callback keeps all others waiting", hint)
         while context.ok() and not self._timer.is_due(callbacks.time()):
             if callbacks.spinning_thread is None:
                 context.run_once((callbacks,), callbacks.time_to_timer(self._timer))

@@ -96,7 +96,7 @@ class Service(Generic[RequestT, ResponseT]):
             self._waiting.append(request)
         self.on_ready()
 
-    def take(self) -> ServiceRequest | None:
+    def pop_request(self) -> ServiceRequest | None:
         """Return the oldest waiting request; None if there is none."""
         with self._lock:
             return self._waiting.pop(0) if self._waiting else None
@@ -120,11 +120,9 @@ class Service(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)._replace(
-            calls=self.stopwatch.calls,
-            busy=self.stopwatch.busy(),
-            longest=self.stopwatch.longest(),
-        )
+        watch = self.stopwatch
+        end = _endpoint(self.name, Role.SERVICE, self.service_type.Request, self._calls)
+        return end._replace(calls=watch.calls, busy=watch.busy(), longest=watch.longest())
 
     def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:
         self._calls += 1
@@ -200,10 +198,8 @@ class Client(Generic[RequestT, ResponseT]):
         if reply is None and self.is_interrupted():
             raise ServiceError(f"{self.name} had not answered when the program had to end")
         if reply is None:
-            raise ServiceTimeout(
-                f"{self.name} did not answer within {timeout:g} s",
-                "see whether its node runs: lcmtools node list",
-            )
+            what = f"{self.name} did not answer within {timeout:g} s"
+            raise ServiceTimeout(what, "see whether its node runs: lcmtools node list")
         if reply.status != ServiceReply.OK:
             raise ServiceError(f"{self.name}: {reply.error or 'it failed, and does not say why'}")
         try:
@@ -224,7 +220,7 @@ class Client(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
-        return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
+        return _endpoint(self.name, Role.CLIENT, self.service_type.Request, self._sequence)
 
     def _exchange(self, request: bytes, deadline: float) -> ServiceReply | None:
         with self._changed:
@@ -252,14 +248,6 @@ def _key(request: ServiceRequest) -> Key:
     return request.client, request.sequence
 
 
-def _endpoint(
-    name: str, role: Role, service_type: ServiceType[RequestT, ResponseT], calls: int
-) -> Endpoint:
-    request = service_type.Request
-    return Endpoint(
-        topic=name,
-        role=role,
-        types=(type_name(request).removesuffix("_Request"),),
-        fingerprints=(fingerprint(request),),
-        messages=calls,
-    )
+def _endpoint(name: str, role: Role, request: type[Message], calls: int) -> Endpoint:
+    types = (type_name(request).removesuffix("_Request"),)
+    return Endpoint(name, role, types, (fingerprint(request),), messages=calls)

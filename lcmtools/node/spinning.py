@@ -28,9 +28,8 @@ def spin(*nodes: Node) -> None:
         if node.is_destroyed:
             raise UsageError(f"lcmtools.spin: the node {node.name} was destroyed before")
         if node.callbacks.spinning_thread is not None:
-            raise UsageError(
-                f"lcmtools.spin({node.name}) runs already", "call it once, and not in a callback"
-            )
+            hint = "call it once, and not in a callback"
+            raise UsageError(f"lcmtools.spin({node.name}) runs already", hint)
     nodes[0].warn_of_unknown_parameters()
     _run(context, [node.callbacks for node in nodes])
     context.is_ending = not context.ok()
@@ -49,7 +48,6 @@ def _run(context: Context, callbacks: Sequence[Callbacks]) -> None:
 
 
 def _check_node(call: str, node: object) -> None:
-    """Make sure that this is a node."""
     if isinstance(node, Node):
         if node.context.is_of_parent:
             raise refusal(is_of_parent=True)

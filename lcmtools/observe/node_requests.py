@@ -36,8 +36,8 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     start = time.monotonic()
     monitor.probe(node.name, nonce)
     while (left := start + timeout - time.monotonic()) > 0:
-        for said in _announcements(monitor, left):
-            if said.answers == nonce and said.node.id == node.id:
+        for announcement in _announcements(monitor, left):
+            if announcement.answers == nonce and announcement.node.id == node.id:
                 return time.monotonic() - start
     raise NothingReceived(
         f"{node.name} did not answer within {timeout:g} s",
@@ -62,7 +62,7 @@ class NodeEnd:
     has_ended: bool = False  # it has said goodbye, or its process is gone
     others: tuple[str, ...] = ()  # names of other nodes of its process, which end with it
 
-    def learn(self, announcement: Announcement) -> None:
+    def update(self, announcement: Announcement) -> None:
         """Update from an announcement."""
         if announcement.node.id == self.node.id:
             self.has_answered |= announcement.answers == self.nonce
@@ -103,9 +103,9 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
             for end in left:
                 end.check_process()
                 monitor.ask_to_end(end.node, end.nonce)
-        for said in _announcements(monitor, min(request_time, deadline) - now):
+        for announcement in _announcements(monitor, min(request_time, deadline) - now):
             for end in ends:
-                end.learn(said)
+                end.update(announcement)
     for end in ends:
         end.check_process()
     return ends
@@ -175,8 +175,8 @@ def program_names(program: Program) -> set[str]:
 
 def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement]:
     for packet in monitor.receive(seconds):
-        if packet.channel == NODE_CHANNEL and (said := decode_announcement(packet.payload)):
-            yield said
+        if packet.channel == NODE_CHANNEL and (announcement := decode_announcement(packet.payload)):
+            yield announcement
 
 
 def _process_key(node: Node) -> tuple[str, str, int]:

@@ -15,12 +15,12 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lcmtools.messages.type_source import Problem
+from lcmtools.messages.python_names import python_name, python_path
+from lcmtools.messages.type_source import SHIPPED, Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.versions import version_place
 from lcmtools.wire.datagram import MESSAGE_MAX
-
-_SHIPPED = "lcmtools.types"
 
 _INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
@@ -36,15 +36,15 @@ def __getattr__(name: str) -> object:
 '''
 _PAIR = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
-from {module}_Request import {name}_Request
-from {module}_Response import {name}_Response
+from {module}_Request import {short}_Request
+from {module}_Response import {short}_Response
 
 
 class {name}:
-    """The service {package}/{name}."""
+    """The service {service}."""
 
-    Request = {name}_Request
-    Response = {name}_Response
+    Request = {short}_Request
+    Response = {short}_Response
 '''
 
 
@@ -53,9 +53,11 @@ class _Build:
     prefix: str
     folder: Path
     shipped: Collection[str]
+    home: str = SHIPPED  # the module that has the shipped types
     types: dict[str, Generated] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
+    places: list[str] = field(default_factory=list)  # folders and files with other definitions
 
     @property
     def root(self) -> Path:
@@ -75,6 +77,8 @@ class _Build:
                     self.notes[one.name] = (
                         f"{one.name} is defined differently in {first} and in {one.file}"
                     )
+                    if (place := str(version_place(one.file, first))) not in self.places:
+                        self.places.append(place)
 
     def drop_too_large(self) -> None:
         """Remove types with more elements than LCM carries bytes: Python would create them all."""
@@ -124,10 +128,9 @@ class _Build:
     def _fingerprint(self, one: Generated) -> int | None:
         if not one.tables:
             return None  # an enum is not a message
-        package, _, short = one.name.rpartition("/")
+        path = one.module.relative_to(self.folder).with_suffix("")
         try:
-            module = importlib.import_module(".".join(filter(None, (self.prefix, package, short))))
-            message = getattr(module, short)()
+            message = getattr(importlib.import_module(".".join(path.parts)), path.name)()
             return int(message.get_hash())
         except RecursionError:
             what = f"{one.name} contains itself"
@@ -176,35 +179,42 @@ class _Build:
         return packages
 
     def _write_init(self, package: str, names: Sequence[str]) -> None:
-        folder = self.root.joinpath(*filter(None, package.split(".")))
+        folder = self.root.joinpath(*filter(None, python_path(package).split(".")))
         folder.mkdir(parents=True, exist_ok=True)
         shipped = any(_package(name) == package for name in self.shipped)
         text = _INIT.format(
-            imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
+            imports="".join(
+                f"from .{name} import {name} as {name}\n" for name in map(python_name, names)
+            ),
             shipped=shipped,
-            home=f"{_SHIPPED}.{package}",
+            home=f"{self.home}.{package}".rstrip("."),
         )
         (folder / "__init__.py").write_text(text, "utf-8")
 
     def _write_pair(self, service: str) -> None:
-        package, _, name = service.rpartition("/")
-        module = ".".join(filter(None, (self.prefix, package, name)))
-        text = _PAIR.format(module=module, name=name, package=package)
-        (self.root / Path(*package.split("."), f"{name}.py")).write_text(text, "utf-8")
+        package, _, short = service.rpartition("/")
+        spelled = python_path(package)
+        module, name = ".".join(filter(None, (self.prefix, spelled, short))), python_name(short)
+        text = _PAIR.format(module=module, short=short, name=name, service=service)
+        (self.root / Path(*spelled.split("."), f"{name}.py")).write_text(text, "utf-8")
 
 
 def build(
-    files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]
+    files: Sequence[LcmFile],
+    prefix: str,
+    folder: Path,
+    shipped: Mapping[str, int],
+    home: str = SHIPPED,
 ) -> dict[str, object]:
     """Fill an empty folder with the types of some files; return their table, for JSON.
 
-    The types are below a package ``prefix``; ``shipped`` are further types that their fields may
-    use. If two files have the same type, the first takes precedence.
+    The types are below a package ``prefix``; ``shipped`` are further types, of a package ``home``,
+    that their fields may use. If two files have the same type, the first takes precedence.
 
     Raises:
         MissingExtra: There is no lcm-gen.
     """
-    making = _Build(prefix, folder, shipped)
+    making = _Build(prefix, folder, shipped, home)
     making.root.mkdir()
     for file in files:
         making.add(file)
@@ -218,6 +228,7 @@ def build(
         "services": [name for name in services if f"{name}_Request" in numbers],
         "problems": [problem._asdict() for problem in making.problems],
         "notes": making.notes,
+        "places": making.places,
     }
 
 

@@ -17,40 +17,52 @@ from threading import Lock
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.folders import cache_folder
-from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.messages.type_source import SHIPPED, Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.versions import with_versions
 
 _INDEX = "index.json"  # the table of the types in a folder
-_FORM = "3"  # version of the index; a change invalidates the cache
+_FORM = "4"  # version of the index; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
+VERSION_PREFIX = f"{_PREFIX}v_"
+"""The beginning of a package with other versions of types."""
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
 
 
 def cached_types(
-    files: Sequence[LcmFile], environment: Mapping[str, str], shipped: Mapping[str, int]
+    files: Sequence[LcmFile],
+    environment: Mapping[str, str],
+    shipped: Mapping[str, int],
+    home: str = SHIPPED,
 ) -> TypeSource:
     """Return the types of some files, ready to import; compile them if necessary.
 
     The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
+    ``home`` is the package that has them.
 
     Raises:
         MissingExtra: There is no lcm-gen.
         LcmtoolsError: The result cannot be written.
     """
-    prefix = _PREFIX + digest(files)
+    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + digest(files, home)
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
         if _read_index(prefix, root / prefix) is None:
-            _make(files, prefix, root, shipped)
-        return _importable(prefix, root / prefix)
+            _make(files, prefix, root, shipped, home)
+        source = _importable(prefix, root / prefix)
+
+    def compiled(inside: Sequence[LcmFile], known: Mapping[str, int], home: str) -> TypeSource:
+        return cached_types(inside, environment, known, home)
+
+    return with_versions(source, files, shipped, compiled)
 
 
-def digest(files: Sequence[LcmFile]) -> str:
-    """Return a digest of the files' content and of the versions of lcm-gen and lcmtools."""
+def digest(files: Sequence[LcmFile], home: str) -> str:
+    """A digest of the files' content, and of all that the result depends on beside them."""
     program = Path(find_lcm_gen()).stat()
-    known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns}"
+    known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns} {home}"
     total = hashlib.sha256(known.encode())
     for file in files:
         content = hashlib.sha256(file.content).digest()
@@ -81,12 +93,15 @@ def _read_index(prefix: str, folder: Path) -> TypeSource | None:
             table["files"],
             [Problem(**problem) for problem in table["problems"]],
             table["notes"],
+            table["places"],
         )
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         return None
 
 
-def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int]) -> None:
+def _make(
+    files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int], home: str
+) -> None:
     import shutil
     import tempfile
 
@@ -96,7 +111,7 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
         scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=root))
     target = root / prefix
     try:
-        table = build(files, prefix, scratch, shipped)
+        table = build(files, prefix, scratch, shipped, home)
         (scratch / _INDEX).write_text(json.dumps(table), "utf-8")
         if _read_index(prefix, target) is None:  # else another process made it first
             shutil.rmtree(target, ignore_errors=True)

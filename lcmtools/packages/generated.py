@@ -7,15 +7,18 @@ fingerprints.
 import ast
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import cast
 
+from lcmtools.messages.fields import PRIMITIVES
+from lcmtools.messages.python_names import base_hash, python_name
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
-from lcmtools.packages.ros_files import SUFFIXES, to_lcm
+from lcmtools.packages.ros_files import SUFFIXES, LcmSource, to_lcm
 from lcmtools.packages.type_files import LcmFile
 
 Tables = tuple[list[str], list[str], list[list[int | str] | None]]
@@ -37,7 +40,13 @@ _LCM_NAMES = {
 """Type names of C, Python and ROS, and LCM's names for them."""
 
 _COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
-_STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
+_WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+_HASH = re.compile(r"tmphash = \(0x[0-9a-f]+")
+_PACKAGE = re.compile(r"\bpackage\s+([\w.]+)")
+_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{(.*?)\}", re.DOTALL)
+_CONSTANTS = re.compile(r"\bconst\s+(\w+)\s([^;]*)")
+_CONSTANT = re.compile(r"(\w+)\s*=")
+_STRANGE = re.compile(r"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,25 +70,16 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     quotes in a comment could end one, so that the rest would be executed. A ROS file is translated
     first.
     """
-    file = source.path
-    texts: Mapping[str, Mapping[str, str]] = {}
-    if source.package:
-        translated = to_lcm(file, source.content, source.package)
-        if translated.problems:
-            return [], translated.problems
-        text, texts = translated.text.encode(), translated.texts
-    else:
-        text = _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), source.content)
-    if strange := _STRANGE.search(text):
-        line = text[: strange.start()].count(b"\n") + 1
-        character = text[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
-        what = f"unexpected {character!r}"
-        return [], [Problem(str(file), line, what, "a .lcm file has words, numbers and ;{}[].=-")]
+    file, read = source.path, _as_lcm(source)
+    if read.problems:
+        return [], read.problems
     copy = folder / "file.lcm"
-    copy.write_bytes(text)
+    renamed = _renamed(read.text, *read.texts.values())
+    own = {spelled: word for word, spelled in renamed.items()}
+    copy.write_text(_with_words(read.text, renamed))
     problem = run_lcm_gen(copy, ["--python", "--ppath", str(folder), "--package-prefix", prefix])
     if problem:
-        return [], [problem._replace(file=str(file))]
+        return [], [problem._replace(file=str(file), what=_with_words(problem.what, own))]
     found: list[Generated] = []
     problems: list[Problem] = []
     root = folder / prefix
@@ -87,14 +87,49 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
         if module.name == "__init__.py":  # lcmtools writes its own: see build
             continue
         *packages, short = module.relative_to(root).with_suffix("").parts
-        one = _read_tables(module, f"{'.'.join(packages)}/{short}".lstrip("/"), file)
+        package = ".".join(own.get(part, part) for part in packages)
+        one = _read_tables(module, f"{package}/{own.get(short, short)}".lstrip("/"), file, own)
         if isinstance(one, Problem):
             problems.append(one)
-        else:
-            found.append(one)
-            with module.open("a") as end:
-                end.writelines(f"{short}.{n} = {v!r}\n" for n, v in texts.get(one.name, {}).items())
+            continue
+        found.append(one)
+        texts = read.texts.get(one.name, {}).items()
+        members: dict[str, object] = {renamed.get(name, name): text for name, text in texts}
+        if kinds := read.kinds.get(one.name):
+            members["__constant_types__"] = kinds
+        _add_members(one, short, members, own)
     return found, problems
+
+
+def _as_lcm(source: LcmFile) -> LcmSource:
+    """Return a file as lcm-gen reads it."""
+    if source.package:
+        read = to_lcm(source.path, source.content, source.package)
+        if read.problems:
+            return read
+    else:
+        bare = _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), source.content)
+        text = bare.decode("utf-8", "replace")
+        read = LcmSource(text, [], {}, _constant_types(text))
+    if strange := _STRANGE.search(read.text):
+        line = read.text[: strange.start()].count("\n") + 1
+        hint = "a .lcm file has words, numbers and ;{}[].=-"
+        read.problems.append(Problem(str(source.path), line, f"unexpected {strange[0]!r}", hint))
+    return read
+
+
+def _constant_types(text: str) -> dict[str, dict[str, str]]:
+    """Return the declared type of each constant, by type; lcm-gen does not keep it."""
+    package = _PACKAGE.search(text)
+    start = f"{package[1]}/" if package else ""
+    return {
+        f"{start}{struct[1]}": {
+            name: kind
+            for kind, rest in _CONSTANTS.findall(struct[2])
+            for name in _CONSTANT.findall(rest)
+        }
+        for struct in _STRUCT.finditer(text)
+    }
 
 
 def move(one: Generated, old_root: Path, new_root: Path) -> Generated:
@@ -132,8 +167,46 @@ def _like(missing: str, one: Generated, known: set[str]) -> str:
     return found.replace("/", ".")
 
 
-def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
-    """Return a module with its tables, or the problem if Python cannot import it."""
+def _renamed(text: str, *more: Iterable[str]) -> dict[str, str]:
+    """Return the words of a file that Python cannot spell, and their names in Python."""
+    words = {*_WORD.findall(text), *chain.from_iterable(more)}
+    spelled = {word: python_name(word, words) for word in words}
+    return {word: name for word, name in spelled.items() if name != word}
+
+
+def _with_words(text: str, others: Mapping[str, str]) -> str:
+    return _WORD.sub(lambda word: others.get(word[0], word[0]), text)
+
+
+def _add_members(
+    one: Generated, short: str, members: dict[str, object], own: Mapping[str, str]
+) -> None:
+    """Add members to a class, and what is lost by other names than its ``own``."""
+    if own and one.tables:
+        hashed = f"tmphash = ({_base_hash(one.tables):#x}"
+        code = one.module.read_text("utf-8")
+        one.module.write_text(_HASH.sub(hashed, code, count=1), "utf-8")
+    if own:
+        members |= {"__lcm_name__": one.name, "__renamed__": own}
+    with one.module.open("a") as end:
+        end.writelines(f"{short}.{name} = {value!r}\n" for name, value in members.items())
+
+
+def _base_hash(tables: Tables) -> int:
+    parts = zip(*tables, strict=True)
+    return base_hash(
+        (name, kind if kind in PRIMITIVES else "", tuple(sizes or ()))
+        for name, kind, sizes in parts
+    )
+
+
+def _read_tables(
+    module: Path, name: str, file: Path, own: Mapping[str, str]
+) -> Generated | Problem:
+    """Return a module with its tables, or the problem if Python cannot import it.
+
+    ``own`` has the names in the file of words that have others in Python.
+    """
     try:
         body = ast.parse(module.read_bytes()).body
     except (SyntaxError, ValueError) as error:
@@ -147,22 +220,22 @@ def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
     if not all(table in values for table in _TABLES):
         return Generated(name, file, module, None)  # an enum
     tables = cast("Tables", tuple(ast.literal_eval(values[table]) for table in _TABLES))
-    taken = {node.name for node in members if isinstance(node, ast.FunctionDef)} | set(values)
-    for field in tables[0]:
-        if field in taken:
-            what = f"{name}: a field cannot be called '{field}': lcm-gen's Python needs that name"
-            return Problem(str(file), _line_of(file, field), what, "use another name", name)
-    return Generated(name, file, module, tables)
+    return Generated(name, file, module, _respelled(tables, own))
+
+
+def _respelled(tables: Tables, own: Mapping[str, str]) -> Tables:
+    """Return tables with the names in the file."""
+    names, kinds, dimensions = tables
+    return (
+        [own.get(name, name) for name in names],
+        [".".join(own.get(part, part) for part in kind.split(".")) for kind in kinds],
+        [sizes and [own.get(size, size) for size in sizes] for sizes in dimensions],  # type: ignore[arg-type] # numbers
+    )
 
 
 def _not_python(file: Path, name: str, error: Exception) -> Problem:
-    word = re.search(r"self\.(\w+)", getattr(error, "text", None) or "")
-    if word is None:
-        what = f"{name}: lcm-gen does not make valid Python of it: {getattr(error, 'msg', error)}"
-        return Problem(str(file), 0, what, "", name)
-    line = _line_of(file, word[1])
-    what = f"{name}: '{word[1]}' is a keyword of Python and cannot be a field"
-    return Problem(str(file), line, what, f"for example {word[1]}_", name)
+    what = f"{name}: lcm-gen does not make valid Python of it: {getattr(error, 'msg', error)}"
+    return Problem(str(file), 0, what, "", name)
 
 
 def _line_of(file: Path, *words: str) -> int:

@@ -52,6 +52,7 @@ class LcmSource:
     text: str
     problems: list[Problem]
     texts: dict[str, dict[str, str]]  # by type: string constants, which LCM does not have
+    kinds: dict[str, dict[str, str]]  # by type: the types of the other constants
 
 
 @dataclass(slots=True)
@@ -62,6 +63,7 @@ class _Struct:
     lines: list[str] = field(default_factory=list)
     lengths: list[str] = field(default_factory=list)
     texts: dict[str, str] = field(default_factory=dict)
+    kinds: dict[str, str] = field(default_factory=dict)
 
     def add(self, line: str) -> None:
         """Add a line; raise InvalidFile if it is not ROS syntax or LCM cannot express it."""
@@ -82,6 +84,7 @@ class _Struct:
             raise InvalidFile(f"cannot read '{bare}'", _EXAMPLE)
         kind, bound, size, name, rest = entry.groups()
         if rest.startswith("="):
+            self.kinds[name] = kind
             return _constant(kind, name, rest[1:].strip())
         if rest:
             what = f"{name} has a default value, which LCM does not support"
@@ -118,7 +121,7 @@ def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
     try:
         lines = content.decode().splitlines() or [""]
     except UnicodeDecodeError:
-        return LcmSource("", [Problem(str(path), 1, "it is not UTF-8 text")], {})
+        return LcmSource("", [Problem(str(path), 1, "it is not UTF-8 text")], {}, {})
     for number, line in enumerate(lines, 1):
         if line.startswith("---") and len(structs) < len(names):
             structs.append(_Struct(names[len(structs)], [""]))
@@ -132,7 +135,8 @@ def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
         problems.append(Problem(str(path), len(lines), what))
     text = ("\n" if structs[0].lines else " ").join(one.text() for one in structs)
     texts = {f"{package}/{one.name}": one.texts for one in structs}
-    return LcmSource(f"package {package}; {text}\n", problems, texts)
+    kinds = {f"{package}/{one.name}": one.kinds for one in structs}
+    return LcmSource(f"package {package}; {text}\n", problems, texts, kinds)
 
 
 def _names(path: Path, package: str) -> Iterator[Problem]:

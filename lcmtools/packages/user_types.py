@@ -6,6 +6,7 @@ and only for types that are otherwise unknown, because finding them takes a mome
 """
 
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from lcmtools.messages.registry import (
     Message,
     ServiceType,
     default_registry,
+    fingerprint,
     message_class,
     packages,
     service_class,
@@ -75,6 +77,7 @@ class UserTypes:
         self._near = _Found()
         self._far = _Found()
         self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
+        self._recorded_names: defaultdict[int, dict[str, None]] = defaultdict(dict)
 
     def near(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of the workspace; None if there are none."""
@@ -89,12 +92,22 @@ class UserTypes:
         for files, source in self._recorded.items():
             if source is None:
                 found = self._compiled(files)
-                self._recorded[files] = TypeSource(found.prefix, found.fingerprints)
+                versions = [TypeSource(one.prefix, one.fingerprints) for one in found.versions]
+                self._recorded[files] = TypeSource(
+                    found.prefix, found.fingerprints, versions=versions
+                )
         return [source for source in self._recorded.values() if source]
 
     def add_recorded(self, types: "Iterable[RecordedType]") -> None:
         """Add the types stored with a log."""
+        types = list(types)
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
+        for one in types:
+            self._recorded_names[one.fingerprint][one.name] = None
+
+    def recorded_names(self, fingerprint: int) -> list[str]:
+        """Return the names under which logs have stored types with this fingerprint."""
+        return list(self._recorded_names.get(fingerprint, ()))
 
     def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
         """Compile types from their text."""
@@ -170,14 +183,15 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
-def source_file(name: str) -> str:
+def source_file(kind: type[Message]) -> str:
     """Return the path of a message type's file, a .lcm or ROS file."""
-    return default_registry().file(name) or f"{shipped_folder() / name}.lcm"
+    name = type_name(kind)
+    return default_registry().file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
-    file = source_file(type_name(kind))
+    file = source_file(kind)
     with os_errors_as(f"cannot read {file}, which defines {type_name(kind)}"):
         return Path(file).read_text("utf-8").strip()
 

@@ -26,13 +26,11 @@ from lcmtools.processes.reaper import is_gone, send
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-LONGEST = 65_536
-"""Bytes; a longer line comes in pieces, so that an endless one takes no memory."""
+LONGEST = 65_536  # bytes; a longer line comes in pieces, so that an endless one takes no memory
 _WITH_TERMINAL = ("sh", "-c", 'exec "$@" <>"$0"')
 """Opening a terminal makes it the session's controlling terminal; then the command runs."""
 _PIECE = 65_536
-_MOST_PIECES = 100
-"""More pieces than a pipe can contain."""
+_MOST_PIECES = 100  # more than a pipe can contain
 _NEVER = float("inf")
 _KILL_WAIT = 10.0
 _COPY_WAIT = 1.0  # [s] to copy everything that an ended process has printed on its terminal
@@ -139,9 +137,9 @@ class ChildProcess:
 
     def takes_interrupts_as_keys(self) -> bool:
         """Return True if it has set its terminal raw: then Ctrl-C sends no signal."""
-        return (
-            self._keyboard is not None and not termios.tcgetattr(self._keyboard)[3] & termios.ISIG
-        )
+        if self._keyboard is None:
+            return False
+        return not termios.tcgetattr(self._keyboard)[3] & termios.ISIG
 
     def wait(self, timeout: float) -> bool:
         """Wait for its end; return True if it ended within ``timeout`` seconds."""
@@ -205,20 +203,17 @@ class ChildProcess:
                 stdout, stderr = _screen(stdin), stdout
                 command = (*_WITH_TERMINAL, os.ttyname(stdin), *command)
             try:
-                popen = self._guard.start(
-                    command, start.environment, start.directory, (stdin, stdout, stderr)
-                )
+                streams = stdin, stdout, stderr
+                popen = self._guard.start(command, start.environment, start.directory, streams)
             except OSError:
                 self._close_keyboard()
                 raise
         if start.has_keyboard:
-            self._copier = Thread(
-                target=self._copy, args=[popen.pid, start.most_bytes], daemon=True
-            )
+            copied = popen.pid, start.most_bytes
+            self._copier = Thread(target=self._copy, args=copied, daemon=True)
             self._copier.start()
         if start.most_bytes and sys.platform == "linux":  # other systems cannot set a limit
-            limits = (start.most_bytes, start.most_bytes)
-            resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, limits)
+            resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, (start.most_bytes, start.most_bytes))
         return popen
 
     def _copy(self, pid: int, most: int) -> None:

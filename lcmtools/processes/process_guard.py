@@ -48,11 +48,7 @@ class ProcessGuard:
         directory: str,
         streams: tuple[Stream, Stream, Stream],
     ) -> "subprocess.Popen[bytes]":
-        """Start a process in its own session and group, with these three standard streams.
-
-        Raises:
-            OSError: The system does not start it.
-        """
+        """Start a process in its own session and group, with these streams; OSError on failure."""
         stdin, stdout, stderr = streams
         group = 0
         with self._lock:

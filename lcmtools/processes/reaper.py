@@ -12,10 +12,8 @@ import sys
 import time
 from collections.abc import Iterator
 
-MARK = "LCMTOOLS_GUARD"
-"""The environment variable of child processes with their parent's pid."""
-_GRACE = 0.5
-"""Seconds from one signal to the next: enough for a controller to stop its robot."""
+MARK = "LCMTOOLS_GUARD"  # the environment variable of child processes with their parent's pid
+_GRACE = 0.5  # [s] from one signal to the next: enough for a controller to stop its robot
 
 
 def send(group: int, number: int) -> bool:

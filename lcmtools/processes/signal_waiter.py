@@ -17,8 +17,7 @@ class SignalWaiter:
     """A context in which SIGINT, SIGTERM, SIGHUP and the ends of children are events.
 
     Signals belong to the whole process: inside the context its handlers for these four, and its
-    wake-up descriptor, are replaced; afterwards they are restored. Only the main thread may enter
-    it.
+    wake-up descriptor, are replaced, and restored afterwards. Only the main thread may enter it.
     """
 
     def __init__(self) -> None:

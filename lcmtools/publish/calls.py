@@ -127,7 +127,6 @@ def _is_type(service: OfferedService, word: str) -> bool:
 
 
 def _begins_with_text(service: OfferedService) -> bool:
-    """True if the first field of a service's request is a text."""
     try:
         first = visible_fields(service.type_class().Request)[:1]
     except LcmtoolsError:

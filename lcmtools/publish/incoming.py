@@ -17,11 +17,7 @@ from typing import NamedTuple, TypeAlias
 from lcmtools.errors import InvalidFile, UsageError, ValueMismatch
 from lcmtools.messages.documents import LONGEST
 from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.message_template import (
-    MessageTemplate,
-    draft_from_values,
-    drafts_from_lines,
-)
+from lcmtools.messages.message_template import MessageTemplate, draft_from_values, drafts_from_lines
 from lcmtools.messages.registry import Message
 
 Template: TypeAlias = MessageTemplate[Message]
@@ -83,9 +79,7 @@ def read_requests(
     return [template for template in incoming.templates if template is not None]
 
 
-class _Reader:
-    """Reads messages from a file; None is standard input."""
-
+class _Reader:  # reads messages from a file; None is standard input
     def __init__(self, kind: type[Message], file: str | None, noun: str, notify: Notify) -> None:
         self._kind = kind
         self._source = "standard input" if file is None else file

@@ -116,9 +116,9 @@ def _targets(leaf: FileParameter, known: Answers, node: str | None) -> list[tupl
     """The nodes that a value is for, each with the rest of the value's path."""
     parts = tuple(part for key in leaf.path for part in key.split("/") if part)
     if leaf.path[0] == _EVERY_NODE:
-        having = [n for n, has in known.items() if n == node or known_name(parts[1:], has)]
-        if having:
-            return [(name, parts[1:]) for name in having]
+        names = (n for n, has in known.items() if n == node or known_name(parts[1:], has))
+        if having := [(name, parts[1:]) for name in names]:
+            return having
     for end in range(len(parts), 0, -1):
         if (name := f"/{'/'.join(parts[:end])}") in known:
             return [(name, parts[end:])]

@@ -14,11 +14,8 @@ def block(parameters: Parameters, indent: str = "") -> list[str]:
 
 def tree(answers: Answers) -> list[str]:
     """Return the lines of several nodes' parameters, below the nodes' names, for ``param load``."""
-    return [
-        row
-        for node, parameters in answers.items()
-        for row in (f"{write_setting(node)}:", *block(parameters, "  "))
-    ]
+    blocks = ((f"{write_setting(node)}:", *block(has, "  ")) for node, has in answers.items())
+    return [row for rows in blocks for row in rows]
 
 
 def values(parameters: Parameters) -> dict[str, object]:

@@ -92,13 +92,9 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)
+        endures = schedule.is_endless or incoming.is_stream or schedule.stay > 0
         scheduled = ScheduledPublisher(
-            node,
-            publisher,
-            latch=publisher.is_latched,
-            endures=schedule.is_endless or incoming.is_stream or schedule.stay > 0,
-            notify=notify,
-            on_sent=on_sent,
+            node, publisher, publisher.is_latched, endures, notify=notify, on_sent=on_sent
         )
         on_start(schedule)
         scheduled.send_all(incoming, schedule)

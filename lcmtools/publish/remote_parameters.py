@@ -29,9 +29,8 @@ class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as 
 
     def __init__(self, node: str, reasons: tuple[str, ...]) -> None:
         text = "; ".join(reasons)
-        super().__init__(
-            text if text.startswith(f"{node} ") else f"{node} rejects the change: {text}"
-        )
+        names_node = text.startswith(f"{node} ")
+        super().__init__(text if names_node else f"{node} rejects the change: {text}")
         self.reasons = reasons
 
 
@@ -53,10 +52,8 @@ class ParameterClient:
         if not nodes:
             return {}, []
         with own_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
-            asked = {
-                node.name: pool.submit(request_parameters, own, node.name, self.timeout)
-                for node in nodes
-            }
+            names = (node.name for node in nodes)
+            asked = {n: pool.submit(request_parameters, own, n, self.timeout) for n in names}
             try:
                 wait(asked.values())
             except BaseException:
@@ -102,10 +99,8 @@ def request_parameters(
     try:
         response = client.call(request, timeout)
     except ServiceTimeout:
-        raise ServiceTimeout(
-            f"{node} did not answer within {timeout:g} s",
-            "it is busy or does not spin; lcmtools wtf shows more",
-        ) from None
+        hint = "it is busy or does not spin; lcmtools wtf shows more"
+        raise ServiceTimeout(f"{node} did not answer within {timeout:g} s", hint) from None
     except ServiceError as error:
         raise ServiceError(error.what.replace(client.name, node, 1)) from None
     if response.errors:
@@ -141,10 +136,9 @@ def require_parameters(node: Node) -> Node:
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
     if not has_parameters(node):
-        spare = MAX_CHANNEL_BYTES - len(request_channel(service_name("")))
+        spare, length = MAX_CHANNEL_BYTES - len(request_channel(service_name(""))), len(node.name)
         reason = "it offers no service for that"
-        if len(node.name) > spare:
-            length = len(node.name)
+        if length > spare:
             reason = f"its name has {length} characters, and with more than {spare} it has none"
         raise LcmtoolsError(f"{node.name} has no parameters to query", reason)
     return node

@@ -64,13 +64,8 @@ def schedule_for(
         notice = "publishing and latching message. Press ctrl-C to terminate"
     elif is_endless and not rate:
         notice = f"publishing the single message {_FILE_RATE:g} times a second, until Ctrl-C"
-    return Schedule(
-        rate=rate or (_FILE_RATE if incoming.is_file else usual),
-        count=count,
-        is_endless=is_endless,
-        stay=stay,
-        notice=notice,
-    )
+    rate = rate or (_FILE_RATE if incoming.is_file else usual)
+    return Schedule(rate=rate, count=count, is_endless=is_endless, stay=stay, notice=notice)
 
 
 def due_times(rate: float | None, most_behind: float = 0.0) -> Iterator[float]:
@@ -169,7 +164,6 @@ class ScheduledPublisher:
                 time.sleep(step)
 
     def _attend(self) -> None:
-        """Send the last message again if there is a new subscriber."""
         if self._spins:
             spin_once(self.node)
         if not self.latch or self._last is None or time.monotonic() < self._next_look:

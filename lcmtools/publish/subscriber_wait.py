@@ -6,6 +6,7 @@ Must not know what is published.
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 
 from lcmtools.bus.listeners import listening_processes, listening_sockets
 from lcmtools.bus.records import NodeRecords
@@ -54,36 +55,31 @@ class SubscriberWait:
             topic, count = self._publisher.topic, self._publisher.subscriber_count()
             return f"{subscribers} subscriber{plural} of {topic}{self._misfits()}; {count} so far"
 
-        if not wait_until(
-            lambda: self._publisher.subscriber_count() >= subscribers,
-            timeout,
-            lambda: self._notify(f"waiting for {situation()}"),
-        ):
-            raise NothingReceived(
-                f"not within {timeout:g} s: {situation()}",
-                f"lcmtools info {self._publisher.topic} shows the subscribers",
-            )
+        def are_enough() -> bool:
+            return self._publisher.subscriber_count() >= subscribers
+
+        if not wait_until(are_enough, timeout, lambda: self._notify(f"waiting for {situation()}")):
+            hint = f"lcmtools info {self._publisher.topic} shows the subscribers"
+            raise NothingReceived(f"not within {timeout:g} s: {situation()}", hint)
 
     def wait_for_clock(self, timeout: float | None) -> None:
         """Wait until the simulated time is known; NothingReceived if it does not come in time."""
-        if not wait_until(
-            self._node.get_clock().now,
-            timeout,
-            lambda: self._notify("waiting for /clock"),
-            lambda pause: spin_once(self._node, pause),
-        ):
-            raise NothingReceived(
-                f"nothing came on /clock within {timeout:g} s", "is the simulator running?"
-            )
+
+        def notify() -> None:
+            self._notify("waiting for /clock")
+
+        spin = partial(spin_once, self._node)
+        if not wait_until(self._node.get_clock().now, timeout, notify, spin):
+            hint = "is the simulator running?"
+            raise NothingReceived(f"nothing came on /clock within {timeout:g} s", hint)
 
     def _wait_for_any(self) -> None:
         """Wait up to 1 s for a node; not if plain LCM programs listen, which announce nothing."""
         soonest, recorded = time.monotonic() + _SOONEST, self._recorded_here()
 
         def have_answered() -> bool:
-            return time.monotonic() >= soonest and recorded <= {
-                node.id for node in self._node.graph().nodes
-            }
+            is_soon = time.monotonic() < soonest
+            return not is_soon and recorded <= {node.id for node in self._node.graph().nodes}
 
         wait_until(lambda: self._publisher.subscriber_count() or have_answered(), _ANSWERED)
         if self._publisher.subscriber_count():
@@ -94,10 +90,8 @@ class SubscriberWait:
             topic, misfits = self._publisher.topic, self._misfits()
             others = (one for one in self._node.subscribed_topics() - {topic} if not is_hidden(one))
             near = "" if misfits else did_you_mean(topic, others)
-            self._notify(
-                f"no node subscribes to {topic}{misfits} yet;"
-                f" {f'{near} ' if near else ''}publishing anyway"
-            )
+            doubt = f"{near} " if near else ""
+            self._notify(f"no node subscribes to {topic}{misfits} yet; {doubt}publishing anyway")
 
     def _recorded_here(self) -> frozenset[str]:
         """The ids of the nodes on this computer; an impossible id if other computers take part."""

@@ -30,12 +30,12 @@ class Announced:
         self._one_way = one_way
         self._kept: dict[str, tuple[Announcement, int]] = {}
 
-    def convert(self, said: Announcement, now: int) -> Announcement | None:
+    def convert(self, announcement: Announcement, now: int) -> Announcement | None:
         """Return an announcement as it must be passed on; None if it must not.
 
         ``now`` is the time of any monotonic clock [ns].
         """
-        node = said.node
+        node = announcement.node
         if len(node.path) >= _MOST_STEPS or any(step.id == self._step.id for step in node.path):
             return None
         obeyed = is_simulator(node)
@@ -46,10 +46,10 @@ class Announced:
         if node.endpoints and not ends and node.id not in self._kept:
             return None
         path = (self._step, *node.path)
-        passed = said._replace(
+        passed = announcement._replace(
             node=node._replace(name=name, endpoints=tuple(ends), path=path, ports=())
         )
-        if said.leaving:
+        if announcement.leaving:
             self._kept.pop(node.id, None)
         else:
             self._kept[node.id] = passed._replace(answers=0), now

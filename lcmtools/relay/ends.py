@@ -50,9 +50,7 @@ class BusEnd(Protocol):
         """Leave the bus."""
 
 
-class UdpmEnd:
-    """An end at a multicast group: short messages are sent at once, large ones paced."""
-
+class _UdpmEnd:  # an end at a multicast group: short messages are sent at once, large ones paced
     takes_origin, is_quick = False, True
 
     def __init__(self, url: BusUrl) -> None:
@@ -66,17 +64,10 @@ class UdpmEnd:
         self.trouble = ""
 
     def receive(self, timeout: float) -> list[Packet]:
-        """See ``BusEnd``."""
-        return [
-            packet
-            for packet in self._tap.receive(timeout)
-            if not (
-                packet.sender and packet.sender.port in self.ports and self._is_own(packet.sender)
-            )
-        ]
+        packets, own, ports = self._tap.receive(timeout), self._is_own, self.ports
+        return [p for p in packets if not (p.sender and p.sender.port in ports and own(p.sender))]
 
     def send(self, message: LineMessage) -> None:
-        """See ``BusEnd``."""
         channel, payload = message.channel, message.payload
         try:
             if len(payload) > PACED_ABOVE_BYTES or channel in self._paced.channels:
@@ -90,27 +81,20 @@ class UdpmEnd:
         self.trouble = ""
 
     def losses(self) -> Mapping[Sender, Loss]:
-        """See ``BusEnd``."""
         numbered = {k: v for k, v in self._tap.numbered.items() if not self._is_own(k)}
         return losses(numbered)
 
     def close(self) -> None:
-        """See ``BusEnd``."""
         self._paced.close()
         self._tap.close()
 
     def _is_own(self, sender: Sender) -> bool:
-        if sender in self._own:
-            return True
-        if sender.port in self.ports and is_local(sender.address):
+        if sender not in self._own and sender.port in self.ports and is_local(sender.address):
             self._own.add(sender)
-            return True
-        return False
+        return sender in self._own
 
 
-class ZenohEnd:
-    """An end at a Zenoh bus, which carries each message's origin with it."""
-
+class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin with it
     ports: tuple[int, ...] = (0,)
     takes_origin, is_quick = True, False
 
@@ -123,38 +107,29 @@ class ZenohEnd:
         self._listener = ZenohObserver(patient, self._note)
 
     def receive(self, timeout: float) -> list[Packet]:
-        """See ``BusEnd``."""
         try:
             packets = self._listener.receive(timeout)
         except EOFError:  # it is closing
             return []
         own = self._listener.sender
-        return [
-            packet
-            for packet in packets
-            if packet.sender != own and (packet.origin is None or packet.origin.hops < _MOST_HOPS)
-        ]
+        others = (packet for packet in packets if packet.sender != own)
+        return [one for one in others if one.origin is None or one.origin.hops < _MOST_HOPS]
 
     def send(self, message: LineMessage) -> None:
-        """See ``BusEnd``."""
         is_state = message.due == math.inf
         self._listener.send(message.channel, message.payload, message.origin, latched=is_state)
 
     def losses(self) -> Mapping[Sender, Loss]:
-        """See ``BusEnd``."""
         return losses(self._listener.numbered)
 
     def close(self) -> None:
-        """See ``BusEnd``."""
         self._listener.close()
 
     def _note(self, _text: str, trouble: str) -> None:
         self.trouble = trouble
 
 
-class TcpqEnd:
-    """An end at a server, which sends everything back."""
-
+class _TcpqEnd:  # an end at a server, which sends everything back
     ports: tuple[int, ...] = ()
     takes_origin = is_quick = False
 
@@ -166,7 +141,6 @@ class TcpqEnd:
         self._listener = LcmObserver(url, self._note)
 
     def receive(self, timeout: float) -> list[Packet]:
-        """See ``BusEnd``."""
         try:
             packets = self._listener.receive(timeout)
         except EOFError:  # it is closing
@@ -176,17 +150,14 @@ class TcpqEnd:
         return [packet for packet in packets if not is_echo(packet.channel, packet.payload)]
 
     def send(self, message: LineMessage) -> None:
-        """See ``BusEnd``."""
         check_channel(message.channel)
         self._echo.sends(message.channel, message.payload)
         self._listener.send(message.channel, message.payload)
 
     def losses(self) -> Mapping[Sender, Loss]:
-        """See ``BusEnd``."""
         return {}
 
     def close(self) -> None:
-        """See ``BusEnd``."""
         self._listener.close()
 
     def _note(self, _text: str, trouble: str) -> None:
@@ -195,9 +166,9 @@ class TcpqEnd:
 
 
 _KINDS: Mapping[str, Callable[[BusUrl], BusEnd]] = {
-    "udpm": UdpmEnd,
-    "tcpq": TcpqEnd,
-    "zenoh": ZenohEnd,
+    "udpm": _UdpmEnd,
+    "tcpq": _TcpqEnd,
+    "zenoh": _ZenohEnd,
 }
 
 

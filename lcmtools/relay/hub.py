@@ -28,17 +28,9 @@ from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.line_queue import LATE
+from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
-from lcmtools.wire.tcpq import (
-    PUBLISH,
-    SERVER_GREETING,
-    SUBSCRIBE,
-    Frame,
-    FrameReader,
-    StreamError,
-    payload_of,
-    publish_frame,
-)
+from lcmtools.wire.tcpq import Frame
 
 _READ_BYTES = 1 << 18  # read from one client before it is the next one's turn
 _MOST_WAITING = 32 << 20  # most bytes that wait for a client
@@ -64,21 +56,19 @@ class HubCounts:
     dropped: int = 0  # not delivered to slow clients
 
 
-class _Client:
-    """One client: its connection, its patterns, and the frames that wait for it."""
-
+class _Client:  # one client: its connection, its patterns, and the frames that wait for it
     def __init__(self, connection: socket.socket, name: str, now: float) -> None:
         self.connection = connection
         self.name = name
         self.since = now
-        self.reader = FrameReader()
+        self.reader = tcpq.FrameReader()
         self.patterns: dict[str, ChannelPattern] = {}
         self.times: Counter[str] = Counter()  # how often each pattern is subscribed to
         self.dropped = 0
         self.heard = now  # the last time that it may have received something
-        self._waiting: deque[bytes | memoryview] = deque([SERVER_GREETING])
+        self._waiting: deque[bytes | memoryview] = deque([tcpq.SERVER_GREETING])
         self._due: deque[float] = deque([math.inf])  # times until which they may be sent
-        self._waiting_bytes = len(SERVER_GREETING)
+        self._waiting_bytes = len(tcpq.SERVER_GREETING)
         self._is_begun = False  # True if a part of the first frame has been sent
 
     @property
@@ -168,10 +158,6 @@ class Hub(AbstractContextManager["Hub"]):
         self._selector.register(self._listener, selectors.EVENT_READ)
 
     def __exit__(self, *_: object) -> None:
-        """End."""
-        self.close()
-
-    def close(self) -> None:
         """Close all connections."""
         for client in list(self._clients.values()):
             with contextlib.suppress(OSError):
@@ -203,7 +189,7 @@ class Hub(AbstractContextManager["Hub"]):
 
     def publish(self, channel: str, payload: bytes) -> None:
         """Send one of the hub's own messages to the clients."""
-        self._pass(Frame(PUBLISH, channel, publish_frame(channel, payload)))
+        self._pass(Frame(tcpq.PUBLISH, channel, tcpq.publish_frame(channel, payload)))
         self._send()
 
     def _accept(self) -> None:
@@ -228,7 +214,6 @@ class Hub(AbstractContextManager["Hub"]):
         self._changed.add(client)
 
     def _serve(self, client: _Client) -> Iterator[Frame]:
-        """Read from a client and execute its frames; yield its messages."""
         try:
             data = client.connection.recv(_READ_BYTES)
         except BlockingIOError:
@@ -240,23 +225,23 @@ class Hub(AbstractContextManager["Hub"]):
             return
         try:
             for frame in client.reader.read(data):
-                if frame.kind == PUBLISH:
+                if frame.kind == tcpq.PUBLISH:
                     self.counts.messages += 1
                     self.counts.bytes += len(frame.data)
                     self._pass(frame)
                     yield frame
                 else:
                     self._subscribe(client, frame)
-        except StreamError as error:
+        except tcpq.StreamError as error:
             self._close(client, error.what)
 
     def _subscribe(self, client: _Client, frame: Frame) -> None:
         self._receivers.clear()
-        if frame.kind != SUBSCRIBE:
+        if frame.kind != tcpq.SUBSCRIBE:
             client.unsubscribe(frame.name)
             return
         if len(client.patterns) >= _MOST_PATTERNS:
-            raise StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
+            raise tcpq.StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
         try:
             client.subscribe(frame.name)
         except PatternError as error:  # its other subscriptions may be valid
@@ -352,7 +337,7 @@ def serve(
             presence.attend()
             for frame in hub.turn(_TURN):
                 if frame.name in TALK_CHANNELS:
-                    presence.answer(frame.name, payload_of(frame))
+                    presence.answer(frame.name, tcpq.payload_of(frame))
             on_turn(hub.counts)
     finally:
         presence.announce(leaving=True)

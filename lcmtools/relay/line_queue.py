@@ -15,7 +15,7 @@ from typing import NamedTuple
 from lcmtools.wire.stamp import Origin
 
 MOST_WAITING_BYTES = 64 << 20
-_AT_ONCE = 1 << 16  # bytes that are taken at a time
+_AT_ONCE = 1 << 16  # bytes that are popped at a time
 LATE = 1.0  # [s] after which a message is no longer sent
 _COST = 200  # overhead of a message [byte]
 
@@ -42,7 +42,7 @@ class LineQueue:
         self._of_channel: dict[str, int] = {}  # bytes of waiting messages by channel
         self._changed = threading.Condition()
         self._closed = False
-        self._is_taken = False  # True if messages are being sent
+        self._is_sending = False  # True if messages are being sent
         self._cleared = -math.inf  # messages that were due by this time must not be sent
 
     @property
@@ -53,7 +53,7 @@ class LineQueue:
     @property
     def is_idle(self) -> bool:
         """True while no messages wait or are being sent, except the protocol's own."""
-        return not (self._waiting or self._is_taken)
+        return not (self._waiting or self._is_sending)
 
     def add(self, messages: list[LineMessage]) -> None:
         """Queue messages."""
@@ -73,25 +73,25 @@ class LineQueue:
             self._first.append(message)
             self._changed.notify()
 
-    def take(self, timeout: float) -> list[LineMessage]:
+    def pop(self, timeout: float) -> list[LineMessage]:
         """Return messages to send, in order, waiting up to ``timeout`` [s] for the first.
 
-        One large message is taken at a time, so that newer ones can replace others.
+        One large message is popped at a time, so that newer ones can replace others.
         """
         with self._changed:
-            self._is_taken = False
+            self._is_sending = False
             self._changed.wait_for(lambda: self._first or self._waiting or self._closed, timeout)
-            taken, self._first = list(self._first), deque()
-            self._is_taken = bool(self._waiting)
+            popped, self._first = list(self._first), deque()
+            self._is_sending = bool(self._waiting)
             size = 0
             while self._waiting and size < _AT_ONCE:
-                taken.append(self._waiting.popleft())
-                self._count(taken[-1], -1)
-                size += len(taken[-1].payload) + _COST
-            return taken
+                popped.append(self._waiting.popleft())
+                self._count(popped[-1], -1)
+                size += len(popped[-1].payload) + _COST
+            return popped
 
     def is_late(self, message: LineMessage) -> bool:
-        """Return whether a taken message must not be sent any more; if so, count it as dropped."""
+        """Return whether a popped message must not be sent any more; if so, count it as dropped."""
         if message.due > max(time.monotonic(), self._cleared):
             return False
         with self._changed:
@@ -99,13 +99,13 @@ class LineQueue:
         return True
 
     def close(self) -> None:
-        """Make ``take`` stop waiting."""
+        """Make ``pop`` stop waiting."""
         with self._changed:
             self._closed = True
             self._changed.notify()
 
     def clear(self) -> None:
-        """Drop all messages except the protocol's, including taken ones that are not state."""
+        """Drop all messages except the protocol's, including popped ones that are not state."""
         with self._changed:
             self._cleared = time.monotonic() + LATE
             self.dropped += len(self._waiting)

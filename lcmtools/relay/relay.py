@@ -26,17 +26,8 @@ from typing import NoReturn
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.graph import protocol
 from lcmtools.graph.model import RelayStep
-from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
-    PERIOD,
-    PROBE_CHANNEL,
-    RELAY_CHANNEL,
-    Probe,
-    decode_probe,
-    encode_announcement,
-    encode_probe,
-)
 from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
 from lcmtools.names import check_node
 from lcmtools.observe.reading.presence import Presence, own_node
@@ -85,24 +76,14 @@ class Relay(AbstractContextManager["Relay"]):
         here, there = self._sides
         ends = here.state(), there.state()
         self._known = KnownRelays(Link(identifier, node.name, node.host, ends))
-        self._presences = tuple(
-            Presence(
-                node._replace(ports=side.end.ports[1:]),
-                side.talk,
-                on_shutdown,
-                NodeRecords(url, os.environ),
-            )
-            for side, url in zip(self._sides, urls, strict=True)
-        )
-        self._announced = tuple(
-            Announced(
-                RelayStep(identifier, node.name, one.bus),
-                one.direction,
-                other.direction,
-                one_way=rules.one_way,
-            )
-            for one, other in ((here, there), (there, here))
-        )
+        self._presences = []
+        for side, url in zip(self._sides, urls, strict=True):
+            own, records = node._replace(ports=side.end.ports[1:]), NodeRecords(url, os.environ)
+            self._presences.append(Presence(own, side.talk, on_shutdown, records))
+        self._announced = []
+        for one, other in ((here, there), (there, here)):
+            step, ways = RelayStep(identifier, node.name, one.bus), (one.direction, other.direction)
+            self._announced.append(Announced(step, *ways, one_way=rules.one_way))
         self._lock = threading.RLock()
         self._carries = False
         lines = (side.identifier for side in self._sides if not side.end.is_quick)
@@ -110,7 +91,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._next_report = 0.0
         self._error: BaseException | None = None
         self._troubles = ["", ""]
-        self._has_said: bool | None = None
+        self._has_notified: bool | None = None
         self._awaited = ""
         self._ends = threading.Event()
         self._stopped = threading.Event()
@@ -125,26 +106,26 @@ class Relay(AbstractContextManager["Relay"]):
         for thread in self._threads:
             thread.start()
         for side in self._sides:
-            side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+            side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         return self
 
     def __exit__(self, *_: object) -> None:
         """Send waiting messages for a moment, say goodbye and leave the buses."""
         self._ends.set()
         deadline = time.monotonic() + _FLUSH
-        while any(side.outbox.is_waiting for side in self._sides) and time.monotonic() < deadline:
+        while any(side.queue.is_waiting for side in self._sides) and time.monotonic() < deadline:
             time.sleep(0.005)
         self._stopped.set()
         for side in self._sides:
-            side.outbox.close()
+            side.queue.close()
         for thread in self._threads:
             thread.join(1.0)
         self._known.update(State.LEFT, self._states())
         for side, presence in zip(self._sides, self._presences, strict=True):
-            side.outbox.clear()
+            side.queue.clear()
             with contextlib.suppress(BusError):
                 report = Knowledge(side.identifier, (self._known.own,))
-                side.end.send(LineMessage(RELAY_CHANNEL, encode_report(report)))
+                side.end.send(LineMessage(protocol.RELAY_CHANNEL, encode_report(report)))
             presence.send = side.talk_now
             presence.announce(leaving=True)
             side.end.close()
@@ -157,7 +138,7 @@ class Relay(AbstractContextManager["Relay"]):
         now = time.monotonic()
         with self._lock:
             changed = self._known.expire(time.monotonic_ns()) | self._tell_troubles(now)
-            early = self._waits(now) and now + PERIOD - _EARLY >= self._next_report
+            early = self._waits(now) and now + protocol.PERIOD - _EARLY >= self._next_report
             if changed or early or now >= self._next_report:
                 self._report(now)
             self._decide(now)
@@ -182,29 +163,20 @@ class Relay(AbstractContextManager["Relay"]):
         return here.state(there), there.state(here)
 
     def _receive(self, index: int) -> None:
-        """Receive from one bus until the relay ends."""
-        with self._kept_errors():
-            self._pump(index)
-
-    def _pump(self, index: int) -> None:
         side, other = self._sides[index], self._sides[1 - index]
-        while not self._ends.is_set():
-            packets = side.end.receive(_WAIT)
-            if not packets:
-                continue
-            talk, passed = side.sort(packets, other, passes=self._carries)
-            if passed:
-                other.take(passed)
-            if talk:
-                with self._lock:
-                    for packet in talk:
-                        self._hear(index, packet)
+        with self._kept_errors():
+            while not self._ends.is_set():
+                packets = side.end.receive(_WAIT)
+                talk, passed = side.sort(packets, other, passes=self._carries)
+                if passed:
+                    other.send(passed)
+                if talk:
+                    self._hear_all(index, talk)
 
     def _send(self, index: int) -> None:
-        """Send to one bus until the relay ends."""
         with self._kept_errors():
             while not self._stopped.is_set():
-                self._sides[index].send()
+                self._sides[index].send_waiting()
 
     @contextlib.contextmanager
     def _kept_errors(self) -> Iterator[None]:
@@ -215,40 +187,43 @@ class Relay(AbstractContextManager["Relay"]):
             self._error = error
             self._ends.set()
 
+    def _hear_all(self, index: int, talk: list[Packet]) -> None:
+        with self._lock:
+            for packet in talk:
+                self._hear(index, packet)
+
     def _hear(self, index: int, packet: Packet) -> None:
-        """Handle a message of the protocol."""
-        if packet.channel == NODE_CHANNEL:
+        if packet.channel == protocol.NODE_CHANNEL:
             self._pass_announcement(index, packet)
-        elif packet.channel == RELAY_CHANNEL:
+        elif packet.channel == protocol.RELAY_CHANNEL:
             report = decode_report(packet.payload)
-            side = self._sides[index]
-            now = time.monotonic_ns()
+            end, now = self._sides[index].identifier, time.monotonic_ns()
             address = packet.sender.address if packet.sender else ""
-            if report and self._known.learn(report, side.identifier, now, address):
+            if report and self._known.add_report(report, end, now, address):
                 self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
         else:
-            if packet.channel == PROBE_CHANNEL:
+            if packet.channel == protocol.PROBE_CHANNEL:
                 self._answer(index, packet.payload)
                 side = self._sides[index]
-                side.talk(RELAY_CHANNEL, self._payload(side))
+                side.talk(protocol.RELAY_CHANNEL, self._payload(side))
             # last: a program that has the relay's answer then has those of the nodes behind it
             self._presences[index].answer(packet.channel, packet.payload)
 
     def _pass_announcement(self, index: int, packet: Packet) -> None:
         side, other = self._sides[index], self._sides[1 - index]
-        said = side.learn(packet)
-        if said is None or said.node.id == self._known.own.id:
+        announcement = side.add_announcement(packet)
+        if announcement is None or announcement.node.id == self._known.own.id:
             return
         if side.is_news(packet):
             other.forget_routes()
             side.forget_routes()
-        if not self._carries or other.has(said.node.id):
+        if not self._carries or other.has(announcement.node.id):
             return
-        passed = self._announced[index].convert(said, time.monotonic_ns())
+        passed = self._announced[index].convert(announcement, time.monotonic_ns())
         if passed is not None:
-            other.talk(NODE_CHANNEL, encode_announcement(passed))
+            other.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(passed))
 
     def _answer(self, index: int, payload: bytes) -> None:
         """Answer a probe on one bus for the nodes of the other one, or pass it on to one of them.
@@ -256,42 +231,36 @@ class Relay(AbstractContextManager["Relay"]):
         Nodes that were announced there within the last second are known here, so that a slow line
         delays no answer.
         """
-        probe = decode_probe(payload)
+        probe = protocol.decode_probe(payload)
         if probe is None or not self._carries:
             return
         side, announced = self._sides[index], self._announced[1 - index]
-        if probe.target:
-            target = announced.target(probe.target)
-            if target is not None:
-                again = encode_probe(Probe(target, probe.nonce))
-                self._sides[1 - index].talk(PROBE_CHANNEL, again)
-            return
-        for said in announced.recent(time.monotonic_ns()):
-            side.talk(NODE_CHANNEL, encode_announcement(said))
+        if probe.target and (target := announced.target(probe.target)) is not None:
+            again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
+            self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
+        for announcement in () if probe.target else announced.recent(time.monotonic_ns()):
+            side.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(announcement))
 
     def _payload(self, side: Side) -> bytes:
         return encode_report(Knowledge(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
-        """Report all known relays on both buses."""
-        self._next_report = now + PERIOD
+        self._next_report = now + protocol.PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())
         for side in self._sides:
-            side.talk(RELAY_CHANNEL, self._payload(side))
+            side.talk(protocol.RELAY_CHANNEL, self._payload(side))
 
     def _decide(self, now: float) -> None:
-        """Begin or stop carrying messages."""
-        active = self._known.carrying()
-        own = self._known.own.id
+        active, own = self._known.carrying(), self._known.own.id
         for side in self._sides:
             side.idle = self._known.idle(side.identifier, active)
         self._hold.update(self._known.links(), active, now)
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits
-        if carries != self._has_said and not waits:
-            self._has_said = carries
+        if carries != self._has_notified and not waits:
+            self._has_notified = carries
             self._say_state(active)
         if carries == self._carries:
             return
@@ -300,10 +269,10 @@ class Relay(AbstractContextManager["Relay"]):
             for index, side in enumerate(self._sides):
                 side.forget_routes()
                 self._repeat_latched(index)
-                side.talk(PROBE_CHANNEL, encode_probe(Probe()))
+                side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         else:
             for side, announced in zip(self._sides, self._announced, strict=True):
-                side.outbox.clear()  # it would mix with the next relay's messages
+                side.queue.clear()  # it would mix with the next relay's messages
                 announced.forget()
         self._report(now)
 
@@ -313,20 +282,20 @@ class Relay(AbstractContextManager["Relay"]):
     def _repeat_latched(self, index: int) -> None:
         """Send latched messages again to a bus where they may have been lost."""
         if self._carries:
-            self._sides[index].outbox.add(self._sides[1 - index].latched())
+            self._sides[index].queue.add(self._sides[1 - index].latched())
 
     def _say_awaited(self, identifier: str) -> None:
         """Notify once if another relay is heard on the other bus, but not yet over this line."""
         if identifier and identifier != self._awaited:
             here, there = self._sides
             line, other = (here, there) if identifier == here.identifier else (there, here)
-            said = f"another relay is on {other.bus}"
-            self._notify(f"{said}; waiting some seconds for its answer on {line.bus}")
+            problem = f"another relay is on {other.bus}"
+            self._notify(f"{problem}; waiting some seconds for its answer on {line.bus}")
         self._awaited = identifier
 
     def _say_state(self, active: Collection[str]) -> None:
         here, there = (side.bus for side in self._sides)
-        if self._has_said:
+        if self._has_notified:
             ways = f"from {here} to" if self._rules.one_way else f"between {here} and"
             self._notify(f"carries messages {ways} {there}")
         elif active and not any(self._troubles):

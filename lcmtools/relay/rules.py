@@ -131,8 +131,7 @@ class Direction:
 def check_rules(rules: Rules) -> None:
     """Raise UsageError for a prefix that is not a namespace."""
     prefix = rules.prefix
-    parts = prefix.split("/")
-    if prefix and (not all(part.isidentifier() and part.isascii() for part in parts)):
+    if prefix and not all(one.isidentifier() and one.isascii() for one in prefix.split("/")):
         hint = "a namespace is letters, digits and '_', for example robot7"
         raise UsageError(f"'{prefix}' is not a namespace", hint)
     if is_hidden(prefix):

@@ -32,7 +32,7 @@ class Side:
     def __init__(self, identifier: str, bus: str, end: BusEnd, direction: Direction) -> None:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
-        self.outbox = LineQueue()  # messages that wait to be sent to the bus
+        self.queue = LineQueue()  # messages that wait to be sent to the bus
         # Senders on this bus that belong to relays which should not carry messages.
         self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
@@ -78,13 +78,13 @@ class Side:
             self._last.clear()
         self._last[packet.channel, packet.sender] = message
 
-    def learn(self, packet: Packet) -> Announcement | None:
-        """Learn from an announcement; return it."""
+    def add_announcement(self, packet: Packet) -> Announcement | None:
+        """Add an announcement to the graph; return it."""
         with self._lock:
-            said = self._builder.add(packet)
-        if said is not None and not said.node.path:
-            self._own_nodes[said.node.id] = 0 if said.leaving else packet.time
-        return said
+            announcement = self._builder.add(packet)
+        if announcement is not None and not announcement.node.path:
+            self._own_nodes[announcement.node.id] = 0 if announcement.leaving else packet.time
+        return announcement
 
     def is_news(self, packet: Packet) -> bool:
         """Return whether an announcement has more news than new counts."""
@@ -117,20 +117,20 @@ class Side:
         subscribers = self.graph().topic(topic).subscribers
         return any(is_simulator(node) for node, _ in subscribers if not node.stale)
 
-    def take(self, messages: list[LineMessage]) -> None:
+    def send(self, messages: list[LineMessage]) -> None:
         """Send messages, at once if that does not block; otherwise queue them.
 
         An additional thread between receiving and sending would make each wait for the other.
         """
         at_once = 0
-        if self.end.is_quick and self.outbox.is_idle:
+        if self.end.is_quick and self.queue.is_idle:
             for message in messages:
                 if len(message.payload) > PACED_ABOVE_BYTES:
                     break
                 self._send(message)
                 at_once += 1
         if at_once < len(messages):
-            self.outbox.add(messages[at_once:])
+            self.queue.add(messages[at_once:])
 
     def latched(self) -> list[LineMessage]:
         """Return the last received messages of each topic that is still latched."""
@@ -138,10 +138,10 @@ class Side:
         kept = [(channel, message) for (channel, _), message in list(self._last.items())]
         return [one._replace(due=math.inf) for channel, one in kept if topic(channel).is_latched]
 
-    def send(self) -> None:
+    def send_waiting(self) -> None:
         """Send the waiting messages that are not late."""
-        for message in self.outbox.take(_WAIT):
-            if not self.outbox.is_late(message):
+        for message in self.queue.pop(_WAIT):
+            if not self.queue.is_late(message):
                 self._send(message)
 
     def _send(self, message: LineMessage) -> None:
@@ -157,7 +157,7 @@ class Side:
 
     def talk(self, channel: str, payload: bytes) -> None:
         """Queue a message of the protocol."""
-        self.outbox.add_first(LineMessage(channel, payload))
+        self.queue.add_first(LineMessage(channel, payload))
 
     def talk_now(self, channel: str, payload: bytes) -> None:
         """Send a message of the protocol, once no other thread is sending."""
@@ -168,11 +168,9 @@ class Side:
 
     def awaited(self, commands: Mapping[str, str]) -> tuple[str, ...]:
         """Return the commands of the other bus to which a node of this one subscribes."""
-        return tuple(
-            topic
-            for topic, name in list(commands.items())
-            if any(not node.tool for node, _ in self.graph().topic(name).subscribers)
-        )
+        topic, names = self.graph().topic, list(commands.items())
+        ends = ((command, topic(name).subscribers) for command, name in names)
+        return tuple(command for command, subs in ends if any(not node.tool for node, _ in subs))
 
     def state(self, other: "Side | None" = None) -> End:
         """Return the state of the end, with its counts; its messages go to ``other``."""
@@ -186,7 +184,7 @@ class Side:
             messages=self._messages,
             bytes=self._bytes,
             left_out=self._left_out,
-            dropped=self._failed + self.outbox.dropped,
+            dropped=self._failed + self.queue.dropped,
             lost=sum(loss.lost for loss in self.end.losses().values()),
             commands=other.awaited(self.commands) if other and self.commands else (),
         )

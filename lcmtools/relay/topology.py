@@ -1,7 +1,7 @@
 """Which relays carry messages, so that no message runs in a loop or arrives twice.
 
 Pure: states in, decisions out. Each relay joins two buses. It reports on both what it knows of all
-relays, so that each relay learns all joined pairs, even several buses away. A report itself is
+relays, so that each relay knows all joined pairs, even several buses away. A report itself is
 never passed on: hearing it shows that its sender is on the same bus.
 
 Buses have no identity: two networks may have the same group, and one bus two URLs. Therefore, two
@@ -38,9 +38,7 @@ def carrying(links: Iterable[Link]) -> frozenset[str]:
     return frozenset(found)
 
 
-class _Sets:
-    """Disjoint sets."""
-
+class _Sets:  # disjoint sets
     def __init__(self, members: Iterable[str]) -> None:
         self._above = {member: member for member in members}
 
@@ -73,8 +71,8 @@ class KnownRelays:
         self._forgotten: dict[str, int] = {}  # with their last numbers, as others may repeat these
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
-    def learn(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
-        """Learn from a report that arrived at an own end; return whether more than counts changed.
+    def add_report(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
+        """Add a report that arrived at an own end; return whether more than counts changed.
 
         ``address`` is its sender's, if the bus shows it.
         """
@@ -121,17 +119,11 @@ class KnownRelays:
     def idle(self, at_end: str, active: Collection[str]) -> frozenset[Sender]:
         """Return the senders at an own end that belong to relays which should not carry."""
         heard = self._heard[at_end]
-        others = (link for link in self.links()[1:] if link.id not in active)
-        return frozenset(
-            Sender(self._addresses[end.id], port)
-            for link in others
-            for end in link.ends
-            if end.id in heard
-            for port in end.ports
-        )
+        others = (end for link in self.links()[1:] if link.id not in active for end in link.ends)
+        ends = ((self._addresses[end.id], end.ports) for end in others if end.id in heard)
+        return frozenset(Sender(address, port) for address, ports in ends for port in ports)
 
     def _refresh(self, now: int) -> None:
-        """Update which ends are heard now."""
         ends = []
         for end in self.own.ends:
             heard = self._heard[end.id]

@@ -35,42 +35,30 @@ class PatternError(LcmtoolsError):
     """A pattern that is not a regular expression, or uses unsupported syntax."""
 
 
-class _One(NamedTuple):
-    """One character of a set."""
-
+class _One(NamedTuple):  # one character of a set
     characters: re.Pattern[str]
 
 
-class _Row(NamedTuple):
-    """Parts that follow each other."""
-
+class _Row(NamedTuple):  # parts that follow each other
     parts: "tuple[_Part, ...]"
 
 
-class _Choice(NamedTuple):
-    """Alternatives, one of which must match."""
-
+class _Choice(NamedTuple):  # alternatives, one of which must match
     parts: "tuple[_Part, ...]"
 
 
-class _Repeat(NamedTuple):
-    """A repeated part; ``most`` is None for no limit."""
-
+class _Repeat(NamedTuple):  # a repeated part
     part: "_Part"
     least: int
-    most: int | None
+    most: int | None  # None for no limit
 
 
-class _Ahead(NamedTuple):
-    """A lookahead: a part that must follow, or must not, and is not part of the match."""
-
+class _Ahead(NamedTuple):  # a part that must follow, or must not, and is not part of the match
     part: "_Part"
     wanted: bool
 
 
-class _Anchor(NamedTuple):
-    """The beginning or the end of the name."""
-
+class _Anchor(NamedTuple):  # the beginning or the end of the name
     place: str
 
 
@@ -93,9 +81,7 @@ class ChannelPattern:
         return len(name) in _Match(name).ends(self._whole, 0)
 
 
-class _Reader:
-    """Parses a pattern from its tokens."""
-
+class _Reader:  # parses a pattern from its tokens
     def __init__(self, text: str) -> None:
         self._flags = re.ASCII
         self._text = text
@@ -111,9 +97,8 @@ class _Reader:
         return whole
 
     def _malformed(self) -> PatternError:
-        return PatternError(
-            f"the pattern '{self._text}' is not supported from character {self._place + 1} on"
-        )
+        place = f"from character {self._place + 1} on"
+        return PatternError(f"the pattern '{self._text}' is not supported {place}")
 
     def _choice(self) -> _Part:
         self._nested += 1
@@ -158,7 +143,6 @@ class _Reader:
         return self._one(token["escaped"] or token["plain"])
 
     def _closed(self) -> _Part:
-        """Parse the content of a group and skip its end."""
         part = self._choice()
         if self._text[self._place : self._place + 1] != ")":
             raise self._malformed()

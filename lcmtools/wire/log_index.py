@@ -148,6 +148,7 @@ class LogIndex:
 
     blocks: list[Block] = field(default_factory=list)
     senders: dict[int, RecordedSender] = field(default_factory=dict)
+    # By name; another version of a type by its name and fingerprint: "rover/state_t@0x1234...".
     types: dict[str, RecordedType] = field(default_factory=dict)
     nodes: list[RecordedNode] = field(default_factory=list)
     lost: list[LostMessages] = field(default_factory=list)
@@ -236,7 +237,9 @@ def _add_row(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - a
         index.senders[int(number)] = RecordedSender(sender, str(name))
     elif key == "type":
         name, digits, path, source, *_ = value
-        index.types[name] = RecordedType(name, int(digits, 16), str(path), str(source))
+        one = RecordedType(name, int(digits, 16), str(path), str(source))
+        is_new = index.types.get(name, one).fingerprint == one.fingerprint
+        index.types[name if is_new else f"{name}@{digits}"] = one
     elif key == "node":
         time, number, text, *_ = value
         index.nodes.append(RecordedNode(int(time), int(number), b64decode(text)))

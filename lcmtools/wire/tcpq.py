@@ -49,9 +49,7 @@ class FrameReader:
         """
         waiting = self._bytes
         waiting += data
-        place = 0
-        if not self.is_greeted:
-            place = self._read_greeting()
+        place = 0 if self.is_greeted else self._read_greeting()
         while self.is_greeted and (end := self._end_of_frame(place)):
             kind, size = struct.unpack_from(">II", waiting, place)
             name = waiting[place + _HEAD : place + _HEAD + size]
@@ -80,12 +78,10 @@ class FrameReader:
         if kind == PUBLISH:
             if len(waiting) < end + _WORD:
                 return 0
-            payload_bytes = int.from_bytes(waiting[end : end + _WORD], "big")
-            if payload_bytes > MESSAGE_MAX:
-                raise StreamError(
-                    f"it sent a message of {payload_bytes} bytes; LCM carries {MESSAGE_MAX}"
-                )
-            end += _WORD + payload_bytes
+            length = int.from_bytes(waiting[end : end + _WORD], "big")
+            if length > MESSAGE_MAX:
+                raise StreamError(f"it sent a message of {length} bytes; LCM carries {MESSAGE_MAX}")
+            end += _WORD + length
         return end if len(waiting) >= end else 0
 
 

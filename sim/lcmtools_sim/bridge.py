@@ -19,18 +19,9 @@ from lcmtools_sim.robots.model import CommandTopic
 from lcmtools_sim.simulation import Simulation
 
 Command = JointState | Twist
-
 _Steered = tuple[str, tuple[CommandTopic, ...]]
 """A robot's namespace and command topics; after a reset another object has them."""
-
-_TYPES: dict[bool, tuple[type[Command], ...]] = {
-    False: (JointState, Twist),
-    True: (Twist, JointState),
-}
-"""The types of a command topic, the declared one first; the key is True if that is Twist."""
-
-_UPDATE_PERIOD = 0.1
-"""[s] The longest delay of a new subscriber's first picture, and of an idle clock."""
+_UPDATE_PERIOD = 0.1  # [s] the longest delay of a new subscriber's first picture, or an idle clock
 _REPEAT_PERIOD = 0.5  # [s] between the repetitions of a warning: ``wtf`` listens for about a second
 
 
@@ -46,8 +37,7 @@ class Bridge:
     """Passes commands from the bus to the robots, and samples from the simulation to the bus."""
 
     def __init__(self, node: Node, simulation: Simulation) -> None:
-        self._node = node
-        self._simulation = simulation
+        self._node, self._simulation = node, simulation
         self._faults: dict[tuple[str, str], _Fault] = {}
         """By topic, and the error of an ignored command, or "" for one beyond the limits."""
         self._publishers: dict[str, Publisher[Message]] = {}
@@ -55,8 +45,7 @@ class Bridge:
         self._subscriptions: dict[_Steered, list[Subscription]] = {}
         # probes the nodes, which will have answered by the first update
         self._subscribed: tuple[frozenset[str], bool] = node.subscribed_topics(), True
-        self._next_update = 0.0
-        self._published_time = simulation.time
+        self._next_update, self._published_time = 0.0, simulation.time
         self.refresh()
 
     def receive(self, timeout: float = 0.0) -> None:
@@ -131,13 +120,13 @@ class Bridge:
         for command in commands:
             topic = f"{namespace.rstrip('/')}/{command.name}"
             callback = self._commander(steered, self._node.resolve_name(topic))
-            types = _TYPES[command.is_twist]
+            types: tuple[type[Command], ...] = (JointState, Twist)
+            if command.is_twist:  # the declared type comes first
+                types = (Twist, JointState)
             made.append(self._node.create_subscription(types, topic, callback, group=group))
         return made
 
     def _commander(self, steered: _Steered, topic: str) -> Callable[[Command], None]:
-        """Return the callback of one command topic."""
-
         def command(message: Command) -> None:
             robot = self._robots[steered]
             try:
@@ -162,17 +151,13 @@ class Bridge:
         if now < found.next_time:
             return
         found.next_time = now + _REPEAT_PERIOD
-        sender = self._sender(topic)
+        names = [
+            f"a command, process {node.pid}" if node.tool else node.name
+            for node, _ in self._node.graph().topic(topic).publishers
+        ]
+        sender = f" (from {' or '.join(names)})" if names else ""
         line, log = f"{topic}: {text}{sender}", self._node.get_logger()
         # A node's first command can come before its announcement: then it has no name yet.
         is_known = sender in found.senders or found.senders == {""}
         log.repeat(line) if is_known else log.warning(line)
         found.senders.add(sender)
-
-    def _sender(self, topic: str) -> str:
-        """The nodes that publish a topic, as text; "" for a program that is not a node."""
-        names = [
-            f"a command, process {node.pid}" if node.tool else node.name
-            for node, _ in self._node.graph().topic(topic).publishers
-        ]
-        return f" (from {' or '.join(names)})" if names else ""

@@ -45,9 +45,7 @@ class Control:
     def __init__(
         self, node: Node, simulation: Simulation, loop: Loop, on_change: Callable[[], None]
     ) -> None:
-        self._simulation = simulation
-        self._loop = loop
-        self._on_change = on_change
+        self._simulation, self._loop, self._on_change = simulation, loop, on_change
         offer = node.create_service
         offer(std_srvs.Trigger, "~pause", _answered(self._pause))
         offer(std_srvs.Trigger, "~resume", _answered(self._resume))
@@ -98,7 +96,9 @@ class Control:
     def _set_pose(
         self, request: sim_msgs.SetPose_Request, response: sim_msgs.SetPose_Response
     ) -> None:
-        body = self._body(request.robot)
+        bodies: dict[str, Robot | MovableObject] = {**self._robots()}
+        bodies |= {body.name: body for body in self._simulation.objects}
+        body = _named(request.robot, bodies, "robot or movable object")
         self._simulation.place(body, _read_pose(request.pose))
         name = body.namespace if isinstance(body, Robot) else body.name
         response.message = f"{name} was placed there"
@@ -124,10 +124,8 @@ class Control:
         namespace = resolve_namespace(request.robot)
         if namespace in self._robots():
             raise UsageError(f"there is already a robot {namespace}")
-        placement = RobotPlacement(
-            MODELS[request.model], namespace, _read_pose(request.pose), where="spawn"
-        )
-        self._simulation.add(placement)
+        pose = _read_pose(request.pose)
+        self._simulation.add(RobotPlacement(MODELS[request.model], namespace, pose, where="spawn"))
         self._on_change()
         response.message = f"the {request.model} {namespace} was added"
 
@@ -159,12 +157,6 @@ class Control:
     def _robots(self) -> dict[str, Robot]:
         return {robot.namespace: robot for robot in self._simulation.robots}
 
-    def _body(self, name: str) -> Robot | MovableObject:
-        """Return the robot with a namespace, else the movable object with a name."""
-        bodies: dict[str, Robot | MovableObject] = {**self._robots()}
-        bodies |= {body.name: body for body in self._simulation.objects}
-        return _named(name, bodies, "robot or movable object")
-
     def _robot(self, name: str) -> Robot:
         return _named(name, self._robots(), "robot")
 
@@ -195,11 +187,7 @@ def _answered(
 
 
 def _read_pose(message: geometry_msgs.Pose) -> Pose:
-    """Read a pose message; its quaternion may have any length except zero.
-
-    Raises:
-        UsageError: It is not a pose in the world.
-    """
+    """Read a pose, with a quaternion of any length except zero; UsageError for a bad one."""
     place, turn = message.position, message.orientation
     rotation = turn.x, turn.y, turn.z, turn.w
     length = math.hypot(*rotation)

@@ -1,7 +1,6 @@
 """Interpreting commands: from JointState or Twist to the speeds of the two sides.
 
-Pure decisions on one message. Wrong ones are refused with the reason; a message's sender and time
-are not known here.
+Pure decisions on one message, without its sender and time. Wrong ones are refused with the reason.
 """
 
 import math
@@ -20,19 +19,23 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
     """Return the side speeds [m/s] for a command, within the robot's limits.
 
     A Twist gives the forward speed and turn rate; a JointState gives the efforts of the sides
-    (fractions of full power) or, without efforts, their wheel speeds [rad/s].
-
-    Raises:
-        ValueMismatch: The message is not a command; the error names the field.
+    (fractions of full power) or, without efforts, their wheel speeds [rad/s]. For another message,
+    ValueMismatch names the field.
     """
     if isinstance(message, Twist):
         forward = _finite("linear.x", message.linear.x)
         return side_speeds(forward, _finite("angular.z", message.angular.z), model.drive)
-    if isinstance(message, JointState):
-        return _from_joint_state(message, model)
-    raise ValueMismatch(
-        f"a {type(message).__name__} is not a command", "send a JointState or a Twist"
-    )
+    if not isinstance(message, JointState):
+        what = f"a {type(message).__name__} is not a command"
+        raise ValueMismatch(what, "send a JointState or a Twist")
+    if message.effort:
+        left, right = _by_side("effort", message.effort, message.name, model)
+        full = model.drive.full_speed
+        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
+    if message.velocity:
+        speeds = _wheel_speeds(message, model)
+        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
+    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
 
 
 def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
@@ -58,17 +61,6 @@ def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
         if abs(value) > limit * _ROUNDING:
             return f"{name} is {value:.4g}{unit}, the limit {limit:g}{unit}"
     return ""
-
-
-def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
-    if state.effort:
-        left, right = _by_side("effort", state.effort, state.name, model)
-        full = model.drive.full_speed
-        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
-    if state.velocity:
-        speeds = _wheel_speeds(state, model)
-        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
-    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
 
 
 def _wheel_speeds(state: JointState, model: RobotModel) -> SideSpeeds:

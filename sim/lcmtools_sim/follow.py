@@ -28,9 +28,7 @@ class Followers:
     """The followers of a leader: before its next step, all must have simulated its last one."""
 
     def __init__(self, node: Node, simulation: Simulation, bridge: Bridge) -> None:
-        self._node = node
-        self._simulation = simulation
-        self._bridge = bridge
+        self._node, self._simulation, self._bridge = node, simulation, bridge
         self._acknowledged: dict[str, int] = {}  # the leader's time that each has simulated [ns]
         self._heard: dict[str, float] = {}
         self._missed: set[str] = set()  # silent ones that are waited for, and already reported
@@ -49,7 +47,8 @@ class Followers:
             if time.monotonic() >= repeat:
                 is_long, repeat = True, time.monotonic() + _LONGEST_WAIT
                 self._bridge.publish([self._simulation.tick()])
-                for name in filter(self._is_silent, late):
+                now = time.monotonic()
+                for name in [name for name in late if now - self._heard[name] >= _SILENCE]:
                     self._miss(name)
         return is_long
 
@@ -62,9 +61,6 @@ class Followers:
         self._acknowledged[name] = stamp.sec * NANOSECONDS + stamp.nsec
         self._heard[name] = time.monotonic()
         self._missed.discard(name)
-
-    def _is_silent(self, name: str) -> bool:
-        return time.monotonic() - self._heard[name] >= _SILENCE
 
     def _miss(self, name: str) -> None:
         """Drop a silent follower if it has ended; else warn that the leader waits for it."""
@@ -93,11 +89,9 @@ class LeaderClock(Pacer):
 
     def __init__(self, node: Node, simulation: Simulation, on_restart: Callable[[], None]) -> None:
         super().__init__(period=0.0)
-        self._node = node
-        self._simulation = simulation
-        self._on_restart = on_restart
+        self._node, self._simulation, self._on_restart = node, simulation, on_restart
         self._leader: int | None = None
-        self._publisher = node.create_publisher(Header, _ACKNOWLEDGEMENT_TOPIC)
+        self._acknowledgements = node.create_publisher(Header, _ACKNOWLEDGEMENT_TOPIC)
         node.create_subscription(Clock, CLOCK_TOPIC, self._receive)
 
     def restart(self) -> None:
@@ -106,20 +100,17 @@ class LeaderClock(Pacer):
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
         """Wait until the leader has reached the next step, or ``go_on`` returns False."""
         while go_on() and not self._may_step():
-            self._acknowledge()
+            if self._leader is not None:
+                message = Header()
+                message.frame_id = self._node.name
+                message.stamp.sec, message.stamp.nsec = split_stamp(self._leader)
+                self._acknowledgements.publish(message)
             spin_once(self._node, _LONGEST_WAIT)
             meanwhile()
         return 0.0
 
     def _may_step(self) -> bool:
         return self._leader is not None and self._simulation.steps < self._steps(self._leader)
-
-    def _acknowledge(self) -> None:
-        if self._leader is not None:
-            message = Header()
-            message.frame_id = self._node.name
-            message.stamp.sec, message.stamp.nsec = split_stamp(self._leader)
-            self._publisher.publish(message)
 
     def _receive(self, message: Clock) -> None:
         now = message.clock.sec * NANOSECONDS + message.clock.nsec

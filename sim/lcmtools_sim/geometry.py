@@ -10,10 +10,8 @@ from typing import NamedTuple
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
-
 ZERO: Vector = (0.0, 0.0, 0.0)
 IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
-
 _STRAIGHT_UP = 1 - 1e-12
 
 

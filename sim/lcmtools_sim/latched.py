@@ -30,8 +30,7 @@ class LatchedPublisher(Generic[MessageT]):
     ) -> None:
         self._publisher = node.create_publisher(message_type, topic)
         self._publisher.is_latched = True
-        self._make = make
-        self._is_repeated = is_repeated
+        self._make, self._is_repeated = make, is_repeated
         self._payload = b""
         self._subscribers: frozenset[str] = frozenset()
         self._count = 0

@@ -14,8 +14,7 @@ class Loop:
 
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. While it is
     ``paused``, it waits for ``step``. ``let_step`` is called before each step with a function; it
-    waits until the step may be done or the function returns False, and returns True after a long
-    wait.
+    waits until the step may be done or the function returns False; True means a long wait.
     """
 
     def __init__(
@@ -30,12 +29,8 @@ class Loop:
     ) -> None:
         self.paused = False  # may be changed at any time
         self.is_stepping = False  # True during ``step``, for code called in ``let_step``
-        self._let_step = let_step
-        self._simulation = simulation
-        self._bridge = bridge
-        self._pacer = pacer
-        self._go_on = go_on
-        self._last_step = last_step
+        self._simulation, self._bridge, self._pacer = simulation, bridge, pacer
+        self._go_on, self._last_step, self._let_step = go_on, last_step, let_step
         self._fell_behind = False
 
     def run(self) -> None:
@@ -85,7 +80,6 @@ class Loop:
         dropped = self._pacer.wait(lambda: self._go_on() and not self.paused, self._bridge.receive)
         if dropped and not self._fell_behind:
             self._fell_behind = True
-            self._bridge.warn(
-                f"the computer is too slow for this rate: {dropped:.2f} s were dropped, and"
-                " simulated time falls behind from now on; a lower --rate keeps it even"
-            )
+            what = f"the computer is too slow for this rate: {dropped:.2f} s were dropped"
+            then = "simulated time falls behind from now on; a lower --rate keeps it even"
+            self._bridge.warn(f"{what}, and {then}")

@@ -21,22 +21,24 @@ from lcmtools_sim.worlds import describe, find_world, world_names
 
 
 def run(arguments: Sequence[str]) -> None:
-    """Execute the command; ``arguments`` are without the program's name.
-
-    Raises:
-        LcmtoolsError: It cannot be executed.
-    """
+    """Execute the command with these arguments; LcmtoolsError if that is impossible."""
     _, own = split_arguments(arguments)
     options = parse_options(own)
-    if not _inform(options):
-        _simulate(options, arguments)
+    if _inform(options):
+        return
+    scene, options = overridden(read_scene(*find_world(options.world)), options)
+    if threading.current_thread() is threading.main_thread():
+        # Until the bus takes over, SIGTERM ends the program as quietly as Ctrl-C.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    from lcmtools_sim.session import simulate
+
+    simulate(scene, options, arguments)
 
 
 def _inform(options: Options) -> bool:
     """Answer a request for information; return whether it was one."""
     if options.version:
-        engine = engine_version(chosen_engine(options.engine))
-        text = f"lcmtools {__version__}, {engine}"
+        text = f"lcmtools {__version__}, {engine_version(chosen_engine(options.engine))}"
     elif options.list_worlds:
         width = max(map(len, world_names()))
         text = "\n".join(f"{name:<{width}}  {describe(name)}" for name in world_names())
@@ -86,14 +88,3 @@ def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
     first = part.robots[0]
     node = f"{scene.node}_{first.namespace.strip('/').replace('/', '_') or first.model.name}"
     return replace(part, node=node), replace(options, follow=True)
-
-
-def _simulate(options: Options, arguments: Sequence[str]) -> None:
-    """Run the given world, with the command line's changes."""
-    scene, options = overridden(read_scene(*find_world(options.world)), options)
-    if threading.current_thread() is threading.main_thread():
-        # Until the bus takes over, SIGTERM ends the program as quietly as Ctrl-C.
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from lcmtools_sim.session import simulate
-
-    simulate(scene, options, arguments)

@@ -42,10 +42,8 @@ class MountedSensor:
     def __init__(
         self, robot: Robot, mount: SensorMount, sensor: Sensor, bulky: frozenset[str] = frozenset()
     ) -> None:
-        self.robot = robot
+        self.robot, self.mount, self.sensor = robot, mount, sensor
         self.rate = mount.rate  # [Hz]
-        self.mount = mount
-        self.sensor = sensor
         self._is_batchable = isinstance(sensor, BatchSensor) and sensor.is_batchable
         self._bulky = bulky
         # The topic and the type of each output.
@@ -57,10 +55,6 @@ class MountedSensor:
         # Bulky outputs without a known subscriber: measured once a second.
         self.throttled: tuple[str, ...] = ()
         self._count = 0
-
-    def topics(self) -> dict[str, type[Message]]:
-        """Its topics and their types."""
-        return dict(self.labels.values())
 
     @property
     def is_idle(self) -> bool:
@@ -111,20 +105,11 @@ class MountedBatch:
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
     """Return a robot's sensors in its model's order, but those that need frames last."""
-    context = SensorContext(
-        robot.namespace,
-        robot.body,
-        robot.world,
-        scene.ground.color,
-        scene.lines,
-        scene.gravity,
-        scene.seed,
-    )
+    of_scene = scene.ground.color, scene.lines, scene.gravity, scene.seed
+    context = SensorContext(robot.namespace, robot.body, robot.world, *of_scene)
     mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
     mounts.sort(key=lambda one: one[0].needs_frames)
-    return [
-        MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
-    ]
+    return [MountedSensor(robot, one, kind.make(one, context), kind.bulky) for kind, one in mounts]
 
 
 def _topic(namespace: str, mount: SensorMount, output: str) -> str:

@@ -55,11 +55,7 @@ class Options:
 
 
 def parse_options(arguments: Sequence[str]) -> Options:
-    """Parse the command line; ``--help`` prints and ends the program.
-
-    Raises:
-        UsageError: It is wrong.
-    """
+    """Parse the command line; UsageError if it is wrong; ``--help`` prints and ends the program."""
     values = vars(_parser().parse_args(arguments))
     world, option = values["world"], values.pop("world_option")
     if world and option and world != option:
@@ -93,26 +89,15 @@ def _parser() -> argparse.ArgumentParser:
     add("--rate", type=rate, default=1.0, metavar="N", help="times real time; 0: no waiting")
     add("--seed", type=seed, metavar="N", help="instead of the world file's seed")
     add("--robots", type=robots, metavar="N", help="this many robots like the world's first")
-    add(
-        "--robot",
-        type=_robot,
-        action="append",
-        default=[],
-        metavar="MODEL[@X,Y,YAW]",
-        help="one more robot, called /MODEL0, /MODEL1, ... (YAW in radians, or 90deg)",
-    )
+    more = "one more robot, called /MODEL0, /MODEL1, ... (YAW in radians, or 90deg)"
+    add("--robot", type=_robot, action="append", default=[], metavar="MODEL[@X,Y,YAW]", help=more)
     add("--only", type=_names, default=(), metavar="NAMES", help="simulate only these robots: a,b")
     add("--follow", action="store_true", help="follow the /clock of another process")
     add("--duration", type=duration, metavar="S", help="end after S simulated seconds")
-    add(
-        "--engine",
-        choices=ENGINES,
-        default="",
-        help="of physics (default: $LCMTOOLS_ENGINE, else bullet where pybullet is installed)",
-    )
-    add(
-        "--view", "--gui", action="store_true", help="show it in the browser, by lcmtools gui world"
-    )
+    engine = "of physics (default: $LCMTOOLS_ENGINE, else bullet where pybullet is installed)"
+    add("--engine", choices=ENGINES, default="", help=engine)
+    view = "show it in the browser, by lcmtools gui world"
+    add("--view", "--gui", action="store_true", help=view)
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
     add("--version", action="store_true", help="print the versions of lcmtools and the engine")
     add("--list-worlds", action="store_true", help="list the worlds and exit")
@@ -146,19 +131,15 @@ def _robot(text: str) -> tuple[RobotModel, Pose]:
         raise argparse.ArgumentTypeError(f"unknown model '{name}'; {hint}")
     try:
         x, y, yaw = place.split(",") if at else ("0", "0", "0")
-        pose = Pose(float(x), float(y), yaw=_angle(yaw.strip()))
+        yaw = yaw.strip()
+        turn = float(yaw.removesuffix("deg"))
+        pose = Pose(float(x), float(y), yaw=math.radians(turn) if yaw.endswith("deg") else turn)
     except ValueError:
         pose = Pose(math.nan)
     if not all(abs(number) <= _FARTHEST for number in (pose.x, pose.y, pose.yaw)):
         wanted = "MODEL or MODEL@X,Y,YAW, for example husky@1,2,90deg"
         raise argparse.ArgumentTypeError(f"must be {wanted}, not '{text}'")
     return MODELS[name], pose
-
-
-def _angle(text: str) -> float:
-    if text.endswith("deg"):
-        return math.radians(float(text.removesuffix("deg")))
-    return float(text)
 
 
 def _names(text: str) -> tuple[str, ...]:

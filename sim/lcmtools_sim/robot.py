@@ -31,13 +31,11 @@ class Robot:
     """A robot, which executes the last command.
 
     Where it may touch something, the engine moves its body. On level ground with nothing near, its
-    ``vehicles`` do so, with the same motion: the body slides there without friction, pulled by
-    tyres.
+    ``vehicles`` do so, with the same motion: tyres pull the body, which has no friction.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
-        self.model = placement.model  # its model
-        self.namespace = placement.namespace  # global
+        self.model, self.namespace = placement.model, placement.namespace
         self.world = world  # the engine's world
         self.is_free = False  # True if the engine does not move it
         # An upper bound of the distance of any point from the centre of mass [m].
@@ -65,25 +63,16 @@ class Robot:
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
 
-        The world's contacts must have been detected.
-
-        Raises:
-            InvalidFile: The error names the other body; ``where`` is the robot's place in its file.
+        The world's contacts must have been detected. InvalidFile names the other body; ``where`` is
+        the robot's place in its file.
         """
         depth, other = self.world.overlap(self.body)
         if depth > START_OVERLAP:
-            raise InvalidFile(
-                f"{where}: the {self.model.name} {self.namespace} starts {depth:.2f} m inside"
-                f" {other}",
-                "change its pose",
-            )
+            what = f"the {self.model.name} {self.namespace} starts {depth:.2f} m inside {other}"
+            raise InvalidFile(f"{where}: {what}", "change its pose")
 
     def command(self, message: JointState | Twist) -> None:
-        """Execute a command until the next one or the timeout.
-
-        Raises:
-            ValueMismatch: It is not a command; the last one remains in effect.
-        """
+        """Execute a command until the next or the timeout; ValueMismatch leaves the last one."""
         left, right = interpret(message, self.model)
         self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
 
@@ -166,10 +155,7 @@ class Robot:
     def place(self, pose: Pose) -> None:
         """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
 
-        The engine must move it, and know where all bodies are.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
+        The engine must move it, and know where all bodies are; see also ``World.place``.
         """
         centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
         self.world.place(self.body, centre, pose.rotation)
@@ -195,8 +181,7 @@ class Robot:
         """Return the state that its sensors measure; ``time`` is simulated [ns]."""
         if self.is_free:
             return self.vehicles.state(time, self.index)
-        values = self.vehicles.row(self.index)
-        return measured(*self.motions, values, (time, self._dt))
+        return measured(*self.motions, self.vehicles.row(self.index), (time, self._dt))
 
     def _frame(self, height: float) -> Frame:
         """Return a frame at this height above its base_footprint [m], in the world."""

@@ -23,8 +23,7 @@ WOOD: Color = (0.7, 0.6, 0.45)
 class Ground:
     """The plane z = 0."""
 
-    # Coulomb coefficient; multiplied by a box's or a tyre's coefficient.
-    friction: float = 1.0
+    friction: float = 1.0  # Coulomb coefficient; multiplied by a box's or a tyre's
     color: Color = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
 
 
@@ -37,8 +36,7 @@ class SceneObject:
     pose: Pose = ORIGIN  # of that frame in the world
     mass: float = 0.0  # [kg]; 0 for an immovable object
     friction: float = FRICTION  # Coulomb coefficient
-    # Its file and line ("yard.yaml:12"), for messages.
-    where: str = field(default="", compare=False)
+    where: str = field(default="", compare=False)  # file and line, for messages ("yard.yaml:12")
 
 
 def box(
@@ -56,8 +54,7 @@ class RobotPlacement:
     namespace: str  # full namespace: "/husky0"
     pose: Pose = ORIGIN  # of the point on the ground between its wheels
     cmd_timeout: float | None = None  # simulated seconds after which a command ends; None for never
-    # Its file and line ("yard.yaml:12"), for messages.
-    where: str = field(default="", compare=False)
+    where: str = field(default="", compare=False)  # file and line, for messages ("yard.yaml:12")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +78,7 @@ class Scene:
     objects: tuple[SceneObject, ...] = ()  # boxes, pieces of walls, tables and so on
     robots: tuple[RobotPlacement, ...] = ()  # in the order of the file
     paths: tuple[MarkedPath, ...] = ()  # in the order of the file
-    # Notes on content of its files that the simulator ignores, one line each.
-    notes: tuple[str, ...] = field(default=(), compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)  # on ignored content, one line each
 
     @property
     def lines(self) -> tuple[Line, ...]:
@@ -93,10 +89,7 @@ class Scene:
 def fleet(scene: Scene, size: int) -> Scene:
     """Return the scene with this number of robots like its first one, in rows.
 
-    Their namespaces are the first one's with other numbers at the end.
-
-    Raises:
-        UsageError: The scene has no robot.
+    Their namespaces are the first one's with other numbers at the end. UsageError without a robot.
     """
     if not scene.robots:
         raise UsageError(f"the world {scene.name} has no robot to copy")
@@ -120,11 +113,7 @@ def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
 
 
 def selected(scene: Scene, names: Sequence[str]) -> Scene:
-    """Return the scene with only these robots, named with or without a leading slash.
-
-    Raises:
-        UsageError: One does not exist.
-    """
+    """Return the scene with only these robots, with a slash or not; UsageError for unknown ones."""
     robots = {robot.namespace: robot for robot in scene.robots}
     wanted = [f"/{name.strip('/')}" for name in names]
     for name in wanted:

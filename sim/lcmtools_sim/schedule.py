@@ -19,10 +19,8 @@ class Timetable(Generic[Item]):
     """Items that are due at rates that need not divide the rate of the steps.
 
     The k-th time of an item is the first step at or after k / rate, so that 50 Hz on a grid of
-    240 Hz is exact on average and never drifts. All items of a rate are due together.
-
-    Args:
-        dt: Duration of a step [s].
+    240 Hz is exact on average and never drifts. All items of a rate are due together. ``dt`` is the
+    duration of a step [s].
     """
 
     def __init__(self, dt: float) -> None:
@@ -82,8 +80,7 @@ class Pacer:
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self.period = period  # wall-clock seconds per step, may be changed; 0 never waits
-        self._now = now
-        self._sleep = sleep
+        self._now, self._sleep = now, sleep
         self._deadline = now()
 
     def restart(self) -> None:

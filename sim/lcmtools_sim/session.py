@@ -97,10 +97,8 @@ def path_message(path: MarkedPath) -> Path:
         pose = PoseStamped()
         pose.header.frame_id = "world"
         pose.pose.position.x, pose.pose.position.y = x, y
-        pose.pose.orientation.z, pose.pose.orientation.w = (
-            math.sin(heading / 2),
-            math.cos(heading / 2),
-        )
+        turn = pose.pose.orientation
+        turn.z, turn.w = math.sin(heading / 2), math.cos(heading / 2)
         message.poses.append(pose)
     return message
 

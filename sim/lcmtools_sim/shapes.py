@@ -12,7 +12,6 @@ from typing import TypeAlias
 from lcmtools_sim.geometry import IDENTITY, ZERO, Frame, Quaternion, Vector, axes, dot, subtract
 
 Color = tuple[float, float, float]  # red, green, blue, 0 to 1
-
 GREY: Color = (0.6, 0.6, 0.62)
 
 

@@ -21,9 +21,7 @@ from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import START_OVERLAP, MovableObject, World
 
-CLOCK_RATE = 50.0
-"""[Hz] Lowest rate of the clock; it also ticks with every step that publishes something."""
-
+CLOCK_RATE = 50.0  # [Hz] lowest rate of the clock; it also ticks with every step that publishes
 _TICK = None  # due if only the clock is due
 _CLOCK = PayloadTemplate(Clock(), "clock")
 _Plan = list[tuple[Robot | Robots, MountedSensor | MountedBatch]]
@@ -40,10 +38,8 @@ class Simulation(AbstractContextManager["Simulation"]):
     """
 
     def __init__(self, scene: Scene, *, engine: str = "", leads: bool = True) -> None:
-        self.scene = scene
-        self.leads = leads
-        # True if its steps return the clock; else only ``tick`` returns it
-        self.publishes_clock = leads
+        self.scene, self.leads = scene, leads
+        self.publishes_clock = leads  # True if its steps return the clock; else only ``tick`` does
         self._plans: dict[frozenset[float], _Plan] = {}
         """The sensors that are measured when these rates are due, until the fleet changes."""
         self._world = World(scene, engine=engine)
@@ -73,11 +69,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         return self._objects
 
     def place(self, body: Robot | MovableObject, pose: Pose) -> None:
-        """Put a robot or an object at a pose.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
-        """
+        """Put a robot or an object at a pose; UsageError, and no move, if inside another body."""
         self._fleet.hold_all()
         body.place(pose)
 
@@ -99,7 +91,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self.leads else {}
         for robot in self.robots:
             for sensor in self._sensors[robot.namespace]:
-                found.update(sensor.topics())
+                found.update(sensor.labels.values())
         return found
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
@@ -132,11 +124,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._begin(steps)
 
     def add(self, placement: RobotPlacement) -> Robot:
-        """Add a robot; ``reset`` removes it again.
-
-        Raises:
-            InvalidFile: It would be inside another body; nothing has been added.
-        """
+        """Add a robot, until ``reset``; InvalidFile, and no robot, if inside another body."""
         self._fleet.hold_all()
         (robot,) = self._add([placement])
         return robot

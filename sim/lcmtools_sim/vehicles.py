@@ -94,12 +94,10 @@ def _joined(rows: Sequence[RowT]) -> RowT:
 
 
 def _rows(values: RowT, indices: npt.NDArray[np.intp]) -> RowT:
-    """Return some robots' values as arrays."""
     return type(values)(*(cast("float", column[indices]) for column in _columns(values)))
 
 
 def _row(values: RowT, index: int) -> RowT:
-    """Return one robot's values as floats."""
     return type(values)(*(float(column[index]) for column in _columns(values)))
 
 
@@ -133,9 +131,7 @@ class Vehicles:
         self.ops = arithmetic_of(constants.mass)
         self.is_single = self.ops is FLOATS
         self._can_expire = bool(np.any(np.isfinite(constants.timeout)))
-        self.dt = dt
-        self.noise = noise / math.sqrt(dt)
-        self._random = random
+        self.dt, self.noise, self._random = dt, noise / math.sqrt(dt), random
         self.tyres = self.tyres_of(constants)
 
     @classmethod
@@ -182,32 +178,22 @@ class Vehicles:
         now, k, ops, dt = self.now, self.constants, self.ops, self.dt
         if self._can_expire:
             goes_on = (now.command_age < k.timeout) * 1.0
-            now.left_target, now.right_target = (
-                now.left_target * goes_on,
-                now.right_target * goes_on,
-            )
+            now.left_target = now.left_target * goes_on
+            now.right_target = now.right_target * goes_on
             now.command_age = now.command_age + dt
-        left, right = now.left, now.right = followed(
-            (now.left, now.right),
-            (now.left_target, now.right_target),
-            k.gain,
-            k.largest_change,
-            ops,
-        )
+        speeds, targets = (now.left, now.right), (now.left_target, now.right_target)
+        left, right = now.left, now.right = followed(speeds, targets, k.gain, k.largest_change, ops)
         turn = dt / k.wheel_radius
-        now.left_angle, now.right_angle = (
-            now.left_angle + left * turn,
-            now.right_angle + right * turn,
-        )
+        now.left_angle = now.left_angle + left * turn
+        now.right_angle = now.right_angle + right * turn
         half_turn = (right - left) / k.track * (dt / 2)
         self._count(left, right, half_turn)
         heading = now.yaw + half_turn
         s, c = ops.sin(heading), ops.cos(heading)
         vx, vy, turn_rate = now.vx, now.vy, now.turn_rate
         now.before_vx, now.before_vy, now.before_turn_rate = vx, vy, turn_rate
-        along, across, twist = self.tyres(
-            vx * c + vy * s, vy * c - vx * s, turn_rate, left, right, k.largest_impulse
-        )
+        forward, aside, largest = vx * c + vy * s, vy * c - vx * s, k.largest_impulse
+        along, across, twist = self.tyres(forward, aside, turn_rate, left, right, largest)
         now.vx, now.vy = vx, vy = vx + along * c - across * s, vy + along * s + across * c
         now.turn_rate = turn_rate = turn_rate + twist
         now.x, now.y, now.yaw = now.x + vx * dt, now.y + vy * dt, now.yaw + turn_rate * dt
@@ -220,12 +206,9 @@ class Vehicles:
             left = left + self.noise * abs(left) ** 0.5 * error
             right = right + self.noise * abs(right) ** 0.5 * other_error
             half_turn = (right - left) / self.constants.track * (dt / 2)
-        now.odometry_x, now.odometry_y, now.odometry_yaw = dead_reckoning(
-            (now.odometry_x, now.odometry_y, now.odometry_yaw),
-            (left + right) * (dt / 2),
-            half_turn,
-            self.ops,
-        )
+        pose = now.odometry_x, now.odometry_y, now.odometry_yaw
+        pose = dead_reckoning(pose, (left + right) * (dt / 2), half_turn, self.ops)
+        now.odometry_x, now.odometry_y, now.odometry_yaw = pose
 
     def state(self, time: int, index: int | None = None) -> RobotState:
         """Return the state that sensors measure on level ground, of one robot or as arrays of all.
@@ -254,9 +237,8 @@ class Vehicles:
 
 def planar_motions(constants: Constants, now: Variables) -> tuple[Motion, Motion]:
     """Return the motion of bodies on level ground, and the same with velocities of one step ago."""
-    motion = planar_motion(
-        (now.x, now.y, constants.height), now.yaw, (now.vx, now.vy, 0.0), now.turn_rate
-    )
+    place, velocity = (now.x, now.y, constants.height), (now.vx, now.vy, 0.0)
+    motion = planar_motion(place, now.yaw, velocity, now.turn_rate)
     before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
     return motion, Motion(*motion[:2], *before)
 

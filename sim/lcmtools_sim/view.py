@@ -54,7 +54,6 @@ class View:
         return self._simulation.objects if self._whole else ()
 
     def _follow_subscribers(self) -> None:
-        """Start or stop publishing, depending on subscribers."""
         is_wanted = self._publisher.subscriber_count() > 0
         if is_wanted and not self._timer:
             self._timer = self._node.create_timer(1 / _RATE, self._publish)

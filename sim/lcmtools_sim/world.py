@@ -26,10 +26,7 @@ class World(AbstractContextManager["World"]):
     """A scene's ground and objects in an engine; robots are added to it.
 
     A context manager: it owns the engine's world. ``engine`` is one of ENGINES or "" (see
-    engines.chosen_engine).
-
-    Raises:
-        MissingExtra: There is no engine.
+    engines.chosen_engine); MissingExtra without it.
     """
 
     def __init__(self, scene: Scene, *, engine: str = "") -> None:
@@ -58,10 +55,9 @@ class World(AbstractContextManager["World"]):
 
     def find_rest(self) -> None:
         """Check whether all movable bodies in the engine are at rest, for the next steps."""
-        speeds = [
-            *(self._engine.motion(body)[2:] for body in self._moving if body not in self._released)
-        ]
-        at_rest = all(abs(value) < _AT_REST for speed in chain(*speeds) for value in speed)
+        bodies = self._moving.keys() - self._released.keys()
+        speeds = [speed for body in bodies for speed in self._engine.motion(body)[2:]]
+        at_rest = all(abs(value) < _AT_REST for speed in speeds for value in speed)
         self._rests = at_rest and self._rested
         self._rested = at_rest
 
@@ -127,21 +123,15 @@ class World(AbstractContextManager["World"]):
     def add(self, thing: SceneObject) -> int:
         """Add an object, whose origin is its centre of mass; return its body's number."""
         inertials = inertials_of(thing.parts, thing.mass)
-        body = self._engine.add(
-            RigidBody(
-                thing.parts,
-                *thing.pose.frame,
-                thing.mass,
-                moments(inertials, centre_of_mass(inertials)[1]),
-                thing.friction,
-            )
-        )
+        inertia, frame = moments(inertials, centre_of_mass(inertials)[1]), thing.pose.frame
+        rigid = RigidBody(thing.parts, *frame, thing.mass, inertia, thing.friction)
+        body = self._engine.add(rigid)
         self._names[body] = self._free_name(thing.name) if thing.mass else thing.name
         self._wake()
         if thing.mass:
             self._moving[body] = thing.parts
         else:
-            self._fixed += tuple(part.placed(*thing.pose.frame) for part in thing.parts)
+            self._fixed += tuple(part.placed(*frame) for part in thing.parts)
         return body
 
     def add_robot(self, name: str, body: Body, pose: Pose) -> int:
@@ -149,16 +139,9 @@ class World(AbstractContextManager["World"]):
         height, radius = body.centre_of_mass, body.foot_radius
         parts = tuple(part.placed((0.0, 0.0, -height)) for part in body.parts)
         feet = [Part(Sphere(radius), (x, y, radius - height), color=BLACK) for x, y in body.feet]
-        number = self._engine.add(
-            RigidBody(
-                [*parts, *feet],
-                pose.frame.point((0.0, 0.0, height)),
-                pose.rotation,
-                body.mass,
-                body.inertia,
-                is_robot=True,
-            )
-        )
+        place = pose.frame.point((0.0, 0.0, height)), pose.rotation
+        rigid = RigidBody([*parts, *feet], *place, body.mass, body.inertia, is_robot=True)
+        number = self._engine.add(rigid)
         self._names[number], self._moving[number] = name, parts
         self._bodies.clear()
         return number
@@ -185,9 +168,8 @@ class World(AbstractContextManager["World"]):
         if depth > START_OVERLAP:
             self._engine.place(body, now.position, now.rotation)
             self.set_velocity(body, now.velocity, now.angular_velocity)
-            raise UsageError(
-                f"{self._names[body]} would be {depth:.2f} m inside {other}", "choose another place"
-            )
+            what = f"{self._names[body]} would be {depth:.2f} m inside {other}"
+            raise UsageError(what, "choose another place")
 
     def reset(self, scene: Scene) -> None:
         """Start again with the ground and the objects of a scene, without robots."""
@@ -257,10 +239,8 @@ class MovableObject:
         self.name = world.name(body)  # unique among the world's movable objects
         self._world, self._body = world, body
         self._height = max(part.extent(2) - part.position[2] for part in thing.parts)
-        # Its shapes, in its frame.
-        self.parts: tuple[Part, ...] = tuple(
-            part.placed((0.0, 0.0, self._height)) for part in thing.parts
-        )
+        lift = 0.0, 0.0, self._height
+        self.parts = tuple(part.placed(lift) for part in thing.parts)  # its shapes, in its frame
 
     @property
     def frame(self) -> Frame:
@@ -269,10 +249,6 @@ class MovableObject:
         return Frame(Frame(position, rotation).point((0.0, 0.0, -self._height)), rotation)
 
     def place(self, pose: Pose) -> None:
-        """Put its frame at a pose, at rest. The engine must know where all bodies are.
-
-        Raises:
-            UsageError: It would be inside another body; it is not moved.
-        """
+        """Put its frame at a pose, at rest; see ``World.place``."""
         centre = pose.frame.point((0.0, 0.0, self._height))
         self._world.place(self._body, centre, pose.rotation)

@@ -221,7 +221,7 @@ def test_the_type_that_is_said_settles_which_of_two_equal_types_is_meant(cli: Ru
     nested = output(cli("echo", "POINT", "geometry_msgs/msg/Point", "-1", "--json"))
     assert json.loads(nested) == {"x": 0.0, "y": 0.0, "z": 0.0}
     shown = output(cli("echo", "POINT", "std_msgs/Int32", "-1")).splitlines()
-    assert_says(shown[0], "# ", "not std_msgs/Int32", "geometry_msgs/Vector3")
+    assert_says(shown[0], "# ", "not std_msgs/Int32", "geometry_msgs/Point")
 
 
 def test_the_type_that_is_said_tells_wrong_fields_before_a_message_comes(cli: Run) -> None:

@@ -101,6 +101,7 @@ def test_list_json_has_who_publishes_and_who_subscribes(cli: Run) -> None:
     assert json.loads(cli("list", "--json").out)[0] == {
         "topic": "/chatter",
         "type": "std_msgs/String",
+        "types": ["std_msgs/String"],
         "publishers": ["/talker"],
         "subscribers": ["/listener"],
         "other_senders": [],
@@ -207,6 +208,7 @@ def test_type_prints_the_type_alone(cli: Run) -> None:
     assert json.loads(cli("type", "/chatter", "--json").out) == {
         "topic": "/chatter",
         "type": "std_msgs/String",
+        "types": ["std_msgs/String"],
     }
 
 

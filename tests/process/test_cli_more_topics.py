@@ -201,7 +201,13 @@ def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(cli: Run
     assert (result.code, result.out) == (1, "")
     subscribed, error = result.err.splitlines()
     assert subscribed == "subscribed to [/chatter]"
-    parts = ("std_msgs/String", "/chatter", "no header", "utime; lcmtools msg find-field header")
+    parts = (
+        "std_msgs/String",
+        "/chatter",
+        "no header",
+        "utime",
+        "; lcmtools msg find-field header",
+    )
     assert_says(error, "lcmtools delay: ", *parts)
 
 

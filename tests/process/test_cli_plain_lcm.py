@@ -90,7 +90,7 @@ def test_info_names_the_process_behind_the_channel(cli: Run, programs: dict[str,
 def test_info_of_a_known_type_names_all_that_it_may_be(cli: Run, programs: dict[str, Any]) -> None:
     rows = cli("info", "POSE").out.splitlines()
     assert rows[:2] == [
-        "Type: geometry_msgs/Vector3",
+        "Type: geometry_msgs/Vector3 (one of 2)",
         "Fingerprint: 0xae7e5fba5eeca11e (geometry_msgs/Vector3 or geometry_msgs/Point)",
     ]
     assert f"(pid {programs['POSE'].pid}, port " in rows[4]

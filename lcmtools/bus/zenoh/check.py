@@ -42,14 +42,10 @@ def refusal(address: Address, user: str, certificate: str | None) -> BusError:
     if certificate is None and _speaks_tls(address):
         return BusError(f"{address} wants TLS", _PAGE)
     if user:
-        return BusError(
-            f"{address} rejects the user '{user}' or the password, or is not a Zenoh router",
-            "both are in the configuration file, and in the router's dictionary",
-        )
-    return BusError(
-        f"{address} answers, but rejects this program",
-        f"it is not a Zenoh router, or it wants a user and a password: {_PAGE}",
-    )
+        what = f"{address} rejects the user '{user}' or the password, or is not a Zenoh router"
+        return BusError(what, "both are in the configuration file, and in the router's dictionary")
+    hint = f"it is not a Zenoh router, or it wants a user and a password: {_PAGE}"
+    return BusError(f"{address} answers, but rejects this program", hint)
 
 
 def _check_listening(address: Address) -> None:
@@ -61,10 +57,8 @@ def _check_listening(address: Address) -> None:
         except OSError as error:
             if error.errno == errno.EADDRINUSE:  # another program of this bus listens there
                 return
-            raise BusError(
-                f"cannot listen at {address} ({error.strerror})",
-                f"name an address of this computer, or 0.0.0.0:{address.port} for all",
-            ) from error
+            hint = f"name an address of this computer, or 0.0.0.0:{address.port} for all"
+            raise BusError(f"cannot listen at {address} ({error.strerror})", hint) from error
 
 
 def _check_hosts(hosts: tuple[Address, ...]) -> None:
@@ -116,10 +110,9 @@ def _tls_trouble(address: Address, certificate: str) -> BusError | None:
         with _connect(address) as plain:
             context.wrap_socket(plain, server_hostname=address.host.strip("[]")).close()
     except ssl.SSLCertVerificationError as error:
-        return BusError(
-            f"the certificate of {address} is not trusted ({error.verify_message})",
-            "'root_ca_certificate' in the configuration names its authority's file",
-        )
+        hint = "'root_ca_certificate' in the configuration names its authority's file"
+        what = f"the certificate of {address} is not trusted ({error.verify_message})"
+        return BusError(what, hint)
     except OSError as error:
         return BusError(f"{address} does not speak TLS ({error.strerror or error})", _PAGE)
     return None

@@ -32,10 +32,9 @@ def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
         BusError: The bus cannot be reached; the error says what to do.
     """
     if os.getpid() != _IMPORTED_BY:
-        raise BusError(
-            "Zenoh does not work in a process that was forked from one that uses it",
-            "start it by subprocess, or by multiprocessing with the method 'spawn'",
-        )
+        what = "Zenoh does not work in a process that was forked from one that uses it"
+        hint = "start it by subprocess, or by multiprocessing with the method 'spawn'"
+        raise BusError(what, hint)
     check_bus(url)
     config = _config(url, identifier)
     is_client = json.loads(config.get_json("mode")) == "client"
@@ -51,8 +50,8 @@ def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
 def reason_of(error: Exception) -> str:
     """Return Zenoh's own words as one line, without places in its code."""
     text = _CODE_PLACE.sub("", str(error))
-    if said := _JSON_FAULT.search(text) or _SYNTAX_FAULT.search(text):
-        text = f"line {said['line']}: {said['text']}"
+    if fault := _JSON_FAULT.search(text) or _SYNTAX_FAULT.search(text):
+        text = f"line {fault['line']}: {fault['text']}"
     return " ".join(text.partition(", expected one of")[0].split())
 
 

@@ -96,10 +96,8 @@ class ZenohSession:
         os.register_at_fork(after_in_child=lambda: _leave_to_parent(own()))
         if is_client:
             self._session.info.declare_transport_events_listener(_direct(self._note_outage))
-        self._queryable = self._session.declare_queryable(
-            self._keys.key(NODE_CHANNEL), _direct(self._answer)
-        )
-
+        nodes = self._keys.key(NODE_CHANNEL)
+        self._queryable = self._session.declare_queryable(nodes, _direct(self._answer))
         self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
 
     def fileno(self) -> int:
@@ -157,9 +155,9 @@ class ZenohSession:
     def subscribe(self, channel: str | None) -> None:
         """Receive a channel's messages from now on; for None, those of all channels."""
         patterns = (self._keys.all,) if channel is None else self._keys.patterns(channel)
-        self._subscribers[channel or ""] = [
-            self._session.declare_subscriber(pattern, _direct(self._arrive)) for pattern in patterns
-        ]
+        declare = self._session.declare_subscriber
+        found = [declare(pattern, _direct(self._arrive)) for pattern in patterns]
+        self._subscribers[channel or ""] = found
 
     def unsubscribe(self, channel: str) -> None:
         """Undo ``subscribe``."""
@@ -297,12 +295,8 @@ class ZenohSession:
             self.dropped += 1
             return None
         sender = Sender(f"{stamp.sender:016x}", 0)
-        seqno = None if is_reply else stamp.seqno
-        return Packet(
-            *(named.channel, payload, arrival, sender, seqno),
-            origin=stamp.origin,
-            type_name=named.type_name,
-        )
+        known = named.channel, payload, arrival, sender, None if is_reply else stamp.seqno
+        return Packet(*known, origin=stamp.origin, type_name=named.type_name)
 
     def _is_late(self, stamp: Stamp, arrival: int) -> bool:
         """Return whether a message was held up on its way, as by an interrupted connection."""

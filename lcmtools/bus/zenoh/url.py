@@ -73,10 +73,8 @@ def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPl
     """
     prefix = options.get("prefix", DEFAULT_PREFIX)
     if not is_legal_prefix(prefix):
-        raise InvalidUrl(
-            f"{where}: '{prefix}' is not a prefix of Zenoh keys",
-            "prefixes are letters, digits and '_.~-', in parts with '/' between",
-        )
+        hint = "prefixes are letters, digits and '_.~-', in parts with '/' between"
+        raise InvalidUrl(f"{where}: '{prefix}' is not a prefix of Zenoh keys", hint)
     place = ZenohPlace(
         listen=_address(where, options["listen"]) if "listen" in options else None,
         interface=options.get("interface", LOOPBACK),

@@ -127,7 +127,7 @@ def types_of(graph: Graph, name: str) -> tuple[str, ...]:
         return topic.types
     from lcmtools.messages.registry import candidates
 
-    return tuple(one for f in topic.fingerprints for one in candidates(f)[:1])
+    return tuple(one for f in topic.fingerprints for one in candidates(f, name)[:1])
 
 
 def service_type(situation: Situation) -> str:

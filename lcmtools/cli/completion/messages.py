@@ -129,8 +129,8 @@ def _fields_of_any(types: Iterable[str], path: str) -> Iterator[Candidate]:
 
 
 def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
+    from lcmtools.messages import fields as message_fields
     from lcmtools.messages.definition import array_type
-    from lcmtools.messages.fields import visible_fields
     from lcmtools.messages.path import parse_path, target
 
     match = _LAST.fullmatch(path)
@@ -143,7 +143,7 @@ def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
     found = target(cls, parse_path(owner))
     if found.message_class is None or (found.dimensions and not found.sliced):
         return
-    for field in visible_fields(found.message_class):
+    for field in message_fields.fields(found.message_class):
         whole = f"{owner}{separator}{field.name}"
         described = array_type(field.type, field.dimensions)
         yield Candidate(whole, described, bool(field.message_class or field.dimensions))

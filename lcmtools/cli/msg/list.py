@@ -47,9 +47,9 @@ def packages_command(*, single_line: bool, as_json: bool) -> None:
 def find_field(name: str, *, as_json: bool) -> None:
     """Find the message types with a field of this name, nested types not included."""
     from lcmtools.messages.definition import declaration  # not needed otherwise
-    from lcmtools.messages.fields import visible_fields
+    from lcmtools.messages.fields import fields
 
-    known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
+    known = [(t, field) for t in type_names() for field in fields(message_class(t))]
     found = [(type_, declaration(field)) for type_, field in known if field.name == name]
     if not found:
         hint = did_you_mean(name, sorted({field.name for _, field in known}))

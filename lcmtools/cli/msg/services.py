@@ -6,7 +6,7 @@ from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import write_result
 from lcmtools.errors import UsageError
-from lcmtools.messages.registry import service_class, service_name, type_name
+from lcmtools.messages.registry import service_class, service_name
 
 
 def piped_type(example: str) -> str:
@@ -47,7 +47,7 @@ def print_service(type_: str, *, raw: bool, as_json: bool) -> None:
     text = source_text if raw else definition
     request, response = text(pair.Request), text(pair.Response)
     heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
-    if raw and source_file(type_name(pair.Request)).endswith(".srv"):  # which defines both
+    if raw and source_file(pair.Request).endswith(".srv"):  # which defines both
         request, response = (part.strip() for part in f"\n{request}\n".split("\n---", 1))
     record = {"type": name, "request": request, "response": response}
     rows = [*heading, *request.splitlines(), "---", *response.splitlines()]

@@ -60,7 +60,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
         return
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
-    file = source_file(name)
+    file = source_file(kind)
     spelling = "LCM" if raw and file.endswith(".lcm") else "ROS"
     if as_json:
         number = f"{fingerprint(kind):#018x}"

@@ -24,12 +24,14 @@ from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import parse_path
 from lcmtools.messages.plain import View
-from lcmtools.messages.registry import message_class, packages
+from lcmtools.messages.registry import means_type, message_class
 from lcmtools.messages.text import Writer
 from lcmtools.observe.formatter import DisplayOptions, Form, MessageFormatter
 from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken_together
 from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.selection import select_topics
+from lcmtools.packages import provide_recorded_types
 
 _FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
 _SHORT = 200  # elements of an array on a terminal
@@ -102,7 +104,7 @@ def command(
     pattern: * is any characters but /, ** any characters, ? one; topics that appear later are
     included. With several topics each message is labelled with its own: by a line such as #
     /chatter, by "topic" beside "message" in --json, by a column in --csv. TYPE is needed only if
-    two types have the same fields.
+    two types have the same fields; a topic with the name of a type is written with a slash before.
 
     In --filter, m is the message, m.ERROR a constant of its type. Available are comparisons,
     arithmetic, and, or, not, in, and functions such as len and hypot. A message of an unknown type
@@ -128,7 +130,8 @@ def command(
         stream = ArrivalStream(monitor, meant, names)
         for types, path in stream.announced():
             options.check(types, path)
-        decoder = Decoder(monitor.types_of, options.message_class, keep_stray=True)
+        named, exact = options.message_class, "@" in type_
+        decoder = Decoder(monitor.types_of, named, exact=exact, keep_stray=True)
         formatter = MessageFormatter(decoder, options, lambda: stream.is_one_of_many, notify)
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
@@ -143,7 +146,10 @@ def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple
         raise UsageError("--all shows all topics", "leave out --all, or the topic")
     if not (words or all_topics):
         raise click.MissingParameter(param_hint="'TOPIC'", param_type="argument")
-    if len(words) > 1 and words[-1].partition("/")[0] in packages():
+    if len(words) > 1 and (log := chosen_log()) is not None:
+        with LogFile(log) as file:  # it may have stored the type
+            provide_recorded_types(file.index.types.values())
+    if len(words) > 1 and means_type(words[-1]):
         return words[:-1], words[-1]
     return words or (_ALL_TOPICS,), ""
 
@@ -182,7 +188,7 @@ def display(
         view=view,
         writer=Writer(width),
         is_relative=offset,
-        message_class=message_class(type_) if type_ else None,
+        message_class=message_class(type_, any_version=True) if type_ else None,
     )
 
 

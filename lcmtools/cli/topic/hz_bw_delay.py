@@ -107,8 +107,9 @@ def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # no
     """Measure the delay from header stamp to arrival; report once a second until Ctrl-C.
 
     For messages without a header, the field utime is used: microseconds since 1970, as usual in
-    LCM. Between two computers the offset of their clocks adds to the delay. Both times are
-    simulated if a simulator publishes /clock. A log is read at once.
+    LCM; else timestamp, t, time_ms or the like, in the unit that makes it a time of this century,
+    which is told. Between two computers the offset of their clocks adds to the delay. Both times
+    are simulated if a simulator publishes /clock. A log is read at once.
     """
     windows = {topic: DelayWindow(window) for topic in topics}
     with open_monitor("delay", whole=True) as monitor:

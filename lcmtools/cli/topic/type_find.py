@@ -3,14 +3,20 @@
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import write_data, write_result
+from lcmtools.cli.output import write_data, write_note, write_result
 from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.find import find_topic_and_path, is_of_type
-from lcmtools.observe.reports.describe import UNKNOWN, fingerprint_rows, type_text
+from lcmtools.observe.reports.describe import (
+    NO_TYPE,
+    UNKNOWN,
+    fingerprint_rows,
+    topic_kinds,
+    types_record,
+)
 
 
 @subcommand("type", json_option, looking_options)
@@ -28,15 +34,19 @@ def print_type(topic: str, *, as_json: bool) -> None:
     names = looking_names()
     names.spellings(topic)  # refuses an empty name on any bus
     found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
-    text = type_text(found)
+    kinds = topic_kinds(found)
+    record = types_record(kinds, found.name)
+    text = str(record["type"] or NO_TYPE)
     if path.steps:
         _show_field(found, text, path, as_json=as_json)
         return
     if text == UNKNOWN and not as_json:
         raise _unknown(found)
-    write_result(
-        {"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json
-    )
+    for one in kinds:
+        if len(one) > 1:
+            write_note(f"{one[0]} is one of several types with the same fields: {', '.join(one)}")
+    type_ = None if text == UNKNOWN else record["type"]
+    write_result({"topic": found.name, **record, "type": type_}, [text], as_json=as_json)
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
@@ -68,7 +78,7 @@ def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> No
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
     """
-    name = type_name(message_class(type_))
+    name = type_name(message_class(type_, any_version=True))
     graph, url = look("find", foreign=True)
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]

@@ -21,6 +21,7 @@ from lcmtools.names import is_hidden
 
 _MOST, _MOST_REMEDIES = 8, 3  # programs and remedies that are shown
 _MPUDPM = "=mpudpm:"  # in the variable of a process
+_DEFAULT = f"{DEFAULT_GROUP}:{DEFAULT_PORT}"
 
 
 @rule(
@@ -71,10 +72,7 @@ def _obstacles(host: Host) -> Iterator[Statement]:
     "no-traffic",
     remedy="start a node, or choose the bus it is on: --lcm-url, --domain",
     title="There are no nodes on {bus}, and nothing came in {listened:g} s",
-    facts={
-        **MAY_PUBLISH,
-        "listens": "{listener} listens",
-    },
+    facts={**MAY_PUBLISH, "listens": "{listener} listens"},
     remedies={
         "compare-buses": "if it runs already, it may be on another bus: compare LCM_DEFAULT_URL"
         " and LCMTOOLS_DOMAIN in both shells",
@@ -90,15 +88,12 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     if evidence.bus_problem or not _is_empty(evidence):
         return
     there = dict.fromkeys(subject(one) for one in evidence.listeners if not one.is_tool)
-    quiet = quiet_programs(evidence)
     facts = [state("listens", listener=one) for one in there]
-    facts += [state("may-publish", process=one) for one in quiet]
-    yield from finding(
-        state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened),
-        facts or None,
-        *("start-something", "compare-buses"),
-        severity=Severity.NOTE if there or quiet else Severity.WARNING,
-    )
+    facts += [state("may-publish", process=one) for one in quiet_programs(evidence)]
+    severity = Severity.NOTE if facts else Severity.WARNING
+    title = state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened)
+    remedies = "start-something", "compare-buses"
+    yield from finding(title, facts or None, *remedies, severity=severity)
 
 
 @rule(
@@ -179,7 +174,6 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _url(process: LcmProcess) -> str:
-    """Return the URL of a process's bus."""
     if _MPUDPM in process.variable:
         return process.variable.partition("=")[2]
     return process.bus if "://" in process.bus else f"udpm://{process.bus}?ttl=0"
@@ -212,11 +206,8 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
     programs = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
     # a program that only sends is not visible on this bus, but its variables are
-    programs |= {
-        Subject("process", f"{p.command} (pid {p.pid})", p.pid)
-        for p in evidence.processes
-        if _has_mpudpm(p, evidence)
-    }
+    silent = [p for p in evidence.processes if _has_mpudpm(p, evidence)]
+    programs |= {Subject("process", f"{p.command} (pid {p.pid})", p.pid) for p in silent}
     facts = (state("program", program=one) for one in sorted(programs, key=str))
     remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
     yield from finding("mpudpm", facts, remedy)
@@ -224,12 +215,9 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
 
 def _has_mpudpm(process: LcmProcess, evidence: Evidence) -> bool:
     """Return whether a process uses mpudpm on the group and port of this bus."""
-    places = {_place(url) for url in (process.variable.partition("=")[2], evidence.url)}
-    return _MPUDPM in process.variable and len(places) == 1
-
-
-def _place(url: str) -> str:
-    return url.partition("://")[2].partition("?")[0] or f"{DEFAULT_GROUP}:{DEFAULT_PORT}"
+    urls = process.variable.partition("=")[2], evidence.url
+    place, own = (url.partition("://")[2].partition("?")[0] or _DEFAULT for url in urls)
+    return _MPUDPM in process.variable and place == own
 
 
 @rule(
@@ -239,10 +227,7 @@ def _place(url: str) -> str:
         "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
         "ttl-far": "The following let routers forward their messages to other networks:",
     },
-    facts={
-        **PROGRAM,
-        "sends-with-ttl": "{sender} sends with ttl={ttl}",
-    },
+    facts={**PROGRAM, "sends-with-ttl": "{sender} sends with ttl={ttl}"},
     remedies={
         "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
         "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
@@ -273,7 +258,6 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
-    """Return the names of senders with a subscriber on another computer."""
     nodes = evidence.graph.nodes
     far = [node for node in nodes if node.id in evidence.remote and not node.stale]
     topics = {end.topic for node in far for end in node.having(Role.SUBSCRIBER)}

@@ -27,9 +27,7 @@ _SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Work:
-    """A node's work between the start and the end of the look."""
-
+class _Work:  # a node's work between the start and the end of the look
     earlier: Node
     node: Node  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
@@ -57,9 +55,7 @@ class _Work:
 
 
 @dataclass(frozen=True, slots=True)
-class _Subscription:
-    """A subscription with a queue, between the start and the end of the look."""
-
+class _Subscription:  # a subscription with a queue, between the start and the end of the look
     work: _Work
     endpoint: Endpoint  # as it is now
     lost: int  # messages that its full queue dropped meanwhile
@@ -82,13 +78,13 @@ class _Subscription:
         """
         return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - wait_share)
 
+    def has_run_enough(self) -> bool:
+        """Return whether its callback has run often or long enough to be judged."""
+        return self.endpoint.calls >= _ENOUGH_CALLS or self.endpoint.longest >= _HANGS
+
     def pace(self) -> dict[str, Part]:
         """Return the time of a call, and the time between two messages [s]."""
         return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
-
-    def hanging(self) -> dict[str, Part]:
-        """Return the time since the start of the call that does not end [s]."""
-        return {"seconds": self.hangs / 1e9}
 
 
 @rule(
@@ -145,11 +141,7 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
         "received": "{node} has received {messages} messages of {topic}",
         "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
     },
-    remedies={
-        **_BUSIEST_LESS,
-        **_SPIN,
-        "callback-less": "let the callback of {topic} do less",
-    },
+    remedies={**_BUSIEST_LESS, **_SPIN, "callback-less": "let the callback of {topic} do less"},
     evidence="the counters in two announcements; the time that programs waited for a processor",
     root_only="the waiting of other users' programs",
 )
@@ -164,15 +156,17 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """
     lossy, slow, busy = _slow_work(evidence)
     facts = [
-        state("hanging-callback", node=x.node, topic=x.topic, **x.hanging())
+        state("hanging-callback", node=x.node, topic=x.topic, seconds=x.hangs / 1e9)
         if x.hangs
         else state("slow-callback", node=x.node, topic=x.topic, **x.pace())
         for x in slow
     ]
-    remedies = [_never_wait(x) if x.hangs else state("callback-less", topic=x.topic) for x in slow]
+    remedies = [
+        _less(x.node, x.topic) if x.hangs else state("callback-less", topic=x.topic) for x in slow
+    ]
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
-        remedies.append(state("busiest-less", node=node, busiest=busiest))
+        remedies.append(_less(node, busiest))
     yield from finding("slow-callbacks", facts, *remedies)
     reported = {one.node.id for one in lossy}
     waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in reported]
@@ -205,13 +199,8 @@ def _slow_work(
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
     reported = {one.node.id for one in lossy}
-    slow = [
-        one
-        for one in subscriptions
-        if one.is_too_slow(wait_share)
-        and _has_run_enough(one.endpoint)
-        and one.node.id not in reported
-    ]
+    others = [one for one in subscriptions if one.node.id not in reported]
+    slow = [one for one in others if one.is_too_slow(wait_share) and one.has_run_enough()]
     reported |= {one.node.id for one in slow}
     busy = [
         (work.node, share, busiest)
@@ -225,7 +214,6 @@ def _slow_work(
 
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:
-    """Return the fact that messages were lost, with the cause if known, and the remedy."""
     node, topic, endpoint = one.node, one.topic, one.endpoint
 
     def lost(cause: str, **parts: Part) -> Statement:
@@ -235,15 +223,15 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     share, busiest = busy_share(one.work.earlier, node), one.work.busiest(but=endpoint)
     if share is None:
         return lost("by-queue"), state("callback-less-or-depth", topic=topic)
+
     if one.is_too_slow():
         remedy = state("callback-less-or-rate", topic=topic, seconds=one.took / 1e9)
         slow = lost("slow-callback", **one.pace()), remedy
-        return (lost("hanging", **one.hanging()), _never_wait(one)) if one.hangs else slow
+        return (lost("hanging", seconds=one.hangs / 1e9), _less(node, topic)) if one.hangs else slow
     if not share:
         return lost("without-spin"), state("spin", node=node)
     if share >= _NEARLY_ALL and busiest:
-        remedy = state("busiest-less", node=node, busiest=busiest)
-        return lost("by-busy-node", busiest=busiest), remedy
+        return lost("by-busy-node", busiest=busiest), _less(node, busiest)
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
     held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
@@ -251,14 +239,14 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         remedy = state("never-wait-or-depth", topic=topic)
     elif held_up_by:
         cause = lost("held-up", busiest=held_up_by, seconds=took / 1e9)
-        remedy = state("busiest-less", node=node, busiest=held_up_by)
+        remedy = _less(node, held_up_by)
     else:
         cause, remedy = lost("in-bursts"), state("depth", topic=topic)
     return cause, remedy
 
 
-def _never_wait(one: _Subscription) -> Statement:
-    return state("busiest-less", node=one.node, busiest=one.topic)
+def _less(node: Node, busiest: str) -> Statement:
+    return state("busiest-less", node=node, busiest=busiest)
 
 
 def needed_duration(evidence: Evidence) -> float:
@@ -303,12 +291,6 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
 
 
-def _has_run_enough(endpoint: Endpoint) -> bool:
-    """Return whether a callback has run often or long enough to be judged."""
-    return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
-
-
 def _has_other_work(node: Node) -> bool:
-    """Return whether a node has subscriptions or services that a slow callback delays."""
     waiting = Role.SUBSCRIBER, Role.SERVICE
     return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

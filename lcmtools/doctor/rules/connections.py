@@ -5,13 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import (
-    CONNECTIONS,
-    ConnectionFinder,
-    End,
-    Suggestion,
-    unconnected_ends,
-)
+from lcmtools.doctor import connecting
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import REMAPS
@@ -19,9 +13,7 @@ from lcmtools.graph.model import Role
 from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
-MAY_PUBLISH = {
-    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely",
-}
+MAY_PUBLISH = {"may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely"}
 _NODE_TOPICS = {"node-topics": "{node}:"}
 _LONG_NAME = 60  # bytes; LCM takes 63
 
@@ -32,7 +24,7 @@ _LONG_NAME = 60  # bytes; LCM takes 63
     title="The following node subscriptions are unconnected:",
     facts=MAY_PUBLISH | _NODE_TOPICS,
     remedies={
-        **CONNECTIONS,
+        **connecting.CONNECTIONS,
         "start-publisher": "start a publisher of {topics:and}; to see what is published:"
         " `lcmtools list -v`",
     },
@@ -47,21 +39,16 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
     elsewhere |= evidence.stale_published
-    unconnected = [
-        (node, end)
-        for node, end in unconnected_subscriptions(evidence)
-        if end.topic not in elsewhere
-    ]
-    remedies = [
-        suggestion.remedy for suggestion in _connection_finder(evidence).suggestions(unconnected)
-    ]
+    every = unconnected_subscriptions(evidence)
+    unconnected = [(node, end) for node, end in every if end.topic not in elsewhere]
+    remedies = [one.remedy for one in _connection_finder(evidence).suggestions(unconnected)]
     facts, severity = list(_facts(unconnected)), Severity.WARNING
     if not remedies:
         topics = dict.fromkeys(end.topic for _, end in unconnected)
         remedies.append(state("start-publisher", topics=topics))
-        if facts and (quiet := quiet_programs(evidence)):
-            facts += [state("may-publish", process=one) for one in quiet]
-            severity = Severity.NOTE
+        quiet = quiet_programs(evidence) if facts else []
+        facts += [state("may-publish", process=one) for one in quiet]
+        severity = Severity.NOTE if quiet else severity
     return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
 
 
@@ -90,7 +77,7 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     awaited = {topic for process in evidence.processes for topic in process.awaited}
     unconnected = [
         (node, end)
-        for node, end in unconnected_ends(evidence.graph, Role.PUBLISHER)
+        for node, end in connecting.unconnected_ends(evidence.graph, Role.PUBLISHER)
         if (node.id, end.topic) not in known
         if end.topic not in awaited | evidence.stale_subscribed
         if node.id not in moving and not is_simulator(node)
@@ -113,26 +100,26 @@ def missed_topics(evidence: Evidence) -> set[str]:
 
 
 @derived
-def unconnected_subscriptions(evidence: Evidence) -> list[End]:
+def unconnected_subscriptions(evidence: Evidence) -> list[connecting.End]:
     """Return the subscriptions of live nodes without a publisher."""
     nodes = {node.pid for node in evidence.own_nodes()}
     plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
     beside_plain = evidence.has_others() or any(plain)
-    return unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
+    return connecting.unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
 
 
 @derived
-def all_suggestions(evidence: Evidence) -> list[Suggestion]:
+def all_suggestions(evidence: Evidence) -> list[connecting.Suggestion]:
     """Return the suggestions for all unconnected subscriptions, so that no rule repeats them."""
     return _connection_finder(evidence).suggestions(unconnected_subscriptions(evidence))
 
 
 @derived
-def _connection_finder(evidence: Evidence) -> ConnectionFinder:
-    return ConnectionFinder(evidence.graph, channel_names(evidence))
+def _connection_finder(evidence: Evidence) -> connecting.ConnectionFinder:
+    return connecting.ConnectionFinder(evidence.graph, channel_names(evidence))
 
 
-def _facts(unconnected: Iterable[End]) -> Iterator[Statement]:
+def _facts(unconnected: Iterable[connecting.End]) -> Iterator[Statement]:
     for _, group in groupby(unconnected, key=lambda end: end[0].id):
         ends = list(group)
         yield state("node-topics", node=ends[0][0], topics=dict.fromkeys(e.topic for _, e in ends))
@@ -167,10 +154,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     suggested = {one.channel for one in all_suggestions(evidence)}  # reported with a subscription
     senders = {s.channel: s.name for s in evidence.streams if s.channel not in suggested}
     bad = {channel: reason for channel in senders if (reason := _name_fault(channel))}
-    odd = (
-        state("odd-channel", topic=channel, sender=senders[channel], reason=reason)
-        for channel, reason in bad.items()
-    )
+    odd = (state("odd-channel", topic=c, sender=senders[c], reason=why) for c, why in bad.items())
     patterns = [channel for channel, reason in bad.items() if reason == _IS_PATTERN]
     remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
     yield from finding("unusable-names", odd, "plain-name", *remedies)

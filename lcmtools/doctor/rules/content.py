@@ -97,7 +97,8 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
 
     Stamps in the future or long ago come from a wrong clock, or from a node that does not use the
     simulator's time as the others do. A computer whose clock differs is reported by another rule.
-    A utime, in messages without a header, is microseconds since 1970, or the time of another clock.
+    A utime, in messages without a header, is microseconds since 1970, or the time of another clock;
+    a timestamp, t, time_ms or the like is in the unit that makes it a time of this century.
     Old stamps that advance at the clock's rate are a note: a log may be played.
     """
     mine = [odd for odd in evidence.oddities if not has_wrong_clock(evidence, odd.name)]
@@ -144,8 +145,7 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
     if evidence.damaged_bytes:
         log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
-        return finding(title, None, state("fix-log", log=quote(log)))
-    return iter(())
+        yield from finding(title, None, state("fix-log", log=quote(log)))
 
 
 def _clocks(evidence: Evidence, kind: str) -> list[str]:
@@ -160,8 +160,7 @@ def _clocks(evidence: Evidence, kind: str) -> list[str]:
         usual = "microseconds" if odd.text.startswith("utime") else "stamp-utc"
         return "stamp-if-no-log" if is_replayed else usual
 
-    remedies = [remedy(odd) for odd in evidence.oddities if odd.kind == kind]
-    return list(dict.fromkeys(remedies))
+    return list(dict.fromkeys(remedy(odd) for odd in evidence.oddities if odd.kind == kind))
 
 
 def _odd(

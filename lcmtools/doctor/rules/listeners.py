@@ -32,16 +32,11 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     It does if a program does not read fast enough, or a burst is larger than its buffer.
     """
     small = _too_small(evidence)  # reported by another rule
-    slow = [
-        x
-        for x in _programs(evidence)
-        if x.drops
-        and x not in small
-        and not _is_stuck(x, evidence)
-        and not (x.is_node and evidence.malformed)
-    ]
     facts = (
-        state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0) for x in slow
+        state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0)
+        for x in _programs(evidence)
+        if x.drops and x not in small and not _is_stuck(x, evidence)
+        if not (x.is_node and evidence.malformed)
     )
     return finding("kernel-drops", facts, *_larger_buffer(evidence))
 
@@ -73,10 +68,9 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     facts, remedies = [], []
     for x in stuck:
         is_stopped = x.state in _STOPPED
-        kind = "stopped" if is_stopped else "bytes-wait"
+        kind, remedy = ("stopped", "wake-or-end") if is_stopped else ("bytes-wait", _inspect(x))
         facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
-        if x.pid:
-            remedies.append(state("wake-or-end" if is_stopped else _inspect(x), pid=x.pid))
+        remedies += [state(remedy, pid=x.pid)] if x.pid else []
     return finding("stuck-listeners", facts, *remedies)
 
 
@@ -106,10 +100,7 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
     "interfaces",
     remedy="restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X",
     title="The route to the bus leads to {interface}, but programs listen elsewhere:",
-    facts={
-        "joined-on": "on {interface}",
-        "listens-on": "{listener}: on {interfaces:and}",
-    },
+    facts={"joined-on": "on {interface}", "listens-on": "{listener}: on {interfaces:and}"},
     remedies={
         "restart-listeners": "restart the listeners, or set the route to their interface:"
         " `ip route show 224.0.0.0/4`",
@@ -148,8 +139,7 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
 
     One lost fragment loses the datagram, and with it the message.
     """
-    failed = evidence.host.reassembly_failures
-    if failed:
+    if failed := evidence.host.reassembly_failures:
         yield from finding(state("reassembly", datagrams=failed), None, "smaller-messages")
 
 
@@ -239,7 +229,6 @@ def _largest(evidence: Evidence) -> Stream | None:
 
 
 def _too_small(evidence: Evidence) -> list[Listener]:
-    """Return the listeners whose buffers are too small for the largest message."""
     largest = _largest(evidence)
     needed = _PER_MESSAGE * largest.largest if largest else 0
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]

@@ -77,9 +77,8 @@ def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
     """
     host = evidence.host
     if evidence.ttl and host.is_up and not host.has_link and not evidence.bus_problem:
-        remedies = [
-            state("route-to", interface=name) for name in host.others if name != host.interface
-        ]
+        others = (name for name in host.others if name != host.interface)
+        remedies = [state("route-to", interface=name) for name in others]
         title = state("link", interface=host.interface)
         yield from finding(title, None, "connect", *remedies[:1])
 
@@ -174,13 +173,11 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
     rate = sum(stream.bytes for stream in evidence.streams) / evidence.listened
     limit = _WIRELESS if host.is_wireless else _SHARE * host.speed_mbit * 1e6 / 8
     if limit and rate > limit:
-        heaviest = sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]
+        facts = []
+        for s in sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]:
+            rate_of = {"megabytes_per_second": s.bytes / evidence.listened / 1e6}
+            facts.append(state("stream-bandwidth", topic=s.channel, sender=s, **rate_of))
         title = state("bandwidth", interface=host.interface, megabytes_per_second=rate / 1e6)
-        rates = ((s, s.bytes / evidence.listened / 1e6) for s in heaviest)
-        facts = (
-            state("stream-bandwidth", topic=s.channel, sender=s, megabytes_per_second=megabytes)
-            for s, megabytes in rates
-        )
         yield from finding(title, facts, "use-ttl-0")
 
 
@@ -228,7 +225,5 @@ def wrong_clocks(evidence: Evidence) -> list[HostClock]:
 
 def has_wrong_clock(evidence: Evidence, name: str) -> bool:
     """Return whether a sender, by its displayed name, is on a computer whose clock differs."""
-    return any(
-        name in clock.nodes or name.startswith(f"{clock.address}:")
-        for clock in wrong_clocks(evidence)
-    )
+    wrong = wrong_clocks(evidence)
+    return any(name in one.nodes or name.startswith(f"{one.address}:") for one in wrong)

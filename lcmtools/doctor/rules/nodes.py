@@ -5,16 +5,7 @@ from collections.abc import Iterator
 
 from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import (
-    Finding,
-    Part,
-    Severity,
-    Statement,
-    Subject,
-    finding,
-    rule,
-    state,
-)
+from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, finding, rule, state
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import VERSION, Node, Staleness
@@ -47,23 +38,16 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     A node that does not was killed, is stopped, or its computer is gone. A note if this computer is
     so busy that the answer may only be late.
     """
-    nodes = evidence.graph.nodes
-    alive = {node.name for node in nodes if not node.stale}
-    stale = [
-        node
-        for node in nodes
-        if node.stale
-        and not node.is_hidden  # a command that was killed is no part of the system
-        and (_runs(node) or node.name not in alive)  # it has been restarted
-    ]
+    alive = {node.name for node in evidence.graph.nodes if not node.stale}
+    # a command that was killed is no part of the system
+    stale = [node for node in evidence.graph.nodes if node.stale and not node.is_hidden]
+    stale = [node for node in stale if _runs(node) or node.name not in alive]  # not started again
     for severity in (Severity.ERROR, Severity.NOTE):
         is_sure = severity is Severity.ERROR
         pairs = [_stale(evidence, one) for one in stale if _is_sure(evidence, one) is is_sure]
         facts = [fact for fact, _ in pairs]
-        if facts and not is_sure:
-            facts.append(state("may-be-late"))
-        remedies = (remedy for _, remedy in pairs)
-        yield from finding("stale-nodes", facts, *remedies, severity=severity)
+        facts += [state("may-be-late")] if facts and not is_sure else []
+        yield from finding("stale-nodes", facts, *(x for _, x in pairs), severity=severity)
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
@@ -77,15 +61,14 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
     """Return the fact and the remedy; a process number is valid only on its own computer."""
-    known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
+    pid, why = node.pid, str(node.stale)
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
-        fact = state("stale-elsewhere", node=node, host=host, **known)
+        fact = state("stale-elsewhere", node=node, host=host, pid=pid, why=why)
         return fact, state("look-there", host=node.host)
-    fact = state("stale", node=node, **known)
-    if _runs(node):
-        return fact, state("wake-or-end", pid=node.pid)
-    return fact, state("restart-or-forget", node=node)
+    fact = state("stale", node=node, pid=pid, why=why)
+    wake, forget = state("wake-or-end", pid=pid), state("restart-or-forget", node=node)
+    return fact, wake if _runs(node) else forget
 
 
 def _runs(node: Node) -> bool:
@@ -113,8 +96,8 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     for name, nodes in by_name.items():
         if len(nodes) > 1:
             facts = (
-                state("node-process", node=one, pid=one.pid, host=one.host, command=one.command)
-                for one in nodes
+                state("node-process", node=x, pid=x.pid, host=x.host, command=x.command)
+                for x in nodes
             )
             title = state("duplicate-names", count=len(nodes), name=name)
             pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
@@ -174,11 +157,8 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     limit of the process is.
     """
     limits = [(p, min(p.most_files or _SELECT, _SELECT)) for p in evidence.processes if not p.bus]
-    facts = (
-        state("open-files", process=p, open_files=p.open_files, most_files=most)
-        for p, most in limits
-        if p.open_files > _MOST_FILES * most
-    )
+    near = ((p, p.open_files, most) for p, most in limits if p.open_files > _MOST_FILES * most)
+    facts = (state("open-files", process=p, open_files=n, most_files=most) for p, n, most in near)
     return finding("open-files", facts, "close-files")
 
 
@@ -205,22 +185,13 @@ def nodes_speak_the_same_version(evidence: Evidence) -> Iterator[Finding]:
 
     Nodes of other versions work together, but may not tell everything of each other.
     """
-    others = [
-        node
-        for node in evidence.graph.nodes
-        if (node.version != VERSION or not node.has_details) and not (node.stale or node.is_hidden)
+    seen = [node for node in evidence.graph.nodes if not (node.stale or node.is_hidden)]
+    others = [node for node in seen if node.version != VERSION or not node.has_details]
+    kinds = ((x, "speaks" if x.has_details else "speaks-unread") for x in others)
+    facts = [
+        state(kind, node=x, pid=x.pid, host=x.host, version=x.version, software=x.software)
+        for x, kind in kinds
     ]
-    facts = (
-        state(
-            "speaks" if node.has_details else "speaks-unread",
-            node=node,
-            pid=node.pid,
-            host=node.host,
-            version=node.version,
-            software=node.software,
-        )
-        for node in others
-    )
     older = tuple(dict.fromkeys(node.name for node in others if node.version < VERSION))
     remedies = [state("update-there", nodes=older)] if older else []
     if any(node.version > VERSION for node in others):

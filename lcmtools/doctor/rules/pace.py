@@ -35,9 +35,7 @@ SHORTEST = 0.1  # [s] an interval that is worth reporting
 
 
 @dataclass(frozen=True, slots=True)
-class _Pace:
-    """A publisher's messages during the look, and its usual rate."""
-
+class _Pace:  # a publisher's messages during the look, and its usual rate
     fact: str  # the kind of its fact
     publisher: Observed
     name: str  # of the publisher, as it is displayed
@@ -96,9 +94,8 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     wtf compares their own counters, the traffic during the look, and with --watch earlier looks.
     Many stop for a good reason: no commands, or no subscribers.
     """
-    facts: dict[
-        tuple[str, str], Statement
-    ] = {}  # each publisher once, by the most reliable evidence
+    # each publisher once, by the most reliable evidence
+    facts: dict[tuple[str, str], Statement] = {}
     for kind, by, name, topic, age, rate in _silent(evidence):
         fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
         facts.setdefault((name, topic), fact)
@@ -131,11 +128,8 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
 def _stopped(evidence: Evidence) -> Iterator[Finding]:
     # other rules report stopped nodes and listeners
     nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
-    stopped = [
-        process
-        for process in evidence.processes
-        if process.state in _STOPPED and not (process.bus or process.pid in nodes)
-    ]
+    processes = (one for one in evidence.processes if one.state in _STOPPED and not one.bus)
+    stopped = [one for one in processes if one.pid not in nodes]
     remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
     return finding("stopped-programs", facts, *remedies)
@@ -180,9 +174,8 @@ def needed_duration(evidence: Evidence) -> float:
     A stream that has just stopped may come in bursts.
     """
     stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    return max(
-        _BURSTS if stops else 0.0, *(pace.needed_duration() for pace in _paces(evidence)), 0.0
-    )
+    least = _BURSTS if stops else 0.0
+    return max(least, *(pace.needed_duration() for pace in _paces(evidence)), 0.0)
 
 
 def may_have_fallen(evidence: Evidence) -> bool:
@@ -240,11 +233,8 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
     judged_apart = (n for n in evidence.graph.nodes if is_simulator(n) or publishes_time(n))
     excepted = {node.name for node in judged_apart}
     yield from (pace for pace in _remembered(evidence) if pace.name not in excepted)
-    before = {
-        (node.id, endpoint.topic): (node, endpoint)
-        for node in evidence.before.nodes
-        for endpoint in node.having(Role.PUBLISHER)
-    }
+    ends = ((node, end) for node in evidence.before.nodes for end in node.having(Role.PUBLISHER))
+    before = {(node.id, end.topic): (node, end) for node, end in ends}
     for node, endpoint, is_subscribed in _publications(evidence):
         was, earlier = before.get((node.id, endpoint.topic), (node, endpoint))
         is_known = is_subscribed and earlier.messages >= _ENOUGH
@@ -257,10 +247,8 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
     for one in evidence.senders:
         has_average = one.average_rate and one.process_age > _AGE and one.sender not in nodes
         if has_average and not evidence.own_drops:
-            sent = one.messages + one.lost
-            yield _Pace(
-                "slower-program", one, one.name, "", one.average_rate, sent, evidence.listened
-            )
+            counts = one.average_rate, one.messages + one.lost, evidence.listened
+            yield _Pace("slower-program", one, one.name, "", *counts)
 
 
 def silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
@@ -294,20 +282,16 @@ def resting_simulators(evidence: Evidence) -> list[Node]:
 
 def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
     """Yield the publications of active nodes, and whether they have subscribers."""
-    taken = {
-        endpoint.topic
-        for node in evidence.graph.nodes
-        if not node.stale
-        for endpoint in node.having(Role.SUBSCRIBER)
-    }
+    live = [node for node in evidence.graph.nodes if not node.stale]
+    taken = {end.topic for node in live for end in node.having(Role.SUBSCRIBER)}
     resting = resting_simulators(evidence)
     missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - MEANT_FOR_MANY
-    for node in evidence.graph.nodes:
+    for node in live:
         waits = not missed.isdisjoint(e.topic for e in node.having(Role.SUBSCRIBER))
+        if node in resting or waits or node.tool:  # silent on purpose
+            continue
         for endpoint in node.having(Role.PUBLISHER):
-            usual = not is_hidden(endpoint.topic) and endpoint.topic not in MEANT_FOR_MANY
-            is_silent_on_purpose = node in resting or waits or node.stale or node.tool
-            if usual and not is_silent_on_purpose:
+            if not is_hidden(endpoint.topic) and endpoint.topic not in MEANT_FOR_MANY:
                 yield node, endpoint, endpoint.topic in taken
 
 
@@ -324,6 +308,5 @@ def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:
 
 
 def _wanted_streams(evidence: Evidence) -> list[Stream]:
-    """Return the streams of publishers that have a reason to publish."""
     wanted, busy = _wanted_topics(evidence), busy_nodes(evidence)  # reported by another rule
     return [s for s in evidence.streams if wanted(s.channel) and s.name not in busy]

@@ -23,10 +23,8 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
 
     A relay that does not retries until it does; messages for the bus are dropped meanwhile.
     """
-    facts = (
-        state("relay-bus", **_relay_and_host(end), trouble=end.trouble)
-        for end in _ends_with(evidence, "trouble")
-    )
+    ends = [end for end in evidence.relays if end.trouble]
+    facts = (state("relay-bus", **_relay_and_host(end), trouble=end.trouble) for end in ends)
     return finding("relay-bus", facts, "mend-line")
 
 
@@ -47,10 +45,8 @@ def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
     A relay drops messages if a line is slower than the messages for it: a message that has waited
     for a second is not sent.
     """
-    facts = (
-        state("relay-dropped", **_relay_and_host(end), bus=end.bus, count=end.dropped)
-        for end in _ends_with(evidence, "dropped")
-    )
+    ends = [end for end in evidence.relays if end.dropped]
+    facts = (state("relay-dropped", **_relay_and_host(x), bus=x.bus, count=x.dropped) for x in ends)
     return finding("relay-losses", facts, "carry-less")
 
 
@@ -73,12 +69,10 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     """
     sent = {one.channel for one in evidence.streams}
     sent |= {end.topic for node in evidence.graph.nodes for end in node.having(Role.PUBLISHER)}
-    pairs = [(end, topic) for end in _ends_with(evidence, "commands") for topic in end.commands]
-    pairs = [(end, topic) for end, topic in pairs if topic in sent]
+    pairs = [(end, topic) for end in evidence.relays for topic in end.commands if topic in sent]
     facts = (state("relay-command", **_relay_and_host(end), topic=topic) for end, topic in pairs)
-    remedies = (
-        state("allow-command", relay=_relay_and_host(end)["relay"], topic=t) for end, t in pairs
-    )
+    relays = ((Subject("node", end.relay), topic) for end, topic in pairs)
+    remedies = (state("allow-command", relay=relay, topic=topic) for relay, topic in relays)
     return finding("relay-commands", facts, *remedies, severity=Severity.NOTE)
 
 
@@ -89,8 +83,7 @@ def commands_may_pass(evidence: Evidence) -> Iterator[Finding]:
     title="The following relays stand by, because others join the same buses:",
     facts={"relay-standby": "{relay} on {host}"},
     remedies={
-        "end-standby": "if it should not take over from the other one:"
-        " `lcmtools node kill {relay}`",
+        "end-standby": "if it should not take over from the other one: `lcmtools node kill {relay}`"
     },
     evidence="the reports of relays",
 )
@@ -101,12 +94,8 @@ def relays_carry_messages(evidence: Evidence) -> Iterator[Finding]:
     """
     names = {end.relay: end for end in evidence.relays if end.stands_by and not end.trouble}
     facts = (state("relay-standby", **_relay_and_host(end)) for end in names.values())
-    remedies = (state("end-standby", relay=_relay_and_host(end)["relay"]) for end in names.values())
+    remedies = (state("end-standby", relay=Subject("node", name)) for name in names)
     return finding("relay-standby", facts, *remedies)
-
-
-def _ends_with(evidence: Evidence, field: str) -> list[RelayEnd]:
-    return [end for end in evidence.relays if getattr(end, field)]
 
 
 def _relay_and_host(end: RelayEnd) -> dict[str, Subject]:

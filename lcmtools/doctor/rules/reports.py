@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
-from lcmtools.graph.model import CallbackError, Node
 
 _RECENT = 10.0  # [s]
+_RAISED = ("exception", "count", "place", "message", "callback")
 
 
 @rule(
@@ -15,8 +15,7 @@ _RECENT = 10.0  # [s]
     severity=Severity.ERROR,
     title="Callbacks of the following raise exceptions:",
     facts={
-        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in"
-        " {callback:call})",
+        "raised": "{node} raised {exception} {count:times}, {place}: {message} (in {callback:call})"
     },
     remedies={"correct": "correct {place}, and start {node} again"},
     evidence="the exceptions that nodes announce",
@@ -27,31 +26,16 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
     A node continues after an exception, but skips the rest of the callback, such as its answer to a
     message. A warning if the last one was some time ago.
     """
-    pairs = [
-        (node, error)
-        for node in evidence.graph.nodes
-        if not (node.tool or node.stale)
-        for error in node.errors
-    ]
+    nodes = [node for node in evidence.graph.nodes if not (node.tool or node.stale)]
+    pairs = [(node, error) for node in nodes for error in node.errors]
     for severity in (Severity.ERROR, Severity.WARNING):
-        chosen = [
-            (node, error)
-            for node, error in pairs
-            if (_age(evidence, node, error) < _RECENT) == (severity is Severity.ERROR)
-        ]
-        facts = (
-            state(
-                "raised",
-                node=node,
-                exception=error.exception,
-                count=error.count,
-                place=error.place,
-                message=error.message,
-                callback=error.callback,
-            )
-            for node, error in chosen
-        )
-        remedies = (state("correct", node=node, place=error.place) for node, error in chosen)
+        facts, remedies = [], []
+        for node, error in pairs:
+            # [s] since it was raised, by its own computer's clock
+            age = (node.time_there(evidence.graph.time) - error.last_time) / 1e9
+            if (age < _RECENT) == (severity is Severity.ERROR):
+                facts.append(state("raised", node=node, **{n: getattr(error, n) for n in _RAISED}))
+                remedies.append(state("correct", node=node, place=error.place))
         yield from finding("callback-errors", facts, *remedies, severity=severity)
 
 
@@ -71,19 +55,8 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     """
     raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
     facts = [
-        state(
-            "logged",
-            node=Subject("node", line.node),
-            level=line.level,
-            text=line.text,
-            messages=line.count,
-        )
-        for line in evidence.logs
-        if not any(error.exception in line.text for error in raising.get(line.node, ()))
+        state("logged", node=Subject("node", x.node), level=x.level, text=x.text, messages=x.count)
+        for x in evidence.logs
+        if not any(error.exception in x.text for error in raising.get(x.node, ()))
     ]
     return finding("logged", facts, "read-log")
-
-
-def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:
-    """Return the time since an exception [s], by its own computer's clock."""
-    return (node.time_there(evidence.graph.time) - error.last_time) / 1e9

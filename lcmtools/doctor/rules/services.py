@@ -19,10 +19,7 @@ from lcmtools.names import base_name_of, is_hidden
         " request:",
         "unconnected-clients": "The following call services that no node offers:",
     },
-    facts={
-        "calls": "{node} calls {service}",
-        "offered": "{service}: {nodes:and}",
-    },
+    facts={"calls": "{node} calls {service}", "offered": "{service}: {nodes:and}"},
     remedies={
         **REMAPS,
         **END_OR_REMAP,
@@ -42,24 +39,19 @@ def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
         for end in node.having(Role.SERVICE):
             if not is_hidden(end.topic):
                 offered[end.topic][node.name] = node
-    several = {
-        name: live
-        for name, nodes in sorted(offered.items())
-        if len(live := [node for node in nodes.values() if not node.stale]) > 1
-    }
-    facts = [
-        state("offered", service=name, nodes=map(subject, nodes)) for name, nodes in several.items()
-    ]
-    yield from finding(
-        "services", facts, *(_separation(evidence, *each) for each in several.items())
-    )
-    nodes = evidence.graph.nodes
-    calls = [(n, end.topic) for n in nodes if not n.tool for end in n.having(Role.CLIENT)]
-    if any(node.stale and not node.is_hidden for node in nodes):  # it may offer the service
-        calls = []
+    facts, remedies = [], []
+    for name, nodes in sorted(offered.items()):
+        if len(live := [node for node in nodes.values() if not node.stale]) > 1:
+            facts.append(state("offered", service=name, nodes=map(subject, live)))
+            remedies.append(_separation(evidence, name, live))
+    yield from finding("services", facts, *remedies)
+    if any(x.stale and not x.is_hidden for x in evidence.graph.nodes):  # it may offer the service
+        return
+    callers = [node for node in evidence.graph.nodes if not node.tool]
+    calls = [(node, end.topic) for node in callers for end in node.having(Role.CLIENT)]
     calling = [(n, name) for n, name in calls if not (is_hidden(name) or name in offered)]
     facts = [state("calls", node=node, service=name) for node, name in calling]
-    remedies = (_connection_remedy(node, name, list(offered)) for node, name in calling)
+    remedies = [_connection_remedy(node, name, list(offered)) for node, name in calling]
     yield from finding("unconnected-clients", facts, *remedies)
 
 

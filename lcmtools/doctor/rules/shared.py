@@ -10,7 +10,5 @@ END_OR_REMAP = {
 }
 MEND_BUS = {"mend-bus": "{hint:advice}`{hint:command}`"}
 HOST_NETWORK = {"host-network": "start the container with: --network host"}
-SET_CLOCKS = {
-    "set-clocks": "synchronize both computers' clocks: `sudo timedatectl set-ntp true`",
-}
+SET_CLOCKS = {"set-clocks": "synchronize both computers' clocks: `sudo timedatectl set-ntp true`"}
 WAKE_OR_END = {"wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill -KILL {pid}`)"}

@@ -72,11 +72,8 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     counts: Counter[str] = Counter()
     for stream in evidence.streams:
         counts[stream.name] += stream.doubled
-    facts = [
-        state("doubled", sender=name, count=count)
-        for name, count in counts.items()
-        if count >= _SOME
-    ]
+    doubled = ((name, count) for name, count in counts.items() if count >= _SOME)
+    facts = [state("doubled", sender=name, count=count) for name, count in doubled]
     return finding("doubled", facts, "find-second-way")
 
 
@@ -126,7 +123,7 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             else state("publisher", sender=one, topic=one.channel)
             for one in several
         )
-        circle = ["open-circle"] if repeat else []
+        circle = ("open-circle",) if repeat else ()
         yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
@@ -142,12 +139,8 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
 
     Each sender is included once, because a node may send large messages from a separate port.
     """
-    groups = {
-        endpoint.topic: f"{node.id}{endpoint.group}"
-        for node in evidence.graph.nodes
-        for endpoint in node.having(Role.SUBSCRIBER)
-        if endpoint.group
-    }
+    ends = ((node, end) for node in evidence.graph.nodes for end in node.having(Role.SUBSCRIBER))
+    groups = {end.topic: f"{node.id}{end.group}" for node, end in ends if end.group}
     senders: dict[str, dict[str, Stream]] = defaultdict(dict)
     for stream in (*evidence.streams, *_lasting_commands(evidence)):
         is_private = stream.channel not in MEANT_FOR_MANY and not is_hidden(stream.channel)
@@ -161,26 +154,21 @@ def _by_input(evidence: Evidence) -> list[list[Stream]]:
 
 def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
     """Return whether another stream overlaps this one in time."""
-    return any(
-        other.times[0] <= one.times[-1] and one.times[0] <= other.times[-1]
-        for other in streams
-        if other is not one
-    )
+    first, last = one.times[0], one.times[-1]
+    others = (other.times for other in streams if other is not one)
+    return any(times[0] <= last and first <= times[-1] for times in others)
 
 
 def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
     """Yield streams for commands that have sent and still run, over their whole lifetime."""
-    for node in evidence.graph.nodes:
-        if node.tool and not node.stale:
-            for end in node.having(Role.PUBLISHER):
-                if end.messages:
-                    pid = None if node.id in evidence.remote else node.pid
-                    lasting = node.start_time, evidence.graph.time
-                    yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
+    for node in (one for one in evidence.graph.nodes if one.tool and not one.stale):
+        pid = None if node.id in evidence.remote else node.pid
+        lasting = node.start_time, evidence.graph.time
+        for end in (one for one in node.having(Role.PUBLISHER) if one.messages):
+            yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
 def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[str]) -> Statement:
-    """Return the remedy for publishers that compete for topics."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
     nodes = {s: node for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     known = {"pids": pids if len(pids) > 1 else ()}
@@ -204,10 +192,7 @@ def _separation(evidence: Evidence, streams: Sequence[Stream], topics: Sequence[
         " the simulator is overloaded",
         "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
     },
-    facts={
-        **PROGRAM,
-        "jumps-back": "{program}: {count:times}",
-    },
+    facts={**PROGRAM, "jumps-back": "{program}: {count:times}"},
     remedies={
         "resume": "if that was not intended: `lcmtools sim resume`",
         "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
@@ -252,12 +237,10 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     else:
         is_ours = any(_is_ours(node) for node in evidence.graph.nodes if node.name == clock.name)
         remedies = [state("set-rate", rate=clock.target)] if is_ours else []
-        yield from finding(
-            state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE
-        )
+        title = state("slow-simulator", **known)
+        yield from finding(title, facts, *remedies, severity=Severity.NOTE)
 
 
-def _is_ours(node: Node) -> bool:
-    """Return whether a node is the simulator of lcmtools, which commands can control."""
+def _is_ours(node: Node) -> bool:  # the simulator of lcmtools, which commands can control
     services = (base_name_of(end.topic) for end in node.having(Role.SERVICE))
     return "set_rate" in services

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import permutations, zip_longest
 
 from lcmtools.doctor.evidence import Evidence, sender_names
 from lcmtools.doctor.findings import (
@@ -16,10 +17,19 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.near_types import nearest_type
+from lcmtools.doctor.near_types import NearType, added_and_missing, nearest_type, own_types_like
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
-from lcmtools.messages.registry import candidates, problems, type_names
-from lcmtools.names import is_hidden
+from lcmtools.messages.registry import (
+    candidates,
+    is_own,
+    message_class,
+    problems,
+    type_name,
+    type_names,
+    versioned,
+)
+from lcmtools.names import is_hidden, is_of_lcm
+from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import UNKNOWN
 from lcmtools.observe.simulators import is_simulator
 from lcmtools.wire.packet import Sender
@@ -62,7 +72,10 @@ class _User:
         "type-names-differ": "The types on {topic} have the same fields, but different names:",
     },
     facts={
+        "appended": "{newer} is {older} with {fields:and} added at the end",
+        "differ-in": "{newer} and {older} differ in {fields:and}",
         "expects": "{node} expects {type}",
+        "has-more": "{newer} has {fields:and} in addition to the fields of {older}",
         "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
         "older-type": "the older version is probably that of {senders:and}",
         "publishes": "{node} publishes {type}",
@@ -87,6 +100,8 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     same on the wire: those are a note.
     """
     for topic in evidence.graph.topics():
+        if is_of_lcm(topic.name):
+            continue
         if disagree(topic):
             users = list(_users(topic, evidence))
             title, facts = state("type-mismatch", topic=topic.name), [one.fact() for one in users]
@@ -101,7 +116,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
 @rule(
     "unknown-type",
     remedy="generate the sender's types again from the same .lcm files",
-    severity=Severity.NOTE,
+    severity=Severity.WARNING,
     title={
         "no-lcm-messages": "The following are not LCM messages:",
         "types-without-file": "The types of the following are not known here:",
@@ -132,21 +147,24 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     for topic in evidence.graph.topics():
         if is_hidden(topic.name) or disagree(topic):
             continue
-        unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
+        unknown_ones: dict[tuple[int, str, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
             is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
                 sender = _sender(seen, sender_names(evidence))
-                unknown_ones[_sent_by(seen)[0], likely].append(sender)
-        for (number, likely), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, _expected(topic))
+                grown = _grown(evidence, topic, seen)
+                unknown_ones[_sent_by(seen)[0], likely, grown].append(sender)
+        for (number, likely, grown), senders in unknown_ones.items():
+            parts = {"format": likely} if likely else _type(number, topic, grown=grown)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
             kept.append(fact)
     note = Severity.NOTE
-    yield from finding("unknown-type", near, "same-lcm-files", severity=note)
+    own = any(is_own(str(fact.parts["like"])) for fact in near)  # a shipped type is like many
+    severity = Severity.WARNING if own else note
+    yield from finding("unknown-type", near, "same-lcm-files", severity=severity)
     files = problems()[:1] if unknown else ()  # it may define the unknown type
     broken = (state("correct-file", problem=str(problem.error())) for problem in files)
     yield from finding("types-without-file", unknown, *broken, "type-path", severity=note)
@@ -175,7 +193,8 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     for seen in topic.foreign:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
-            yield _User("sends", sender, frozenset({number}), _type(number, _expected(topic)))
+            grown = _grown(evidence, topic, seen)
+            yield _User("sends", sender, frozenset({number}), _type(number, topic, grown=grown))
 
 
 def _weight(node: Node) -> float:
@@ -187,8 +206,10 @@ def _diagnosis(
     topic: Topic, users: Sequence[_User]
 ) -> tuple[list[Statement], list[Statement | str]]:
     """Return facts about the wrong side, if that is known, and the remedies."""
+    if facts := [*_versions(topic, users), *_older(users)]:
+        return facts, ["same-lcm-files"]
     if any("difference" in user.type for user in users):
-        return list(_older(users)), ["same-lcm-files"]
+        return [], ["same-lcm-files"]
     unknown = [u for u in users if "fingerprint" in u.type]
     weights: dict[int, float] = defaultdict(float)
     for user in users:
@@ -198,16 +219,34 @@ def _diagnosis(
     is_usual = 2 * weights[usual] > sum(user.weight for user in users)
     odd = [user for user in users if is_usual and usual not in user.fingerprints]
     others = [user for user in users if user not in odd]
-    types = tuple(candidates(usual)[:1])
-    facts: list[Statement] = []
+    types = tuple(_possible(usual, topic)[:1])
     remedies: list[Statement | str] = ["same-lcm-files"] if unknown else []
     if odd and types:
         known = {"senders": [u.subject for u in odd], "programs": [u.subject for u in others]}
         facts.append(state("odd-type", types=types, **known))
         remedies += [user.remedy(topic.name, types) for user in odd]
-    takes_remaps = any(user.kind != "sends" for user in users)
+    # a channel that is not a topic of nodes, such as POSE, is named in the code
+    takes_remaps = topic.name[:1] == "/" and any(user.kind != "sends" for user in users)
     kind = "remap-one" if takes_remaps else "rename-one"
     return facts, [*remedies, state(kind, topic=topic.name)]
+
+
+def _versions(topic: Topic, users: Sequence[_User]) -> Iterator[Statement]:
+    """Yield facts about users' types that are versions of one, if they differ only in fields."""
+    numbers = dict.fromkeys(number for user in users for number in sorted(user.fingerprints))
+    names = {number: known[0] for number in numbers if (known := _possible(number, topic))}
+    for one, other in permutations(names, 2):
+        newer, older = message_class(names[one], one), message_class(names[other], other)
+        added, missing = added_and_missing(newer, older)
+        parts = {"newer": names[one], "older": names[other]}
+        is_one = type_name(newer) == type_name(older)
+        if added and not missing and (is_one or len(older.__slots__) >= max(2, len(added))):
+            is_end = [*newer.__slots__[-len(added) :]] == added
+            yield state("appended" if is_end else "has-more", **parts, fields=added)
+            senders = [user.subject for user in users if other in user.fingerprints]
+            yield state("older-type", senders=senders)
+        elif is_one and added and missing and names[one] < names[other]:
+            yield state("differ-in", **parts, fields=list(dict.fromkeys([*added, *missing])))
 
 
 def _older(users: Sequence[_User]) -> Iterator[Statement]:
@@ -244,10 +283,13 @@ def _sent_by(traffic: Traffic) -> list[int]:
 def _announced(end: Endpoint) -> dict[str, Part]:
     """Return the parts of a statement that describe an announced type."""
     first = end.fingerprints[0] if end.fingerprints else _NO_TYPE
+    if not end.types:  # seen in the messages of a node whose announcement is not readable
+        return _type(first, Topic(end.topic))
     if len(end.types) != 1 or end.type in candidates(first):
-        return {"types": end.types}
+        types = zip_longest(end.types, end.fingerprints[: len(end.types)], fillvalue=_NO_TYPE)
+        return {"types": tuple(versioned(str(name), int(number)) for name, number in types)}
     if end.type in type_names():  # another version of a known type
-        return {"name": end.type, **_type(first, (end.type,))}
+        return {"name": end.type, **_type(first, Topic(end.topic), (end.type,))}
     return {"name": end.type, "fingerprint": f"{first:#018x}"}
 
 
@@ -257,9 +299,16 @@ def _name(fingerprint: int, topic: Topic) -> dict[str, Part]:
     return next((_announced(end) for end in ends if fingerprint in end.fingerprints), {})
 
 
-def _expected(topic: Topic) -> tuple[str, ...]:
-    """Return the types that are announced for a topic, and candidates for its messages."""
-    return (*topic.types, *(name for number in topic.fingerprints for name in candidates(number)))
+def _possible(fingerprint: int, topic: Topic) -> list[str]:
+    return possible_types(fingerprint, topic.name, topic.types)
+
+
+def _expected(topic: Topic) -> Iterator[str]:
+    """Yield the types of a topic: announced, possibly sent, and the user's own named so."""
+    yield from (name for name in topic.types if name in type_names())
+    for number in topic.fingerprints:
+        yield from _possible(number, topic)
+    yield from own_types_like(topic.name)
 
 
 def _may_be_fingerprint(number: int) -> bool:
@@ -267,14 +316,24 @@ def _may_be_fingerprint(number: int) -> bool:
     return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
-def _type(fingerprint: int, expected: tuple[str, ...]) -> dict[str, Part]:
-    """Return the parts of a statement that describe a type."""
+def _grown(evidence: Evidence, topic: Topic, seen: Traffic) -> str:
+    """Return the type that a sender's messages have with more bytes at the end; "" for none."""
+    streams = (s for s in evidence.streams if (s.channel, s.sender) == (topic.name, seen.sender))
+    return next((one.grown for one in streams), "")
+
+
+def _type(
+    fingerprint: int, topic: Topic, expected: Sequence[str] = (), grown: str = ""
+) -> dict[str, Part]:
+    """Return the parts of a statement that describe the type of messages on a topic."""
     if fingerprint == _NO_TYPE:
         return {}
-    if known := candidates(fingerprint):
+    if known := _possible(fingerprint, topic):
         return {"types": tuple(known)}
     if not _may_be_fingerprint(fingerprint):
         return {}
-    near = nearest_type(fingerprint, [name for name in expected if name in type_names()])
+    near = nearest_type(fingerprint, [*expected, *_expected(topic)], topic.name)
+    if grown and near is None:
+        near = NearType(grown, "with more bytes at the end, as if fields were added there")
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

@@ -59,10 +59,11 @@ class Channel:
 
     id: str  # unique in its diagram: "t1", or "s1" for a service
     name: str
-    types: tuple[str, ...] = ()  # as announced, else as seen
+    types: tuple[str, ...] = ()  # as announced, else all that messages may have as seen
     is_service: bool = False
     messages: int = 0  # announced as sent, or observed
     rate: float | None = None  # [Hz], if measured
+    shown: tuple[str, ...] = ()  # types as text, if these differ from ``types``
 
     @property
     def is_hidden(self) -> bool:
@@ -82,7 +83,12 @@ class Channel:
     @property
     def type_text(self) -> str:
         """Its types as one line."""
-        return ", ".join(self.types) or "unknown type"
+        return ", ".join(self.type_texts) or "unknown type"
+
+    @property
+    def type_texts(self) -> tuple[str, ...]:
+        """Its types, each as text."""
+        return self.shown or self.types
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,8 @@ Graphviz reads entities wherever it writes text.
 
 from collections.abc import Iterable
 
+from lcmtools.graph.drawing import labels
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
-from lcmtools.graph.drawing.labels import (
-    edge_label,
-    edge_tip,
-    printable,
-    vertex_labels,
-    vertex_tips,
-)
 
 _HEAD = """\
 digraph lcmtools {
@@ -27,11 +21,11 @@ _FOREIGN = "#616161"
 
 def write(diagram: Diagram) -> str:
     """Return the document of a diagram, ended by a newline."""
-    labels, tips = vertex_labels(diagram), vertex_tips(diagram)
+    texts, tips = labels.vertex_labels(diagram), labels.vertex_tips(diagram)
     styles = {member.id: _member(member) for member in diagram.members}
     styles.update({channel.id: _channel(channel) for channel in diagram.channels})
     rows = {
-        id_: f"{id_} [label={_text(labels[id_])}, tooltip={_text(tips[id_])}, {style}];"
+        id_: f"{id_} [label={_text(texts[id_])}, tooltip={_text(tips[id_])}, {style}];"
         for id_, style in styles.items()
     }
     lines = [_HEAD]
@@ -43,7 +37,7 @@ def write(diagram: Diagram) -> str:
 
 
 def _cluster(number: int, group: str, rows: Iterable[str]) -> list[str]:
-    label = _text([printable(group)])
+    label = _text([labels.printable(group)])
     frame = f'    label={label}; style="rounded"; color="#9e9e9e"; fontname="Helvetica";'
     return [f"  subgraph cluster_{number} {{", frame, *(f"  {row}" for row in rows), "  }"]
 
@@ -64,8 +58,8 @@ def _channel(channel: Channel) -> str:
 
 def _edge(edge: Edge) -> str:
     style = {
-        "label": _text(edge_label(edge)),
-        "tooltip": _text(edge_tip(edge)),
+        "label": _text(labels.edge_label(edge)),
+        "tooltip": _text(labels.edge_tip(edge)),
         "style": "dashed" if edge.relation in (Relation.CALLS, Relation.SERVES) else "",
     }
     words = [f"{name}={value}" for name, value in style.items() if value not in ("", '""')]

@@ -19,19 +19,19 @@ def title(member: Member) -> str:
 
 
 def notes(member: Member) -> list[str]:
-    """Return short notes on a member, in addition to its name."""
-    said = []
+    """Return short texts on a member, in addition to its name."""
+    texts = []
     if not member.is_node:
-        said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
+        texts.append("no node" if member.pid is None else f"no node, pid {member.pid}")
     if not member.is_here:
-        said.append(f"on {member.host or 'another computer'}")
+        texts.append(f"on {member.host or 'another computer'}")
     if member.looks_on:
-        said.append("observes")
+        texts.append("observes")
     if member.listens:
-        said.append("receives unknown channels")
+        texts.append("receives unknown channels")
     if member.stale:
-        said.append(f"stale: {member.stale}")
-    return said
+        texts.append(f"stale: {member.stale}")
+    return texts
 
 
 def names(diagram: Diagram) -> dict[str, str]:
@@ -53,8 +53,8 @@ def counted(diagram: Diagram) -> str:
         "topic": len(diagram.channels) - services,
         "service": services,
     }
-    said = [f"{n} {noun}{'' if n == 1 else 's'}" for noun, n in counts.items() if n]
-    return ", ".join(said) or "nothing"
+    texts = [f"{n} {noun}{'' if n == 1 else 's'}" for noun, n in counts.items() if n]
+    return ", ".join(texts) or "nothing"
 
 
 def rate_text(rate: float | None) -> str:
@@ -67,7 +67,7 @@ def vertex_labels(diagram: Diagram) -> dict[str, list[str]]:
     known = names(diagram)
     lines = {m.id: [known[m.id], *_short_notes(m)] for m in diagram.members}
     for c in diagram.channels:
-        lines[c.id] = [c.name, *(c.types or ([] if c.is_service else [c.type_text]))]
+        lines[c.id] = [c.name, *(c.type_texts or ([] if c.is_service else [c.type_text]))]
     return {id_: [printable(line) for line in rows] for id_, rows in lines.items()}
 
 

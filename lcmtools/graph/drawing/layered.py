@@ -34,9 +34,7 @@ class Drawing:
 
 
 @dataclass(slots=True)
-class _Cell:
-    """A place in a column: a vertex, or an arrow that passes the column."""
-
+class _Cell:  # a place in a column: a vertex, or an arrow that passes the column
     layer: int
     band: str
     height: float
@@ -65,21 +63,17 @@ def layered(
     order = flow_order([*sizes], arrows)
     rank = {vertex: number for number, vertex in enumerate(order)}
     forward = {arrow: rank[arrow[0]] <= rank[arrow[1]] for arrow in arrows}
-    layers = _layers(order, [a if forward[a] else a[::-1] for a in arrows if a[0] != a[1]])
+    flows = {a: a if forward[a] else a[::-1] for a in arrows if a[0] != a[1]}
+    layers = _layers(order, flows.values())
     cells = {v: _Cell(layers[v], bands.get(v, ""), sizes[v][1]) for v in order}
-    chains = {
-        arrow: _chain(cells, arrow if forward[arrow] else arrow[::-1])
-        for arrow in arrows
-        if arrow[0] != arrow[1]
-    }
+    chains = {arrow: _chain(cells, flow) for arrow, flow in flows.items()}
     columns = _columns(cells, chains.values())
     _begin(cells, rank, before)
     for chain in chains.values():
         for passing in chain[1:-1]:
             passing.y = (chain[0].y + chain[-1].y) / 2
     _reduce_crossings(columns)
-    found = _stack(columns, last="")
-    return _drawn(sizes, cells, chains, forward, found)
+    return _drawn(sizes, cells, chains, forward, _stack(columns))
 
 
 def _layers(order: Sequence[str], arrows: Iterable[Arrow]) -> dict[str, int]:
@@ -153,7 +147,6 @@ def _sort(column: list[_Cell]) -> None:
 
 
 def _crossings(columns: Iterable[Sequence[_Cell]]) -> int:
-    """Count the pairs of arrows that cross between neighbouring columns."""
     count = 0
     for column in columns:
         ends: list[float] = []
@@ -165,14 +158,12 @@ def _crossings(columns: Iterable[Sequence[_Cell]]) -> int:
     return count
 
 
-def _stack(columns: Sequence[Sequence[_Cell]], last: str) -> dict[str, tuple[float, float]]:
+def _stack(columns: Sequence[Sequence[_Cell]]) -> dict[str, tuple[float, float]]:
     """Give each cell its y, band below band; return the top and bottom of each band."""
-    names = sorted(
-        {cell.band for column in columns for cell in column}, key=lambda b: (b == last, b)
-    )
+    names = {cell.band for column in columns for cell in column}
     found: dict[str, tuple[float, float]] = {}
     top = _MARGIN
-    for name in names:
+    for name in sorted(names, key=lambda name: (not name, name)):
         parts = [[cell for cell in column if cell.band == name] for column in columns]
         _spread([part for part in parts if part], name)
         high = min(cell.y - cell.height / 2 for part in parts for cell in part)

@@ -89,7 +89,6 @@ _Near = Mapping[str, dict[str, None]]  # a dict, because a set keeps no order
 
 
 def _neighbours(vertices: Iterable[str], arrows: Collection[Arrow]) -> tuple[_Near, _Near]:
-    """Return the vertices after each vertex, and those before it."""
     after: dict[str, dict[str, None]] = {vertex: {} for vertex in vertices}
     before: dict[str, dict[str, None]] = {vertex: {} for vertex in after}
     for source, target in arrows:

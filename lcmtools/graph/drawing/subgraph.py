@@ -43,8 +43,8 @@ class LeftOut:
             " (add --tools)": tools,
             f"{hidden} name{'s' * (hidden > 1)} with a part that begins with _ (add --all)": hidden,
         }
-        said = "; ".join(text for text, count in parts.items() if count)
-        return f"not drawn: {said}" if said else ""
+        listed = "; ".join(text for text, count in parts.items() if count)
+        return f"not drawn: {listed}" if listed else ""
 
 
 def select(diagram: Diagram, wanted: DiagramOptions) -> tuple[Diagram, LeftOut]:
@@ -109,13 +109,10 @@ def _pattern(word: str) -> Pattern:
 
 def _named(diagram: Diagram, wanted: DiagramOptions) -> Diagram:
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
-    channels = [
-        channel
-        for channel in diagram.channels
-        if (wanted.services or not channel.is_service)
-        and not _is_topic(channel.name, wanted.excluded)
-        and (not wanted.topics or _is_topic(channel.name, wanted.topics))
-    ]
+    channels = [c for c in diagram.channels if not _is_topic(c.name, wanted.excluded)]
+    channels = [c for c in channels if wanted.services or not c.is_service]
+    if wanted.topics:
+        channels = [c for c in channels if _is_topic(c.name, wanted.topics)]
     there = _with(diagram, members, channels)
     if wanted.topics:
         using = {end for edge in there.edges for end in (edge.source, edge.target)}
@@ -131,18 +128,11 @@ def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
     kept = {edge for edge in diagram.edges if edge.source in near or edge.target in near}
     fed = {edge.target for edge in kept} & channels  # channels on which a selected member publishes
     feeding = {edge.source for edge in kept} & channels
-    edges = [
-        edge
-        for edge in diagram.edges
-        if edge in kept or edge.source in fed or edge.target in feeding
-    ]
+    edges = [e for e in diagram.edges if e in kept or e.source in fed or e.target in feeding]
     there = near | {edge.source for edge in edges} | {edge.target for edge in edges}
-    return replace(
-        diagram,
-        members=tuple(m for m in diagram.members if m.id in there),
-        channels=tuple(c for c in diagram.channels if c.id in there),
-        edges=tuple(edges),
-    )
+    members = tuple(m for m in diagram.members if m.id in there)
+    shown = tuple(c for c in diagram.channels if c.id in there)
+    return replace(diagram, members=members, channels=shown, edges=tuple(edges))
 
 
 def _is_any(member: Member, words: Iterable[str]) -> bool:
@@ -170,15 +160,11 @@ def _is_named(channel: Channel, wanted: DiagramOptions) -> bool:
 
 def _active(diagram: Diagram, wanted: DiagramOptions) -> list[Channel]:
     # topics that carry messages or have both sides, and all services
-    fed = {edge.target for edge in diagram.edges}
-    feeding = {edge.source for edge in diagram.edges}
+    both = {edge.target for edge in diagram.edges} & {edge.source for edge in diagram.edges}
     return [
-        channel
-        for channel in diagram.channels
-        if channel.is_service
-        or channel.messages
-        or channel.id in fed & feeding
-        or _is_named(channel, wanted)
+        c
+        for c in diagram.channels
+        if c.is_service or c.messages or c.id in both or _is_named(c, wanted)
     ]
 
 
@@ -187,9 +173,5 @@ def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channe
     there = {member.id for member in members} | {channel.id for channel in channels}
     edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
     used = Counter(end for edge in edges for end in (edge.source, edge.target))
-    return replace(
-        diagram,
-        members=tuple(members),
-        channels=tuple(channel for channel in channels if used[channel.id]),
-        edges=edges,
-    )
+    drawn = tuple(channel for channel in channels if used[channel.id])
+    return replace(diagram, members=tuple(members), channels=drawn, edges=edges)

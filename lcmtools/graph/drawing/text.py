@@ -107,8 +107,8 @@ class _Tree:
         return whole if self._width is None or len(whole) <= self._width else row
 
     def _member(self, member: Member) -> str:
-        said = self._shown(", ".join(notes(member)))
-        return f"{self._names[member.id]} ({said})" if said else self._names[member.id]
+        text = self._shown(", ".join(notes(member)))
+        return f"{self._names[member.id]} ({text})" if text else self._names[member.id]
 
     def _shown(self, text: str) -> str:
         return printable(text).replace("…", self._signs.cut)

@@ -2,8 +2,7 @@
 
 from importlib import import_module
 
-from lcmtools.gui.protocol import MalformedRequest, Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.protocol import MalformedRequest
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
@@ -31,12 +30,3 @@ def stream_class(name: str) -> type[PageStream]:
     module, attribute = STREAMS[name].split(":")
     found: type[PageStream] = getattr(import_module(f"lcmtools.gui.streams.{module}"), attribute)
     return found
-
-
-def open_stream(name: str, source: Source, parameters: Parameters) -> PageStream:
-    """Open a stream of a source.
-
-    Raises:
-        MalformedRequest: There is none with this name, or its parameters are wrong.
-    """
-    return stream_class(name)(source, parameters)

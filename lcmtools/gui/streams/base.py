@@ -31,8 +31,7 @@ class PageStream(ABC):
     """A stream; made, updated and closed on the server's thread.
 
     A stream that follows a topic calls ``self.follow(topic, self.receive)`` in its ``__init__``.
-    ``take`` is then called on the source's thread; it must be quick, and guard shared data by a
-    lock.
+    ``receive`` is then called on the source's thread; it must be quick, and lock shared data.
     """
 
     period: ClassVar[float] = 0.1  # the shortest time between two updates [s]
@@ -42,8 +41,7 @@ class PageStream(ABC):
     commands: ClassVar[bool] = False  # True if only for pages that may command
 
     def __init__(self, source: Source, parameters: Parameters) -> None:
-        self.source = source
-        self.parameters = parameters
+        self.source, self.parameters = source, parameters
         self._topic = ""
         self._at_close = ExitStack()
 

@@ -1,7 +1,6 @@
 """The stream of wtf's findings.
 
-A separate process looks every few seconds, because it reads all messages for a moment, which would
-delay the pages here.
+A separate process looks every few seconds: it reads all messages for a moment, which delays pages.
 """
 
 import json
@@ -80,8 +79,5 @@ class DoctorFindings(PageStream):
                 process.kill()
                 self._fault = "" if self._ends_soon.is_set() else "wtf could not look"
                 return None
-        return [
-            {key: record[key] for key in _KEPT}
-            for record in records
-            if record["severity"] != "unchecked"
-        ]
+        checked = [record for record in records if record["severity"] != "unchecked"]
+        return [{key: record[key] for key in _KEPT} for record in checked]

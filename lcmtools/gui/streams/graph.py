@@ -122,7 +122,8 @@ class GraphMaker:
             ],
             "edges": [self._edge(edge, keys) for edge in diagram.edges],
             "counted": labels.counted(diagram),
-            "leftOut": _left_out(left.text()),
+            # without the command line's options
+            "leftOut": "; ".join(part.partition(" (add")[0] for part in left.text().split("; ")),
         }
 
     def _lay_out(
@@ -166,7 +167,8 @@ class GraphMaker:
             "source": arrow[0],
             "target": arrow[1],
             "relation": edge.relation.value,
-            "rate": _rounded(edge.rate),
+            # rounded, so that small changes are not sent
+            "rate": None if edge.rate is None else float(f"{edge.rate:.3g}"),
             "topics": edge.topics,
             "way": [[round(x), round(y)] for x, y in self._drawing.ways.get(arrow, [])],
         }
@@ -179,7 +181,6 @@ def _kind(vertex: Member | Channel) -> str:
 
 
 def _texts(vertex: Member | Channel, name: str) -> list[str]:
-    """Return the lines in a vertex."""
     if isinstance(vertex, Channel):
         return [labels.printable(name), labels.printable(vertex.type_text)]
     said = ", ".join(note.partition(":")[0] for note in labels.notes(vertex))
@@ -190,14 +191,3 @@ def _size(rows: list[str]) -> Size:
     first, *others = map(len, rows)
     letters = max(first, *(0.85 * count for count in others), 6)
     return _LETTER * letters + _PADDING, _LINE * len(rows) + 14.0
-
-
-def _left_out(text: str) -> str:
-    """Return the names of omitted parts, without the command line's options."""
-    parts = (part.partition(" (add")[0] for part in text.split("; "))
-    return "; ".join(parts)
-
-
-def _rounded(rate: float | None) -> float | None:
-    """Return a rate rounded to three digits, so that small changes are not sent."""
-    return None if rate is None else float(f"{rate:.3g}")

@@ -65,9 +65,8 @@ class NewestImage(PageStream):
             self._mistake = str(error)
             return None
         self._mistake = ""
-        self._not_before = time.monotonic() + max(
-            self._shortest, len(found.payload or b"") / _FASTEST
-        )
+        pause = max(self._shortest, len(found.payload or b"") / _FASTEST)
+        self._not_before = time.monotonic() + pause
         about: dict[str, Json] = {"topic": self._topic, "count": count, "bytes": packet.size}
         return Update({**found.data, **about, "time": packet.time / 1e9}, found.payload)
 
@@ -86,15 +85,11 @@ class NewestImage(PageStream):
             return _raw(message, self._pixels)
         if isinstance(message, CompressedImage):
             return _file(message)
-        raise DecodeError(
-            f"{packet.channel} has no images: its messages are {type_name(message)}", self._others()
-        )
-
-    def _others(self) -> str:
-        """Return a hint on which topics have images."""
         rows = self.source.latest.rows
         named = [row.channel for row in rows if not TYPES.isdisjoint(row.types)]
-        return f"images are on {', '.join(named[:_MOST_NAMED])}" if named else "no topic has any"
+        hint = f"images are on {', '.join(named[:_MOST_NAMED])}" if named else "no topic has any"
+        what = f"{packet.channel} has no images: its messages are {type_name(message)}"
+        raise DecodeError(what, hint)
 
 
 def _raw(message: Image, most: float) -> Update:

@@ -29,15 +29,15 @@ class FilledForm:
         if source.publishers is None:
             raise LcmtoolsError("a log takes no messages", "open the window on a bus")
         self._publishers = source.publishers
-        self._topic = _channel(source, parameters.text("topic"))
+        topic = parameters.text("topic")
+        # A name on the bus remains unchanged, others are resolved by ROS's rules.
+        is_known = any(row.channel == topic for row in source.latest.rows)
+        check_topic(topic, literal=is_known)
+        self._topic = topic if is_known else resolve(topic)
         self._template = filled_in(parameters)
 
     def send(self) -> None:
-        """Publish it, after setting the times that must be the time of sending.
-
-        Raises:
-            BusError: The bus cannot be reached, or does not accept it.
-        """
+        """Publish it, after setting the times of sending; BusError if the bus refuses it."""
         payload = self._template.payload(time.time_ns())
         self._publishers.publish(self._topic, type(self._template.message), payload)
 
@@ -46,13 +46,6 @@ def publish(source: Source, parameters: Parameters) -> Json:
     """Publish a form's message once."""
     FilledForm(source, parameters).send()
     return None
-
-
-def _channel(source: Source, topic: str) -> str:
-    """Return a topic's name unchanged if it is on the bus, else resolved by ROS's rules."""
-    is_known = any(row.channel == topic for row in source.latest.rows)
-    check_topic(topic, literal=is_known)
-    return topic if is_known else resolve(topic)
 
 
 class RepeatedForm(PageStream):

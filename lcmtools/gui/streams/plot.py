@@ -117,11 +117,10 @@ class Plot(PageStream):
 
     def _read(self, packets: Iterator[Packet]) -> None:
         """Read messages as fast as the page accepts the samples."""
+        few = _SAMPLE * _MOST_SAMPLES // 4
         for packet in packets:
             with self._lock:
-                self._lock.wait_for(
-                    lambda: self._is_closed or len(self._samples) < _SAMPLE * _MOST_SAMPLES // 4
-                )
+                self._lock.wait_for(lambda: self._is_closed or len(self._samples) < few)
                 if self._is_closed:
                     return
             self._receive(packet)

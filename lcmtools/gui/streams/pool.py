@@ -3,9 +3,9 @@
 import time
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.gui import streams
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source
-from lcmtools.gui.streams import open_stream
 from lcmtools.gui.streams.base import PageStream, Update
 
 
@@ -49,15 +49,11 @@ class StreamPool:
         self._shared: dict[tuple[str, str], OpenStream] = {}
 
     def open(self, name: str, parameters: Parameters) -> OpenStream:
-        """Open a stream, or use the one opened by another page.
-
-        Raises:
-            MalformedRequest: There is none with this name, or its parameters are wrong.
-        """
+        """Open a stream, or use another page's; MalformedRequest for a bad name or parameters."""
         key = name, parameters.key
         found = self._shared.get(key)
         if found is None:
-            found = OpenStream(open_stream(name, self._source, parameters))
+            found = OpenStream(streams.stream_class(name)(self._source, parameters))
             if found.stream.is_shared:
                 self._shared[key] = found
         found.users += 1

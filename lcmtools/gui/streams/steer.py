@@ -4,7 +4,7 @@ import os
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.gui.protocol import Parameters
+from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.velocity import USUAL, commands_velocity
@@ -29,14 +29,13 @@ class Steer(PageStream):
         """Return the known facts about the topic."""
         graph = self.source.latest.graph
         topic = graph.topic(self._steered)
-        return Update(
-            {
-                "topic": self._steered,
-                "type": "" if self._mistake() else self._type(),
-                "listeners": [node.name for node, _ in topic.subscribers if _obeys(node)],
-                "others": self._others(graph, topic),
-            }
-        )
+        data: dict[str, Json] = {
+            "topic": self._steered,
+            "type": "" if self._mistake() else self._type(),
+            "listeners": [node.name for node, _ in topic.subscribers if _obeys(node)],
+            "others": self._others(graph, topic),
+        }
+        return Update(data)
 
     def problem(self) -> str:
         """Return why it cannot be steered, or that no program is known to obey."""
@@ -48,12 +47,10 @@ class Steer(PageStream):
         if any(_obeys(node) for node, _ in topic.subscribers):
             return ""
         row = self.source.latest.row(self._steered)
-        is_there = row.types or row.senders
-        missing = "" if is_there else absence(self.source, self._steered)
+        missing = "" if row.types or row.senders else absence(self.source, self._steered)
         return missing if "did you mean" in missing else self._with_others("no node obeys")
 
     def _others(self, graph: Graph, topic: Topic) -> list[str]:
-        """Return the others that have recently commanded the topic."""
         nodes = {node.name: end for node, end in topic.publishers if not _is_own(node)}
         found = [name for name, end in nodes.items() if graph.time - end.last_time < _RECENT]
         if any(graph.time - one.last_time < _RECENT for one in topic.foreign):

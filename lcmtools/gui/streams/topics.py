@@ -6,7 +6,6 @@ from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.channels.channel_report import record
-from lcmtools.observe.channels.rows import ChannelRow
 
 
 class Topics(PageStream):
@@ -22,18 +21,13 @@ class Topics(PageStream):
     def update(self) -> Update:
         """Return the current rows."""
         latest = self.source.latest
-        return Update(
-            {
-                "rows": [_row(row) for row in latest.rows],
-                "programs": latest.plain_listeners,
-                "errors": latest.callback_errors,
-            }
-        )
+        data: dict[str, Json] = {
+            "rows": [cast("Json", {**record(row), "silent": row.is_silent}) for row in latest.rows],
+            "programs": latest.plain_listeners,
+            "errors": latest.callback_errors,
+        }
+        return Update(data)
 
     def problem(self) -> str:
         """Return a sentence if there are no topics yet."""
         return "" if self.source.latest.rows else "there are no topics on the bus"
-
-
-def _row(row: ChannelRow) -> Json:
-    return cast("Json", {**record(row), "silent": row.is_silent})

@@ -1,7 +1,6 @@
 """The streams of the world: drawable topics, frames, markers, and others' newest messages.
 
-Each has a ``topic``, except the first one. The form in which a page gets messages is in
-``gui.drawings``.
+Each has a ``topic``, except the first one. ``gui.drawings`` has the form of messages for a page.
 """
 
 import threading
@@ -11,7 +10,7 @@ from typing import ClassVar
 
 from lcmtools.errors import DecodeError
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawing_kinds
-from lcmtools.gui.protocol import Parameters
+from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
@@ -34,23 +33,15 @@ class Drawable(PageStream):
         """Return the current ones."""
         latest, kinds = self.source.latest, drawing_kinds()
         typed = [(row, row.types[0]) for row in latest.rows if row.types]
-        return Update(
-            {
-                "topics": [
-                    {
-                        "topic": row.channel,
-                        "type": name,
-                        "kind": kinds[name],
-                        "rate": row.rate,
-                        "silent": row.is_silent,
-                    }
-                    for row, name in typed
-                    if name in kinds
-                ],
-                "undrawn": sorted({name for _, name in typed if name not in kinds}),
-                "simulators": sorted({node.name for node in simulators(latest.graph)}),
-            }
-        )
+        topics: list[Json] = [
+            {"topic": row.channel, "type": name, "kind": kinds[name]}
+            | {"rate": row.rate, "silent": row.is_silent}
+            for row, name in typed
+            if name in kinds
+        ]
+        undrawn = sorted({name for _, name in typed if name not in kinds})
+        found = sorted({node.name for node in simulators(latest.graph)})
+        return Update({"topics": topics, "undrawn": undrawn, "simulators": found})
 
 
 class _Messages(PageStream):

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from lcmtools.names import is_of_lcm
 from lcmtools.observe.channels.rows import ChannelRow, in_order, matching
 from lcmtools.observe.reports.describe import size_text
 
@@ -69,7 +70,7 @@ def age_text(seconds: float | None) -> str:
 def type_text(row: ChannelRow) -> str:
     """The announced type, or the likeliest and the number of others; "?" if unknown."""
     if not row.types:
-        return "?" if row.messages else "-"
+        return "?" if row.messages and not is_of_lcm(row.channel) else "-"
     if row.is_announced:
         return ", ".join(row.types)
     others = len(row.types) - 1

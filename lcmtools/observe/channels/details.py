@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from lcmtools.graph.drawing.labels import printable
+from lcmtools.names import is_of_lcm
 from lcmtools.observe.channels.columns import (
     age_text,
     bandwidth_text,
@@ -15,7 +16,7 @@ from lcmtools.observe.channels.columns import (
 from lcmtools.observe.channels.field_lines import FieldLine
 from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.channels.study import ChannelState, Sample, Sparkline, curve
-from lcmtools.observe.reports.describe import size_text
+from lcmtools.observe.reports.describe import NO_TYPE, size_text
 
 BIN_NS = 500_000_000  # the time that one bar of a curve spans [ns]
 BARS = 40  # the greatest number of bars
@@ -99,7 +100,8 @@ def _span_text(found: Sparkline) -> str:
 
 
 def _type_text(row: ChannelRow, state: ChannelState) -> str:
-    name = state.type or ", ".join(row.types) or "unknown"
+    unknown = NO_TYPE if is_of_lcm(row.channel) else "unknown"
+    name = state.type or ", ".join(row.types) or unknown
     if name in row.types and row.is_announced:
         return f"{name}, as announced"
     others = state.others if state.type else ()

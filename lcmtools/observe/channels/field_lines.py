@@ -45,7 +45,7 @@ class _Lines:
     def of_message(self, message: Message, path: str, depth: int) -> Iterator[FieldLine]:
         for field in visible_fields(type(message)):
             where = f"{path}.{field.name}" if path else field.name
-            value = getattr(message, field.name)
+            value = getattr(message, field.attribute)
             if field.dimensions:
                 yield from self._of_array(value, field, (where, field.name), depth, 1)
             else:

@@ -9,9 +9,10 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic
 from lcmtools.messages.fields import fields
-from lcmtools.messages.registry import candidates, message_class
+from lcmtools.messages.registry import message_class
 from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.channels.activity import SILENT_AFTER, Activity, Flow
+from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.losses import Losses, total
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SenderNames, process_name, programs
@@ -70,7 +71,7 @@ class ChannelRows:
 
     def __init__(self, selection: ChannelSelection, names: SenderNames) -> None:
         self._selection, self._names = selection, names
-        self._has, self._candidates = cache(selection.has), cache(candidates)
+        self._has, self._possible = cache(selection.has), cache(possible_types)
 
     def make(
         self, graph: Graph, activity: Activity, lost: Losses, now: int
@@ -110,10 +111,9 @@ class ChannelRows:
         )
 
     def _types(self, channel: str, fingerprints: Sequence[int]) -> tuple[str, ...]:
-        """The types that messages may have, first the one in a name like "name#package.Type"."""
-        names = dict.fromkeys(name for number in fingerprints for name in self._candidates(number))
-        named = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
-        return tuple(sorted(names, key=lambda name: name != named))
+        """The types that messages may have, the likeliest first."""
+        names = (name for number in fingerprints for name in self._possible(number, channel))
+        return tuple(dict.fromkeys(names))
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
         latest = max((seen.last_time for seen in topic.traffic), default=0)

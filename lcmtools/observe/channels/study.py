@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.messages.registry import Message, candidates, type_name
+from lcmtools.messages.registry import Message
 from lcmtools.observe.channels.field_lines import FieldLine, field_lines
-from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder, possible_types
 from lcmtools.wire.packet import Packet
 
 Sample = tuple[int, float]  # a time [ns] and a number
@@ -96,13 +96,14 @@ class Study:
             return replace(self._state, lines=lines, messages=self._messages, decoded=self._decoded)
 
     def _decode(self, packet: Packet) -> None:
-        self._message, name, problem = None, "", ""
+        self._message, problem = None, ""
         try:
             self._message = self._decoder.decode(packet)
-            name = type_name(type(self._message))
         except LcmtoolsError as error:
             problem = str(error)
-        names = [] if packet.fingerprint is None else candidates(packet.fingerprint)
+        name = self._decoder.types(packet)[0] if self._message else ""
+        number = packet.fingerprint
+        names = [] if number is None else possible_types(number, self.channel)
         others = tuple(other for other in names if other != name)
         head = packet.payload[:_HEAD_BYTES]
         seen = packet.fingerprint, problem, head, packet.size

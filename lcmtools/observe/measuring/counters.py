@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
 from lcmtools.observe.reading.losses import Loss, Losses, total
-from lcmtools.observe.reports.describe import behind_record
+from lcmtools.observe.reports.describe import behind_record, endpoint_types
 
 _SHORTEST = 200_000_000  # [ns] at least between two samples that tell how busy a node is
 _TEN, _THOUSAND = 9.95, 999.5  # what rounds to 10 and 1000
@@ -119,7 +119,7 @@ class Counters:
             "pid": node.pid,
             "stale": bool(node.stale),
             **behind_record(node),
-            "types": list(endpoint.types),
+            "types": endpoint_types(endpoint),
             "depth": endpoint.depth,
             "messages": endpoint.messages,
             "bytes": endpoint.bytes,

@@ -159,7 +159,7 @@ def _of_message(message: Message, path: str) -> Iterator[tuple[str, float]]:
     for part in visible_fields(cls):
         if part.type != "string":
             inner = f"{path}.{part.name}" if path else part.name
-            yield from _of_value(getattr(message, part.name), part.type, inner)
+            yield from _of_value(getattr(message, part.attribute), part.type, inner)
 
 
 def _common_start(curves: Sequence[Curve]) -> float:

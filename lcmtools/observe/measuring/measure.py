@@ -16,9 +16,9 @@ from lcmtools.bus.tap import LONG_NAP
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType, UsageError
 from lcmtools.graph.model import Graph
-from lcmtools.messages.fields import stamp, utime
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
+from lcmtools.messages.message_time import MessageTime, message_time
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver, has_wildcard
 from lcmtools.observe.measuring.counters import Counters
@@ -44,15 +44,16 @@ Notify = Callable[[str], None]
 
 
 class Delays:
-    """The delays of messages: from the stamps in their headers, or their utime, to their arrival.
+    """The delays of messages: from the times in them, such as their headers' stamps, to arrival.
 
-    ``notify`` is called with a sentence once, if a stamp is not a time.
+    ``notify`` is called with a sentence once, if a stamp is not a time, and for each topic with
+    times of another kind.
     """
 
     def __init__(self, decoder: Decoder, notify: Notify) -> None:
         self._decoder = decoder
         self._notify = notify
-        self._has_notified = False
+        self._told: set[str] = set()
         self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
@@ -62,20 +63,28 @@ class Delays:
             LcmtoolsError: Its type is unknown or has no header.
             DecodeError: It is malformed.
         """
-        stamped = self._stamp(arrival.packet)
-        if stamped:
-            return arrival.time - stamped
-        if not self._has_notified:
-            self._has_notified = True
-            self._notify(f"the stamp of a message on {arrival.topic} is 0, which is not a time")
-        return None
+        found, topic = self._time(arrival.packet), arrival.topic
+        if not found.time:
+            name = found.field.rpartition(".")[2]
+            says = f"the {name} of a message on {topic} is {found.value}, which is not a time"
+            self._tell_once("", says)
+            return None
+        if str(found) != found.field:
+            self._tell_once(topic, f"the delay of {topic} is measured by its {found}")
+        return arrival.time - found.time
 
-    def _stamp(self, packet: Packet) -> int:
-        """Read the stamp; if a message of equal type and size has been decoded, read only that."""
+    def _tell_once(self, about: str, sentence: str) -> None:
+        if about not in self._told:
+            self._told.add(about)
+            self._notify(sentence)
+
+    def _time(self, packet: Packet) -> MessageTime:
+        """Read the time; if a message of equal type and size has been decoded, read only that."""
         payload = packet.payload
         key = packet.channel, payload[:8], len(payload)
         if read := self._readers.get(key):
-            return join_stamp(*read(payload))
+            stamped = join_stamp(*read(payload))
+            return MessageTime("header.stamp", stamped, stamped)
         try:
             message = self._decoder.decode(packet)
         except UnknownFingerprint:
@@ -83,18 +92,16 @@ class Delays:
                 f"the type of the messages on {packet.channel} is not known",
                 f"lcmtools echo {packet.channel} shows their bytes",
             ) from None
-        stamped = stamp(message)
-        if stamped is None:
-            stamped = utime(message)
-        if stamped is None:
-            what = "has no header with a stamp, and no utime"
+        found = message_time(message)
+        if found is None:
+            what = "has no header with a stamp, and no utime, timestamp or the like"
             raise LcmtoolsError(
                 f"{type_name(message)}, published on {packet.channel}, {what}",
                 "lcmtools msg find-field header lists the types that have one",
             )
         if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
             self._readers[key] = reader
-        return stamped
+        return found
 
 
 @dataclass(frozen=True, slots=True)

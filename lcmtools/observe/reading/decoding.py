@@ -11,7 +11,10 @@ from lcmtools.messages.registry import (
     message_class,
     problems,
     type_name,
+    versioned,
 )
+from lcmtools.messages.type_names import full_name
+from lcmtools.names import is_of_lcm
 from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
 
@@ -20,12 +23,24 @@ class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
     """No known type has the fingerprint of a payload."""
 
 
+def possible_types(number: int, channel: str = "", announced: Sequence[str] = ()) -> list[str]:
+    """Return the types that messages with a fingerprint may have, the likeliest first.
+
+    Types with the same fields have the same fingerprint. There is only one if nodes have
+    ``announced`` it, or if a channel's name ends in it ("/odom#nav_msgs.Odometry").
+    """
+    names = candidates(number, channel)
+    said = (*announced, full_name(channel.rpartition("#")[2]))
+    found = next(([name] for name in said if name in names), names)
+    return [versioned(name, number) for name in found]
+
+
 class Decoder:
     """Turns packets into messages.
 
-    Two types with the same fields have the same fingerprint. The type that the user ``named`` takes
-    precedence, then the one that nodes announce for the channel (``BusMonitor.types_of``), then the
-    likeliest. ``keep_stray`` is passed to ``codec.decode``.
+    The type that the user ``named`` takes precedence, with all of its versions unless ``exact``;
+    then the one that nodes announce for the channel (``BusMonitor.types_of``), then the likeliest.
+    ``keep_stray`` is passed to ``codec.decode``.
     """
 
     def __init__(
@@ -33,10 +48,12 @@ class Decoder:
         announced: Callable[[str], Sequence[str]],
         named: type[Message] | None = None,
         *,
+        exact: bool = False,
         keep_stray: bool = False,
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
-        self._classes: dict[tuple[str, bytes], type[Message]] = {}
+        self._exact = exact
+        self._settled: dict[tuple[str, bytes], tuple[type[Message], Sequence[str]]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
         """Return the type of a packet's message.
@@ -46,30 +63,48 @@ class Decoder:
             DecodeError: It is too short for a message, or not of the type that the user named.
             LcmtoolsError: The type's .lcm file is wrong.
         """
-        key = packet.channel, packet.payload[:8]
-        known = self._classes.get(key)
-        if known is None:
-            number = packet.fingerprint
-            if number is None:
-                raise DecodeError("too short for an LCM message")
-            known = self._classes[key] = self._settle(packet.channel, number)
-        return known
+        return self._known(packet)[0]
+
+    def types(self, packet: Packet) -> Sequence[str]:
+        """Return the types that its message may have, likeliest first; see ``message_class``."""
+        return self._known(packet)[1]
 
     def decode(self, packet: Packet) -> Message:
         """Return the message in a packet; raises errors as ``message_class`` does."""
         return decode(self.message_class(packet), packet.payload, keep_stray=self._keep_stray)
 
-    def _settle(self, channel: str, number: int) -> type[Message]:
-        names = candidates(number)
+    def _known(self, packet: Packet) -> tuple[type[Message], Sequence[str]]:
+        key = packet.channel, packet.payload[:8]
+        known = self._settled.get(key)
+        if known is None:
+            number = packet.fingerprint
+            if number is None:
+                raise DecodeError("too short for an LCM message")
+            known = self._settled[key] = self._settle(packet.channel, number)
+        return known
+
+    def _settle(self, channel: str, number: int) -> tuple[type[Message], Sequence[str]]:
+        if is_of_lcm(channel):
+            raise DecodeError("LCM's own message, which has no type")
         if self._named is not None:
-            if fingerprint(self._named) == number:
-                return self._named
-            seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
-            raise DecodeError(f"the type is not {type_name(self._named)} but {seen}")
+            return self._settle_named(channel, number, self._named)
+        names = possible_types(number, channel, self._announced(channel))
         if not names:
             raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
-        meant = next((name for name in self._announced(channel) if name in names), names[0])
-        return message_class(meant, number)
+        return message_class(names[0], number), names
+
+    def _settle_named(
+        self, channel: str, number: int, named: type[Message]
+    ) -> tuple[type[Message], Sequence[str]]:
+        name = type_name(named)
+        if fingerprint(named) == number:
+            return named, [versioned(name, number)]
+        if name in candidates(number) and not self._exact:
+            return message_class(name, number), [versioned(name, number)]
+        names = possible_types(number, channel, self._announced(channel))
+        seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
+        meant = versioned(name, fingerprint(named))
+        raise DecodeError(f"the type is not {meant} but {seen}")
 
 
 def remedy_of_unknown() -> str:

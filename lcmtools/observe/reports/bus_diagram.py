@@ -7,11 +7,12 @@ import socket
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.model import Graph, Node, Role, Traffic
 from lcmtools.observe.reading.senders import Program, is_here
-from lcmtools.observe.reports.describe import topic_types
+from lcmtools.observe.reports.describe import one_of, topic_kinds
 
 _FLOWS = {
     Role.PUBLISHER: Relation.PUBLISHES,
@@ -128,9 +129,12 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
     found = []
     for number, name in enumerate(topics, 1):
         topic = graph.topic(name)
-        known = topic_types(topic)
+        kinds = topic_kinds(topic)
+        shown, known = tuple(map(one_of, kinds)), tuple(dict.fromkeys(chain(*kinds)))
         messages = max(sent[name], sum(one.messages for one in topic.traffic))
-        found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
+        rate = rates.get(name)
+        channel = Channel(f"t{number}", name, known, messages=messages, rate=rate, shown=shown)
+        found.append(channel)
     types: dict[str, dict[str, None]] = defaultdict(dict)  # types by service; an ordered set each
     for role in (Role.SERVICE, Role.CLIENT):
         for end in (end for node in graph.nodes for end in node.having(role) if end.type):

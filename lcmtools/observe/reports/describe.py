@@ -2,16 +2,21 @@
 
 import socket
 from collections.abc import Iterable, Sequence
+from itertools import chain
 
 from lcmtools.bus.processes import Process, is_local
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
-from lcmtools.messages.registry import candidates
-from lcmtools.names import did_you_mean
+from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
+from lcmtools.names import did_you_mean, is_of_lcm
+from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import SocketTable
 
 UNKNOWN = "unknown type"
+NO_TYPE = "no type: LCM's own channel"
+
+Kinds = tuple[tuple[str, ...], ...]
+"""Types of a topic: of each the names that it may have, the likeliest first; one if certain."""
 
 
 def size_text(value: float | None) -> str:
@@ -30,33 +35,62 @@ def type_text(topic: Topic) -> str:
 
     If types differ, all are named: that is a fault, which lcmtools wtf explains.
     """
-    return ", ".join(topic_types(topic)) or UNKNOWN
+    return kinds_text(topic_kinds(topic), topic.name)
 
 
-def topic_types(topic: Topic) -> tuple[str, ...]:
+def kinds_text(kinds: Kinds, channel: str = "") -> str:
+    """Return types as one line: "arm/point_t (one of 3)" if others have the same fields."""
+    unknown = NO_TYPE if is_of_lcm(channel) else UNKNOWN
+    return ", ".join(map(one_of, kinds)) or unknown
+
+
+def one_of(names: Sequence[str]) -> str:
+    """Return the first of the names that a type may have, marked if there are several."""
+    return f"{names[0]} (one of {len(names)})" if len(names) > 1 else names[0]
+
+
+def types_record(kinds: Kinds, channel: str = "") -> dict[str, object]:
+    """Return types for JSON: the likeliest, as text, and all that they may be."""
+    likeliest = kinds_text(tuple(names[:1] for names in kinds))
+    names = dict.fromkeys(name for names in kinds for name in names if name != UNKNOWN)
+    return {"type": None if is_of_lcm(channel) else likeliest, "types": list(names)}
+
+
+def topic_kinds(topic: Topic) -> Kinds:
     """Return a topic's types: as announced, else from the fingerprints seen.
 
     Other types that plain programs send are included, as "unknown type" if unknown.
     """
+    if is_of_lcm(topic.name):
+        return ()
     declared = {f for _, end in topic.publishers + topic.subscribers for f in end.fingerprints}
     plain = (f for seen in topic.foreign if declared and not seen.types for f in seen.fingerprints)
-    odd = ((*candidates(value), UNKNOWN)[0] for value in plain if value not in declared)
-    return tuple(dict.fromkeys((*(topic.types or seen_types(topic.fingerprints)), *odd)))
+    odd = [seen_kinds([f], topic.name) or ((UNKNOWN,),) for f in plain if f not in declared]
+    known = tuple((name,) for name in topic.types) or seen_kinds(topic.fingerprints, topic.name)
+    return tuple({names[0]: names for kinds in (known, *odd) for names in kinds}.values())
 
 
-def seen_types(fingerprints: Iterable[int]) -> tuple[str, ...]:
-    """Return the likeliest type of each fingerprint."""
-    return tuple(dict.fromkeys(name for value in fingerprints for name in candidates(value)[:1]))
+def seen_kinds(fingerprints: Iterable[int], channel: str) -> Kinds:
+    """Return the types that messages with fingerprints may have, without unknown ones."""
+    found = (tuple(possible_types(value, channel)) for value in fingerprints)
+    return tuple(dict.fromkeys(filter(None, found)))
+
+
+def endpoint_types(end: Endpoint) -> list[str]:
+    """Return an endpoint's types: announced, else those of its messages, as of a program."""
+    return list(end.types or chain(*seen_kinds(end.fingerprints, end.topic)))
 
 
 def fingerprint_rows(topic: Topic) -> list[str]:
     """Return the fingerprints seen on a topic, a line each; one line if they keep changing."""
-    if len(topic.fingerprints) > 1 and not seen_types(topic.fingerprints):
+    if is_of_lcm(topic.name):
+        return []
+    if len(topic.fingerprints) > 1 and not seen_kinds(topic.fingerprints, topic.name):
         return [
             "Fingerprint: changes from message to message, as in data that is not an LCM message"
         ]
     return [
-        f"Fingerprint: {value:#018x} ({' or '.join(candidates(value)) or UNKNOWN})"
+        f"Fingerprint: {value:#018x} ({' or '.join(possible_types(value, topic.name)) or UNKNOWN})"
         for value in topic.fingerprints
     ]
 

@@ -10,9 +10,11 @@ from lcmtools.observe.measuring.counters import average_rate, callback_record, c
 from lcmtools.observe.reading.senders import is_here, user_name
 from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import (
-    UNKNOWN,
     callback_errors,
+    endpoint_types,
     host_text,
+    kinds_text,
+    seen_kinds,
 )
 from lcmtools.observe.reports.node_list_report import up_time
 from lcmtools.observe.reports.process_rows import percent, usage_rows
@@ -43,7 +45,7 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
     rows = ["-" * 80, f"Node [{node.name}]"]
     for role, title in _TITLES.items():
         shown = [
-            f" * {e.topic} [{' or '.join(e.types) or UNKNOWN}]{_dropped(e)}"
+            f" * {e.topic} [{_types_text(e)}]{_dropped(e)}"
             for e in node.having(role)
             if show_hidden or not is_hidden(e.topic)
         ]
@@ -164,10 +166,15 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
     return {
         "topic": endpoint.topic,
-        "types": list(endpoint.types),
+        "types": endpoint_types(endpoint),
         "depth": endpoint.depth,
         "messages": endpoint.messages,
         "bytes": endpoint.bytes,
         "drops": endpoint.drops,
         **callback_record(endpoint),
     }
+
+
+def _types_text(end: Endpoint) -> str:
+    seen = seen_kinds(end.fingerprints, end.topic)  # of a node whose announcement is not readable
+    return " or ".join(end.types) or kinds_text(seen, end.topic)

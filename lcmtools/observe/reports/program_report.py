@@ -4,9 +4,16 @@ import socket
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
+from lcmtools.graph.model import Traffic
 from lcmtools.observe.node_requests import program_place
 from lcmtools.observe.reading.senders import Program
-from lcmtools.observe.reports.describe import UNKNOWN, candidates_text, seen_types
+from lcmtools.observe.reports.describe import (
+    Kinds,
+    candidates_text,
+    kinds_text,
+    seen_kinds,
+    types_record,
+)
 from lcmtools.observe.reports.process_rows import usage_rows
 
 
@@ -23,7 +30,7 @@ def listed_rows(program: Program) -> list[str]:
 def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
     """Return a program as ``node info`` shows it."""
     found = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
-    types = {seen.channel: _types_text(seen.fingerprints) for seen in program.traffic}
+    types = {seen.channel: kinds_text(_kinds(seen), seen.channel) for seen in program.traffic}
     found.append("Publications: " if types else "Publications: none seen")
     found += [f" * {channel} [{text}]" for channel, text in types.items()]
     listens = {True: "on unknown channels", False: "None", None: "not known"}
@@ -61,7 +68,7 @@ def record(program: Program) -> dict[str, object]:
         "publications": [
             {
                 "topic": seen.channel,
-                "type": _types_text(seen.fingerprints),
+                **types_record(_kinds(seen), seen.channel),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
@@ -82,8 +89,8 @@ def command_text(program: Program) -> str:
     return f"a program{candidates_text(program.candidates)}"
 
 
-def _types_text(fingerprints: tuple[int, ...]) -> str:
-    return ", ".join(seen_types(fingerprints)) or UNKNOWN
+def _kinds(seen: Traffic) -> Kinds:
+    return seen_kinds(seen.fingerprints, seen.channel)
 
 
 def _kilobytes(size: int | None) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from lcmtools.graph.model import Topic
-from lcmtools.observe.reports.describe import by_computer, type_text
+from lcmtools.observe.reports.describe import by_computer, topic_kinds, type_text, types_record
 
 
 class TopicList(NamedTuple):
@@ -44,10 +44,10 @@ class TopicList(NamedTuple):
         """Return a topic for JSON."""
         record: dict[str, object] = {
             "topic": topic.name,
-            "type": type_text(topic),
+            **types_record(topic_kinds(topic), topic.name),
             "publishers": [node.name for node, _ in topic.publishers],
             "subscribers": [node.name for node, _ in topic.subscribers],
-            "other_senders": [str(seen.sender) for seen in topic.foreign],
+            "other_senders": [seen.sender and str(seen.sender) for seen in topic.foreign],
         }
         return record if self.rates is None else {**record, "rate": self.rates.get(topic.name)}
 

@@ -9,7 +9,9 @@ from lcmtools.observe.reports.describe import (
     fingerprint_rows,
     node_text,
     program_text,
+    topic_kinds,
     type_text,
+    types_record,
 )
 
 
@@ -38,8 +40,7 @@ def record(topic: Topic, counters: Counters) -> dict[str, object]:
     """Return the same for JSON."""
     return {
         "topic": topic.name,
-        "type": type_text(topic),
-        "types": list(topic.types),
+        **types_record(topic_kinds(topic), topic.name),
         "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
         "publishers": [
             {**counters.record(node, e), **_lost_record(counters.lost(node))}
@@ -49,7 +50,7 @@ def record(topic: Topic, counters: Counters) -> dict[str, object]:
         "other_publishers": [
             {
                 "program": program_text(seen),
-                "sender": str(seen.sender),
+                "sender": seen.sender and str(seen.sender),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
                 "rate": seen.rate(),

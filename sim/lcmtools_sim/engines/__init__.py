@@ -20,11 +20,7 @@ _HINT = extra_hint("sim")
 def chosen_engine(wanted: str = "") -> str:
     """Return the engine to use: ``wanted``, $LCMTOOLS_ENGINE, or the first one installed.
 
-    Imports nothing.
-
-    Raises:
-        UsageError: There is no engine with this name.
-        MissingExtra: It is not installed, or numpy or Pillow is not.
+    Imports nothing. UsageError for an unknown name; MissingExtra without it, numpy or Pillow.
     """
     name, source = wanted or os.environ.get(VARIABLE, ""), "--engine" if wanted else VARIABLE
     if name and name not in ENGINES:

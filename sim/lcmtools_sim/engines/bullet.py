@@ -13,8 +13,7 @@ from lcmtools_sim.geometry import IDENTITY, ZERO, Quaternion, Vector, add, axes,
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 
-_RECOVERY = 12.0
-"""[1/s] The rate at which overlapping bodies separate; a higher one shakes a pushed body aside."""
+_RECOVERY = 12.0  # [1/s] at which overlapping bodies separate; more shakes a pushed body aside
 _RIM = 0.002  # [m] length of the discs at a cylinder's ends
 _RECESS = 0.0002  # [m] by which the cylinder between them is thinner than they are
 

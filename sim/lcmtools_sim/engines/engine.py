@@ -1,7 +1,6 @@
 """The protocol of a physics engine: rigid bodies with shapes, their motion, and contacts.
 
-Engines know shapes, masses and friction. Names of bodies, robots and sensors belong to the world
-(world.py).
+Engines know shapes, masses and friction. The world (world.py) has names, robots and sensors.
 """
 
 from collections.abc import Sequence

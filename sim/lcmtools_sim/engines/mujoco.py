@@ -2,8 +2,7 @@
 
 Its contacts are soft and convex: the settings here keep contacts as hard, and sliding bodies as
 low, as textbook rigid bodies. A step calls the stages of mj_step one by one, because friction is
-set between collisions and constraints. Names of stages and fields are MuJoCo's (see "Computation"
-in its documentation).
+set between collisions and constraints. Stages and fields have MuJoCo's names (its "Computation").
 """
 
 import math
@@ -23,8 +22,7 @@ from lcmtools_sim.shapes import Cuboid, Cylinder, Shape, Sphere
 _IMPEDANCE = (0.99, 0.999)
 """The share of a contact's acceleration set by the constraint, at the surface and below it."""
 _STEPS = 2  # time constant of contacts, in steps. MuJoCo allows no less than 2.
-_DAMPING = 2.0
-"""Damping ratio of contacts: colliding bodies separate at 6 % of their speed; with 1, at 16 %."""
+_DAMPING = 2.0  # ratio, of contacts: bodies separate at 6 % of their speed; with 1, at 16 %
 _BRAKING = 20.0  # [m/s^2] the most that friction's reference demands: see _set_friction
 _LEAST_FRICTION = 1e-5  # as mjMINMU: MuJoCo allows no less
 _LEAST_MASS = 1e-14  # [kg, kg m^2] above mjMINVAL, likewise
@@ -41,8 +39,7 @@ _Places = npt.NDArray[np.intp]
 class Mujoco:
     """A MuJoCo world (see engine.Engine).
 
-    Added and removed bodies are compiled into the model when it is next used, so that a fleet costs
-    one compilation.
+    Added and removed bodies are compiled when the model is next used: once for a whole fleet.
     """
 
     ground = 0
@@ -67,8 +64,7 @@ class Mujoco:
         geom.solref = [_STEPS * scene.dt, _DAMPING]
         geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
         # A body on one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
-        # With it as margin, the contact carries the weight at depth 0, so that bodies start at
-        # rest.
+        # With it as margin, the contact carries the weight at depth 0: bodies start at rest.
         low, high = _IMPEDANCE
         self._rest = (1 - low) / low * scene.gravity * (high * _STEPS * scene.dt * _DAMPING) ** 2
         kind = mujoco.mjtGeom.mjGEOM_PLANE
@@ -86,9 +82,8 @@ class Mujoco:
     def add(self, body: RigidBody) -> int:
         """Add a body and return its number."""
         self._last += 1
-        handle = self._spec.worldbody.add_body(
-            name=str(self._last), pos=body.position, quat=_wxyz(body.rotation)
-        )
+        world, name = self._spec.worldbody, str(self._last)
+        handle = world.add_body(name=name, pos=body.position, quat=_wxyz(body.rotation))
         if body.mass:
             handle.add_freejoint()
             handle.explicitinertial = True
@@ -208,16 +203,11 @@ class Mujoco:
         for i in np.flatnonzero((first == own) | (second == own)).tolist():
             is_first = first[i] == own
             mujoco.mj_contactForce(self._model, self._data, i, force)
-            normal = contact.frame[i, :3] * (-1.0 if is_first else 1.0)
-            found.append(
-                ContactPoint(
-                    self._number[second[i] if is_first else first[i]],
-                    _vector(contact.pos[i]),
-                    _vector(normal),
-                    float(force[0]),
-                    -float(contact.dist[i]),
-                )
-            )
+            other = self._number[second[i] if is_first else first[i]]
+            place = _vector(contact.pos[i])
+            normal = _vector(contact.frame[i, :3] * (-1.0 if is_first else 1.0))
+            depth = -float(contact.dist[i])
+            found.append(ContactPoint(other, place, normal, float(force[0]), depth))
         return found
 
     def warnings(self) -> list[str]:
@@ -247,8 +237,7 @@ class Mujoco:
         # It scales the solver's tolerance: a robot's motion must not depend on other bodies.
         model.stat.meaninertia = 1.0
         self._qpos, self._qvel = self._data.qpos, self._data.qvel
-        kinds = mujoco.mjtWarning
-        found = self._data.warning
+        found, kinds = self._data.warning, mujoco.mjtWarning
         self._full = found[kinds.mjWARN_CONTACTFULL], found[kinds.mjWARN_CNSTRFULL]
         self._number = [0, *(int(model.body(i).name) for i in range(1, model.nbody))]
         self._free = {}
@@ -273,7 +262,6 @@ class Mujoco:
             self._set_enabled(number, is_enabled=False)
 
     def _constrain(self) -> None:
-        """Find the contacts and their constraints."""
         self.detect_contacts()
         self._set_friction()
         mujoco.mj_makeConstraint(self._model, self._data)

@@ -28,7 +28,6 @@ from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
 WHEEL_RADIUS = 0.15
 TRACK = 0.6
 
-_GAZEBO_TRACK = 1.25
 _PLUGIN_RATE = 100.0  # [Hz] default of Gazebo's differential drive plugin
 _HEIGHT = 0.225  # [m] of the middle of the chassis, and of base_link, which is above the axle
 _AXLE = 0.3  # [m] distance of the wheels in front of the middle of the chassis
@@ -116,5 +115,5 @@ DOLLY = RobotModel(
         SensorMount("transforms", "/tf", _PLUGIN_RATE),
     ),
     commands=(CommandTopic("cmd_vel", is_twist=True),),
-    gazebo_drive=replace(_DRIVE, believed_track=_GAZEBO_TRACK),
+    gazebo_drive=replace(_DRIVE, believed_track=1.25),
 )

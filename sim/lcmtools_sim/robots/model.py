@@ -84,12 +84,10 @@ class Drive:
     max_acceleration: float  # of a side [m/s^2]
     time_constant: float  # of the motors [s]
     tyre_friction: float  # Coulomb coefficient on ground of friction 1
-    # The track that its controller assumes for turn rates [m]; 0 for the track.
-    believed_track: float = 0.0
+    believed_track: float = 0.0  # assumed by its controller for turn rates [m]; 0 for the track
     # (x, y) of the contacts of wheels that skid when it turns [m].
     wheels: tuple[tuple[float, float], ...] = ()
-    # Turn by skidding on these wheels, like a real robot, instead of as with two ideal wheels at
-    # the track.
+    # Turn by skidding on these wheels, as a real robot, not as with two ideal ones at the track.
     skids: bool = False
 
 
@@ -125,10 +123,8 @@ class RobotModel:
     name: str  # in world files
     body: Body  # its rigid body
     drive: Drive  # its motors and tyres
-    # Names that commands may use for the left side, the usual one first.
-    left_wheels: tuple[str, ...]
+    left_wheels: tuple[str, ...]  # names in commands for the left side, the usual one first
     right_wheels: tuple[str, ...]  # the same for the right side, in the same order
     sensors: tuple[SensorMount, ...] = MOTION_SENSORS  # in order
-    # ``wtf`` names the first one if nobody publishes any.
-    commands: tuple[CommandTopic, ...] = COMMANDS
+    commands: tuple[CommandTopic, ...] = COMMANDS  # ``wtf`` names the first if none is published
     gazebo_drive: Drive | None = None  # the drive as in Gazebo, if that is known to be wrong

@@ -8,11 +8,7 @@ from lcmtools_sim.sensors.sensor import SensorKind as Kind
 SENSORS: dict[str, Kind] = {
     "bumper": Kind(BumperSensor, topic="bumper"),
     "camera": Kind(
-        cameras.CameraSensor,
-        cameras.CameraSettings,
-        rate=30.0,
-        topic="camera",
-        is_optical=True,
+        cameras.CameraSensor, cameras.CameraSettings, rate=30.0, topic="camera", is_optical=True
     ),
     "depth_camera": Kind(
         cameras.DepthCameraSensor,

@@ -29,7 +29,6 @@ from lcmtools_sim.vision.surfaces import Floats32
 RAW = "image_raw"
 COMPRESSED = "image_raw/compressed"
 INFO = "camera_info"
-
 DEPTH_RAW = "depth/image_raw"
 DEPTH_METRES = "depth/image"
 DEPTH_COMPRESSED = "depth/image_raw/compressed"
@@ -54,8 +53,7 @@ class CameraSettings(Settings):
 
     width: int = number(640, 1, 4096)  # [pixels]
     height: int = number(480, 1, 4096)  # [pixels]
-    # From the left to the right edge of the picture [rad].
-    field_of_view: float = number(math.radians(60), 0.01, 3.1, angle=True)
+    field_of_view: float = number(math.radians(60), 0.01, 3.1, angle=True)  # across its width [rad]
 
     @property
     def camera(self) -> Camera:
@@ -75,8 +73,7 @@ class _MountedCamera:
     ) -> None:
         self.camera = camera
         self._frame = context.add_frame(mount, frame, optical(mount.pose.rotation))
-        self._pose = mount.pose
-        self._context = context
+        self._pose, self._context = mount.pose, context
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
         keep_freed_memory()  # a picture's arrays are as large as the previous picture's
@@ -136,10 +133,8 @@ class DepthCameraSettings(CameraSettings):
     field_of_view: float = number(math.radians(57), 0.01, 3.1, angle=True)
     near: float = number(0.5, 0.001, 100.0)  # least depth that is measured [m]
     far: float = number(8.0, 0.01, 1000.0, above="near")  # greatest depth that is measured [m]
-    # Standard deviation of the depth at 1 m [m]; it grows with its square.
-    noise: float = deviation()
-    # Distance between two neighbouring readings at 1 m [m]; it grows with its square.
-    step: float = deviation()
+    noise: float = deviation()  # standard deviation at a depth of 1 m [m]; grows with its square
+    step: float = deviation()  # between two neighbouring readings at 1 m [m]; grows with its square
     dropout: float = number(0.0, 0.0, 1.0)  # share of the pixels without a reading
 
 
@@ -163,14 +158,10 @@ class DepthCameraSensor:
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         settings = cast("DepthCameraSettings", mount.settings or DepthCameraSettings())
         self._settings = settings
-        self._errors = {
-            "spread": settings.noise,
-            "step": settings.step,
-            "dropout": settings.dropout,
-        }
-        self._mounted = _MountedCamera(
-            settings.camera, mount, context, "camera_depth_optical_frame"
-        )
+        spread, step, dropout = settings.noise, settings.step, settings.dropout
+        self._errors = {"spread": spread, "step": step, "dropout": dropout}
+        frame = "camera_depth_optical_frame"
+        self._mounted = _MountedCamera(settings.camera, mount, context, frame)
         self._noise = context.noise(mount)
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:

@@ -50,9 +50,7 @@ class LaserSensor(BatchSensor):
     outputs: Mapping[str, type[Message]] = {"": LaserScan}
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
-        self._pose = mount.pose
-        self.body = context.body
-        self._world = context.world
+        self._pose, self.body, self._world = mount.pose, context.body, context.world
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._noise = context.noise(mount)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)

@@ -14,7 +14,6 @@ from lcmtools_sim.arithmetic import arithmetic_of
 from lcmtools_sim.geometry import (
     IDENTITY,
     Frame,
-    Quaternion,
     Vector,
     add,
     axes,
@@ -205,8 +204,7 @@ class ImuSensor(MotionSensor):
     outputs: Mapping[str, type[Message]] = {"": Imu}
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
-        self._lever = mount.pose.position
-        self._rotation = mount.pose.rotation
+        self._lever, self._rotation = mount.pose.position, mount.pose.rotation
         self._axes = axes(mount.pose.rotation)
         self._gravity = context.gravity
         self._settings = settings = cast("ImuSettings", mount.settings or ImuSettings())
@@ -226,10 +224,8 @@ class ImuSensor(MotionSensor):
         acceleration = self._proper_acceleration(state)
         if self._rotation != IDENTITY:
             rotation = multiply(rotation, self._rotation)
-            turning, acceleration = (
-                components(turning, self._axes),
-                components(acceleration, self._axes),
-            )
+            turning = components(turning, self._axes)
+            acceleration = components(acceleration, self._axes)
         return (
             state.stamp,
             rotation,
@@ -273,9 +269,8 @@ class GroundTruthSensor(MotionSensor):
     outputs: Mapping[str, type[Message]] = {"": Odometry}
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
-        self._settings = settings = cast(
-            "GroundTruthSettings", mount.settings or GroundTruthSettings()
-        )
+        settings = cast("GroundTruthSettings", mount.settings or GroundTruthSettings())
+        self._settings = settings
         self._noise = context.noise(mount)
         place, turn = settings.position_noise**2, settings.heading_noise**2
         message = Odometry()
@@ -290,15 +285,9 @@ class GroundTruthSensor(MotionSensor):
 
     def rows(self, state: RobotState) -> tuple[Row, ...]:
         """Stamp, pose and twist."""
-        place, turn = self._disturbed(state)
+        place, turn, settings = state.position, state.rotation, self._settings
+        if self.is_noisy:  # moved, and turned about the vertical axis
+            x, y, z, yaw = self._noise.at(state.time).normal(size=4).tolist()
+            place = add(place, scaled((x, y, z), settings.position_noise))
+            turn = multiply(from_euler(0.0, 0.0, yaw * settings.heading_noise), turn)
         return state.stamp, place, turn, state.velocity, state.angular_velocity
-
-    def _disturbed(self, state: RobotState) -> tuple[Vector, Quaternion]:
-        """Return the pose with noise: moved, and turned about the vertical axis."""
-        settings = self._settings
-        if not self.is_noisy:
-            return state.position, state.rotation
-        x, y, z, yaw = self._noise.at(state.time).normal(size=4).tolist()
-        error = scaled((x, y, z), settings.position_noise)
-        turn = from_euler(0.0, 0.0, yaw * settings.heading_noise)
-        return add(state.position, error), multiply(turn, state.rotation)

@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from lcmtools.messages.payload_template import PayloadTemplate
 
-Row = Sequence[float]
-"""The numbers of one hole in a template; arrays for many robots (see ``Value``)."""
+Row = Sequence[float]  # the numbers of a template's hole; arrays for many robots (see ``Value``)
 
 
 class Payloads:

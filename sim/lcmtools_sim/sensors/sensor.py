@@ -62,8 +62,7 @@ class SensorMount:
     """A sensor on a robot."""
 
     kind: str  # a key of sensors.SENSORS
-    # Its topic, or the prefix of its several topics; relative to the robot's namespace, or
-    # absolute.
+    # Its topic, or the prefix of its topics; relative to the robot's namespace, or absolute.
     topic: str
     rate: float  # [Hz], at most one measurement per step
     pose: Pose = ORIGIN  # of the sensor in base_link; unused by sensors of the whole robot
@@ -94,8 +93,7 @@ class RobotState(NamedTuple):
     wheel_speeds: Sides  # [rad/s]
     efforts: Sides  # the motors' commands, as fractions of full power
     odometry_pose: Vector  # x, y [m] and yaw [rad] from the wheels' encoders, relative to the start
-    # Forward speed [m/s] and turn rate [rad/s] from the wheels' encoders.
-    odometry_speed: tuple[float, float]
+    odometry_speed: tuple[float, float]  # forward [m/s] and turn rate [rad/s] from the encoders
 
     def sensor_frame(self, pose: Pose) -> Frame:
         """Return the frame in the world of a sensor with this pose in base_link."""
@@ -239,8 +237,7 @@ class SensorKind:
     settings: type[Settings] = Settings  # the class of its settings
     rate: float = 50.0  # the default rate in world files [Hz]
     topic: str = ""  # the default topic in world files
-    # Outputs that are too large to send without a known subscriber.
-    bulky: frozenset[str] = frozenset()
+    bulky: frozenset[str] = frozenset()  # outputs too large to send without a known subscriber
     is_optical: bool = False  # True if z of its frame is the mount's x, as cameras' (REP-103)
     needs_frames: bool = False  # True if it is made after the robot's other sensors, for its frames
 

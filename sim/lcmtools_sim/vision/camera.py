@@ -25,11 +25,7 @@ _EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not 
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A camera's intrinsics; pixels are square.
-
-    Raises:
-        ValueError: The values cannot make a picture.
-    """
+    """A camera's intrinsics; pixels are square; ValueError if they cannot make a picture."""
 
     width: int  # [pixels]
     height: int  # [pixels]

@@ -44,11 +44,8 @@ def in_millimetres(depth: Floats32, near: float, far: float) -> npt.NDArray[np.u
 def depth_message(depth: Floats32, encoding: str, near: float, far: float) -> Image:
     """Return a depth picture (height, width) [m] as sensor_msgs/Image.
 
-    Inf and NaN mean no reading. The encoding is METRES or MILLIMETRES; the sensor measures depths
-    from near to far [m].
-
-    Raises:
-        ValueError: The encoding is neither of these.
+    Inf and NaN mean no reading. The encoding is METRES or MILLIMETRES, else ValueError; the sensor
+    measures depths from near to far [m].
     """
     if encoding == METRES:
         return _image(in_metres(depth, near, far).astype("<f4", copy=False), encoding)

@@ -5,7 +5,7 @@ solid by solid, each within its bounds, in strips that stay in the processor's c
 float64, the pixels float32.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +30,7 @@ class Rendering:
     bounds: Sequence[PixelBounds]  # of the solids in view
     turn: Floats  # rotation matrix of the optical frame in the world
     depth: Floats32  # (height, width) float32 along the optical axis [m]; inf for the sky
-    # (height, width) int16, the number of the visible solid, GROUND or SKY; empty if only the depth
-    # was requested.
+    # (height, width) int16, the number of the visible solid, GROUND or SKY; empty with only_depth.
     solid: npt.NDArray[np.int16]
     eye: Vector  # position of the camera in the world [m]
 
@@ -91,7 +90,10 @@ class _DepthBuffer:
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
         """Draw a solid in front of more distant surfaces."""
-        for rows, columns in _strips(bounds):
+        columns = slice(bounds.left, bounds.right)
+        height = max(1, _STRIP // (bounds.right - bounds.left))
+        for top in range(bounds.top, bounds.bottom, height):
+            rows = slice(top, min(top + height, bounds.bottom))
             upper, lower = self._interval(seen, self._x[columns], self._y[rows])
             behind = self._inverse_depth[rows, columns]
             np.maximum(lower, behind, out=lower)
@@ -135,11 +137,3 @@ def _root(side: Floats, x: Floats, y: Floats, out: tuple[Floats32, Floats32]) ->
         third = evaluate(form, x, y, spare)
         np.subtract(root, np.multiply(third, third, out=third), out=root)
     return np.sqrt(root, out=root)
-
-
-def _strips(bounds: PixelBounds) -> Iterator[tuple[slice, slice]]:
-    """Yield rows and columns within the bounds, some rows at a time."""
-    columns = slice(bounds.left, bounds.right)
-    height = max(1, _STRIP // (bounds.right - bounds.left))
-    for top in range(bounds.top, bounds.bottom, height):
-        yield slice(top, min(top + height, bounds.bottom)), columns

@@ -33,10 +33,10 @@ _MARGIN = 1e-9  # [rad] by which arcs are widened
 _BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
 """By kind, the half sizes whose squares add up to the square of the bounding sphere's radius."""
 
+_BATCH = 32  # scanners at a time, so that the arrays stay in the processor's cache
+
 Numbers = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
-
-_BATCH = 32  # scanners at a time, so that the arrays stay in the processor's cache
 
 
 class Scanner:
@@ -142,8 +142,7 @@ class _Targets:
     boxes: int  # the number of boxes
     reach_squares: Floats  # (n,) of the bounding spheres [m^2]
     roundness: Floats  # (3, n) 1 for an axis in which a solid is round, else 0
-    # (n,) the index of the first ray of the scanner that looks at each solid.
-    first_rays: Numbers | None = None
+    first_rays: Numbers | None = None  # (n,) index of the first ray of its scanner
 
     def seen_by(self, near: Mask, rays: int) -> "_Targets":
         """Return the solids of near groups (k, groups), repeated for each of k scanners."""

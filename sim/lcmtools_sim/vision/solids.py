@@ -46,16 +46,14 @@ class Solids:
     def placed(self, position: Vector, rotation: Quaternion) -> "Solids":
         """Return the group in an outer frame in which its own frame has this pose."""
         turn = matrix(rotation)
-        return replace(
-            self, centres=self.centres @ turn.T + np.array(position), axes=turn @ self.axes
-        )
+        centres = self.centres @ turn.T + np.array(position)
+        return replace(self, centres=centres, axes=turn @ self.axes)
 
     def seen_from(self, position: Vector, rotation: Quaternion) -> "Solids":
         """Return the group in the frame of an eye at this pose: the inverse of ``placed``."""
         turn = matrix(rotation)
-        return replace(
-            self, centres=(self.centres - np.array(position)) @ turn, axes=turn.T @ self.axes
-        )
+        centres = (self.centres - np.array(position)) @ turn
+        return replace(self, centres=centres, axes=turn.T @ self.axes)
 
 
 PlacedSolids = tuple[Solids, Vector, Quaternion]

@@ -21,9 +21,7 @@ import numpy.typing as npt
 from lcmtools_sim.vision.solids import CUBOID, CYLINDER, Floats, Solids
 
 _TOUCH = 1e-9  # [m]; an eye this close to a plane counts as inside
-
 Floats32 = npt.NDArray[np.float32]
-
 NOTHING = np.empty((0, 3))
 
 

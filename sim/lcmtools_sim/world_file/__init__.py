@@ -21,10 +21,7 @@ _KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots", "paths"
 def read_scene(text: str, source: str) -> Scene:
     """Read a world file's text; ``source`` is its name, for messages and for files beside it.
 
-    It may also be a Gazebo world, see sdf.py.
-
-    Raises:
-        InvalidFile: It is wrong; the error has file, line and reason.
+    It may also be a Gazebo world, see sdf.py. InvalidFile, with file and line, if it is wrong.
     """
     if text.lstrip("\ufeff \t\r\n").startswith("<"):
         return read_sdf(text, source)

@@ -108,10 +108,7 @@ class Element(strict_xml.Element):
 def load_markup(text: str, source: str, root: str, hint: str = "") -> Element:
     """Return the root of an XML document, whose tag must be ``root``.
 
-    ``hint`` is for a document about something else.
-
-    Raises:
-        InvalidFile: The text is not XML, has a document type, or is about something else.
+    InvalidFile if it is no XML, has a document type, or another tag: then ``hint`` is its hint.
     """
     found = strict_xml.read_xml(text, source, Element)
     if found.tag != root:

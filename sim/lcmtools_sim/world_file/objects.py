@@ -32,11 +32,9 @@ def read_objects(item: Item, notes: list[str]) -> tuple[SceneObject, ...]:
 
 def _read(item: Item, notes: list[str]) -> Sequence[SceneObject]:
     read = values.one_of(item.field("type"), {**_READERS, "sdf": None}, "type")
-    return read(item) if read else _sdf(item, notes)
-
-
-def _sdf(item: Item, notes: list[str]) -> Sequence[SceneObject]:
-    """Read the content of a Gazebo file, relative to the pose."""
+    if read:
+        return read(item)
+    # the content of a Gazebo file, relative to the pose
     keys = item.fields(("type", "file", "pose"), required=["file"])
     found = read_sdf(*values.named_file(keys["file"]), value(keys, "pose", values.pose, ORIGIN))
     notes += [note for note in found.notes if note not in notes]

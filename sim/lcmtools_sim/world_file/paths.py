@@ -11,7 +11,6 @@ from lcmtools_sim.world_file.values import Item, value
 
 _SPACING = 0.1  # [m]
 _BLUE: Color = (0.15, 0.3, 0.8)
-
 Points = list[tuple[float, float]]
 
 

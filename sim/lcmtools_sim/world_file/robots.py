@@ -11,18 +11,10 @@ from lcmtools_sim.robots.model import CommandTopic, RobotModel
 from lcmtools_sim.scene import RobotPlacement
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import SensorKind, SensorMount, Settings
+from lcmtools_sim.world_file import values
 from lcmtools_sim.world_file.urdf import read_urdf
 from lcmtools_sim.world_file.urdf_robot import urdf_model
-from lcmtools_sim.world_file.values import (
-    Item,
-    checked_name,
-    given_twice,
-    named_file,
-    number,
-    one_of,
-    pose,
-    value,
-)
+from lcmtools_sim.world_file.values import Item, value
 
 _ROBOT_KEYS = (
     *("model", "namespace", "pose", "cmd_timeout", "sensors", "topics", "commands", "drive"),
@@ -45,26 +37,25 @@ def read_robots(item: Item, notes: list[str]) -> tuple[RobotPlacement, ...]:
 def _robot(item: Item, notes: list[str]) -> RobotPlacement:
     keys = item.fields(_ROBOT_KEYS, required=["model", "namespace"])
     model = _model(keys, item, notes)
-    namespace = checked_name(resolve_namespace)(keys["namespace"])
+    namespace = values.checked_name(resolve_namespace)(keys["namespace"])
     _check_topics(model, namespace, keys, item)
     return RobotPlacement(
         model=model,
         namespace=namespace,
-        pose=value(keys, "pose", pose, ORIGIN),
+        pose=value(keys, "pose", values.pose, ORIGIN),
         cmd_timeout=value(keys, "cmd_timeout", _timeout, None),
         where=f"{item.source}:{item.line}",
     )
 
 
 def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """Return the model with the entry's changes."""
     model = _plain_model(keys, item, notes)
     if value(keys, "gazebo_quirks", Item.flag, default=False):
         if model.gazebo_drive is None:
             raise keys["gazebo_quirks"].error(f"a {model.name} has no quirks in Gazebo")
         model = replace(model, drive=model.gazebo_drive)
     if "skid" in keys:
-        skids = one_of(keys["skid"], {"none": False, "coulomb": True}, "skid")
+        skids = values.one_of(keys["skid"], {"none": False, "coulomb": True}, "skid")
         if skids and not model.drive.wheels:
             raise keys["skid"].error(f"a {model.name} has two wheels, which do not skid")
         model = replace(model, drive=replace(model.drive, skids=skids))
@@ -82,18 +73,15 @@ def _plain_model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotMo
     path = keys["model"].text()
     if "/" not in path and not path.endswith((".urdf", ".xacro")):
         if "drive" in keys:
-            raise keys["drive"].error(
-                f"a {path} has a drive already", "'drive' is for a model from a URDF file"
-            )
-        return one_of(keys["model"], MODELS, "model")
-    urdf = read_urdf(*named_file(keys["model"]))
+            hint = "'drive' is for a model from a URDF file"
+            raise keys["drive"].error(f"a {path} has a drive already", hint)
+        return values.one_of(keys["model"], MODELS, "model")
+    urdf = read_urdf(*values.named_file(keys["model"]))
     if "drive" not in keys:
         turning = [name for name, joint in urdf.joints.items() if joint.kind == "continuous"]
-        raise item.error(
-            "a model from a URDF file needs the key 'drive'",
-            "name its wheels: drive: {left: [JOINT], right: [JOINT]}; joints that turn:"
-            f" {', '.join(turning) or 'none'}",
-        )
+        hint = "name its wheels: drive: {left: [JOINT], right: [JOINT]}; joints that turn: "
+        hint += ", ".join(turning) or "none"
+        raise item.error("a model from a URDF file needs the key 'drive'", hint)
     model, more = urdf_model(urdf, keys["drive"])
     notes += [note for note in more if note not in notes]
     return model
@@ -114,7 +102,7 @@ def _commands(item: Item) -> tuple[CommandTopic, ...]:
     names = [name.text() for name in item.items()]
     if not names:
         raise item.error("'commands' is empty: nothing could steer the robot")
-    if twice := given_twice(names):
+    if twice := values.given_twice(names):
         raise item.error(f"'{twice}' is given twice in 'commands'")
     return tuple(CommandTopic(name, is_twist=True) for name in names)
 
@@ -149,7 +137,7 @@ def _read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMou
     topics: set[str] = set()
     frames: dict[str, SensorMount] = {}
     for entry in item.items():
-        kind = one_of(entry.field("type"), SENSORS, "sensor")
+        kind = values.one_of(entry.field("type"), SENSORS, "sensor")
         keys = entry.fields((*_MOUNT_KEYS, *(one.name for one in fields(kind.settings))))
         topic = value(keys, "topic", Item.text, kind.topic)
         if topic in topics:
@@ -172,45 +160,36 @@ def _check_frame(item: Item, mount: SensorMount, frames: dict[str, SensorMount])
     other = frames.setdefault(mount.frame, mount)
     is_optical, is_other_optical = (SENSORS[one.kind].is_optical for one in (mount, other))
     if other.pose != mount.pose or is_optical != is_other_optical:
-        raise item.error(
-            f"the frame '{mount.frame}' is that of '{other.topic}' too, which sits elsewhere",
-            "give one another frame",
-        )
+        what = f"the frame '{mount.frame}' is that of '{other.topic}' too, which sits elsewhere"
+        raise item.error(what, "give one another frame")
 
 
 def _mount(keys: dict[str, Item], kind: SensorKind, mount: SensorMount) -> SensorMount:
-    """Return a sensor of this kind with the given fields."""
     return replace(
         mount,
-        rate=value(keys, "rate", number(1e-3, 1e4), mount.rate),
-        pose=value(keys, "pose", pose, mount.pose),
-        frame=value(keys, "frame", checked_name(check_legal), mount.frame),
+        rate=value(keys, "rate", values.number(1e-3, 1e4), mount.rate),
+        pose=value(keys, "pose", values.pose, mount.pose),
+        frame=value(keys, "frame", values.checked_name(check_legal), mount.frame),
         always=value(keys, "always", Item.flag, mount.always),
         settings=_settings(keys, kind.settings_of(mount)),
     )
 
 
 def _settings(keys: dict[str, Item], settings: Settings) -> Settings:
-    """Return the settings with the given fields."""
     given = {
         setting.name: _setting(keys[setting.name], setting)
         for setting in fields(settings)
         if setting.name in keys
     }
     changed = replace(settings, **given)
-    _check_order(keys, changed)
-    return changed
-
-
-def _check_order(keys: dict[str, Item], settings: Settings) -> None:
-    """Refuse settings in the wrong order, such as a shortest range above the longest one."""
-    for setting in fields(settings):
+    for setting in fields(changed):  # a shortest range must not be above the longest one
         low, high = setting.metadata["above"], setting.name
-        given = keys.get(low) or keys.get(high)
-        if low and given:
-            least, most = getattr(settings, low), getattr(settings, high)
+        item = keys.get(low) or keys.get(high)
+        if low and item:
+            least, most = getattr(changed, low), getattr(changed, high)
             if least >= most:
-                raise given.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
+                raise item.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
+    return changed
 
 
 def _setting(item: Item, setting: Field[float]) -> float:

@@ -22,7 +22,6 @@ _COUNTED = ("light", "actor", "road", "population")
 _MOST_MODELS = 5000
 _NO_WORLD = "a robot (URDF) goes into the robots of a YAML world file: model: ./FILE"
 _WORLD = "world"
-_JOINTED = "movement of a joint"
 
 
 def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
@@ -127,7 +126,8 @@ class _Reader:
             raise element.error(f"the world has more than {_MOST_MODELS} models")
         name = prefix + element.attribute("name")
         frame = outer.place(read_pose(element, {_WORLD, "__model__"}))
-        static = static or _flag(element.child("static"))
+        flag = element.child("static")
+        static = static or (flag is not None and flag.text.strip().lower() in ("true", "1"))
         for child in element.children:
             if child.tag == "link":
                 link = f"{name}::{child.attribute('name')}"
@@ -142,7 +142,7 @@ class _Reader:
     def _joint(self, element: Element, into: _Model, model: str) -> None:
         parent, child = (element.needed(tag).words() for tag in ("parent", "child"))
         if element.attributes.get("type") != "fixed":
-            self._left_out[_JOINTED] += 1
+            self._left_out["movement of a joint"] += 1
         ends = [end if end == _WORLD else f"{model}::{end}" for end in (parent, child)]
         into.joints.append((ends[0], ends[1]))
 
@@ -154,10 +154,6 @@ def _overridden(model: Element, include: Element) -> Element:
     name = include.child("name")
     attributes = {**model.attributes, **({"name": name.words()} if name else {})}
     return Element(model.tag, model.source, model.line, attributes, [*own, *kept])
-
-
-def _flag(element: Element | None) -> bool:
-    return element is not None and element.text.strip().lower() in ("true", "1")
 
 
 def _groups(model: _Model) -> list[list[SdfLink]]:

@@ -63,8 +63,10 @@ def read_link(
     for collision in element.all("collision"):
         place = frame.place(read_pose(collision, {own}))
         color = _color(element, collision)
-        rough = _friction(collision)
-        if _is_ground(collision, place):
+        mu = collision.path("surface", "friction", "ode", "mu")
+        rough = min(_MOST_FRICTION, mu.number(lowest=0.0)) if mu else _FRICTION
+        is_level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
+        if is_level and collision.path("geometry", "plane"):
             ground = Ground(rough, color)
             continue
         found = _parts(collision.needed("geometry"), color, left_out)
@@ -73,15 +75,9 @@ def read_link(
     if element.all("visual") and not element.all("collision"):
         left_out["visuals without collisions"] += len(element.all("visual"))
     mass, centre = _inertial(element)
-    return SdfLink(
-        name,
-        Frame(frame.point(centre), frame.rotation),
-        tuple(parts),
-        mass,
-        _FRICTION if friction is None else friction,
-        static,
-        ground,
-    )
+    centred = Frame(frame.point(centre), frame.rotation)
+    friction = _FRICTION if friction is None else friction
+    return SdfLink(name, centred, tuple(parts), mass, friction, static, ground)
 
 
 def read_pose(element: Element, parents: Collection[str]) -> Frame:
@@ -91,10 +87,8 @@ def read_pose(element: Element, parents: Collection[str]) -> Frame:
         return Frame()
     relative_to = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
     if relative_to and relative_to not in parents:
-        raise pose.error(
-            f"the pose of {element} is relative to '{relative_to}'",
-            "only poses relative to the enclosing element are supported",
-        )
+        what = f"the pose of {element} is relative to '{relative_to}'"
+        raise pose.error(what, "only poses relative to the enclosing element are supported")
     x, y, z, *angles = pose.numbers("", (6, 7))
     if len(angles) == 4:  # noqa: PLR2004 - a quaternion
         size = math.hypot(*angles)
@@ -126,17 +120,6 @@ def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part
         return [Part(Cuboid((x, y, _SLAB)), (0.0, 0.0, -_SLAB / 2), color=color)]
     left_out[geometry.children[0].tag if geometry.children else "empty geometry"] += 1
     return []
-
-
-def _is_ground(collision: Element, place: Frame) -> bool:
-    """Return whether it is the plane z = 0."""
-    level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
-    return level and collision.path("geometry", "plane") is not None
-
-
-def _friction(collision: Element) -> float:
-    found = collision.path("surface", "friction", "ode", "mu")
-    return min(_MOST_FRICTION, found.number(lowest=0.0)) if found else _FRICTION
 
 
 def _inertial(link: Element) -> tuple[float, Vector]:

@@ -28,16 +28,13 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint between two links, by name; ``frame`` is the child's in the parent, at zero.
-
-    ``kind`` is URDF's type: fixed, continuous, revolute and so on.
-    """
+    """A joint between two links, by name."""
 
     element: Element
-    kind: str
+    kind: str  # URDF's type: fixed, continuous, revolute and so on
     parent: str
     child: str
-    frame: Frame
+    frame: Frame  # the child's in the parent, at zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +43,7 @@ class Urdf:
 
     root: Element  # the root element, for messages
     name: str  # the robot's
-    # By name, in the frame of base_link (or of the first link, without a base_link).
-    links: dict[str, Link]
+    links: dict[str, Link]  # by name, in the frame of base_link, or of the first link without one
     joints: dict[str, Joint]  # by name
     notes: tuple[str, ...]  # notes on links that were left out
 
@@ -74,10 +70,8 @@ def _refuse_xacro(text: str, source: str) -> None:
         plain = PurePath(source.removesuffix(".xacro")).with_suffix(".urdf").name
         if plain == PurePath(source).name:  # the file would be emptied before xacro reads it
             plain = f"plain_{plain}"
-        raise InvalidFile(
-            f"{source}: it is a xacro file, which must be expanded first",
-            f"type: xacro {PurePath(source).name} > {plain}",
-        )
+        what = f"{source}: it is a xacro file, which must be expanded first"
+        raise InvalidFile(what, f"type: xacro {PurePath(source).name} > {plain}")
 
 
 def _by_name(root: Element, tag: str) -> dict[str, Element]:
@@ -104,13 +98,12 @@ def _frames(root: Element, links: dict[str, Element], joints: dict[str, Joint]) 
     """Return the frame of each link in the base; all must form one tree."""
     above: dict[str, Joint] = {}
     for joint in joints.values():
+        element = joint.element
         for name in (joint.parent, joint.child):
             if name not in links:
-                raise joint.element.error(
-                    f"{joint.element} joins a link '{name}' that does not exist"
-                )
+                raise element.error(f"{element} joins a link '{name}' that does not exist")
         if joint.child in above:
-            raise joint.element.error(f"the link '{joint.child}' has two parents")
+            raise element.error(f"the link '{joint.child}' has two parents")
         above[joint.child] = joint
     tops = [name for name in links if name not in above]
     if len(tops) != 1:
@@ -157,10 +150,9 @@ def _shape(link: Element, geometry: Element) -> Shape:
     if found := geometry.child("sphere"):
         return Sphere(found.length("radius"))
     kind = geometry.children[0].tag if geometry.children else "nothing"
-    raise geometry.error(
-        f"link '{link.attribute('name')}' has a shape of <{kind}>",
-        "boxes, cylinders and spheres are supported: give it one as <collision>",
-    )
+    what = f"link '{link.attribute('name')}' has a shape of <{kind}>"
+    hint = "boxes, cylinders and spheres are supported: give it one as <collision>"
+    raise geometry.error(what, hint)
 
 
 def _inertial(link: Element, frame: Frame) -> Inertial | None:
@@ -189,7 +181,6 @@ def _origin(element: Element) -> Frame:
 
 
 def _colors(root: Element) -> dict[str, Color]:
-    """Return the colours of all named materials."""
     visuals = [visual for link in root.all("link") for visual in link.all("visual")]
     found: dict[str, Color] = {}
     for material in (m for holder in (root, *visuals) for m in holder.all("material")):
@@ -203,8 +194,7 @@ def _look(link: Element, colors: dict[str, Color]) -> Color:
     """Return the first colour of a link's visuals."""
     for visual in link.all("visual"):
         for material in visual.all("material"):
-            color = _rgb(material) or colors.get(material.attributes.get("name", ""))
-            if color:
+            if color := _rgb(material) or colors.get(material.attributes.get("name", "")):
                 return color
     return GREY
 

@@ -1,8 +1,7 @@
 """A robot model from a URDF file: its wheels' joints, and one rigid body of all links.
 
 The body slides on frictionless feet, as in all models. As the tyre model requires, its mass is
-assumed to lie above the middle between the wheels, with the moments of inertia of all links about
-that line.
+assumed above the middle between the wheels, with all links' moments of inertia about that line.
 """
 
 import math
@@ -23,8 +22,7 @@ _DRIVE_KEYS = (
 _NEAR = 0.01  # [m] two places this close to each other count as one
 _PARALLEL = 0.99  # cosine of the largest angle between parallel axes
 _CLEARANCE = 0.004  # [m] the least height of all parts above the ground: only the feet touch it
-_DEEPEST = 0.05
-"""[m] A part that reaches farther below the wheels would carry the robot in their place."""
+_DEEPEST = 0.05  # [m] a part that reaches farther below the wheels would carry the robot instead
 _NEAR_GROUND = 0.01  # [m] a part this close to the ground supports the robot
 _TURNING = ("continuous", "revolute")
 
@@ -43,9 +41,7 @@ class _Wheel:
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
     """Return the robot of a URDF file, with the drive in ``item``, and notes about it."""
     keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
-    left, right = (
-        [_wheel(urdf, joint) for joint in keys[side].items()] for side in ("left", "right")
-    )
+    left, right = ([_wheel(urdf, one) for one in keys[side].items()] for side in ("left", "right"))
     _check_sides(item, left, right)
     wheels = [*left, *right]
     radius = value(keys, "wheel_radius", length, 0.0) or _common_radius(item, wheels)
@@ -97,9 +93,8 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     if joint is None:
         turning = [n for n, one in urdf.joints.items() if one.kind in _TURNING]
         known = f"joints that turn: {', '.join(turning) or 'none'}"
-        raise item.error(
-            f"{urdf.root.source} has no joint '{name}'", did_you_mean(name, turning) or known
-        )
+        hint = did_you_mean(name, turning) or known
+        raise item.error(f"{urdf.root.source} has no joint '{name}'", hint)
     _check_axis(urdf, joint)
     link = urdf.links[joint.child]
     round_parts = [p for p in link.parts if isinstance(p.shape, Cylinder | Sphere)]
@@ -107,10 +102,9 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     if largest is None:
         return _Wheel(name, joint.child, link.frame.position)
     if isinstance(largest.shape, Cylinder) and abs(axes(largest.rotation)[2][1]) < _PARALLEL:
-        raise link.element.error(
-            f"the cylinder of the wheel '{joint.child}' does not lie along its axle",
-            'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y',
-        )
+        what = f"the cylinder of the wheel '{joint.child}' does not lie along its axle"
+        hint = 'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y'
+        raise link.element.error(what, hint)
     return _Wheel(name, joint.child, largest.position, _radius(largest), largest)
 
 
@@ -121,10 +115,8 @@ def _check_axis(urdf: Urdf, joint: Joint) -> None:
     own = axis.vector("xyz") if axis else (1.0, 0.0, 0.0)
     size = math.hypot(*own)
     if not size or abs(rotate(own, urdf.links[joint.child].frame.rotation)[1]) / size < _PARALLEL:
-        raise joint.element.error(
-            f"{joint.element} does not turn about the y axis of base_link, as wheels do",
-            'give it <axis xyz="0 1 0"/>',
-        )
+        what = f"{joint.element} does not turn about the y axis of base_link, as wheels do"
+        raise joint.element.error(what, 'give it <axis xyz="0 1 0"/>')
 
 
 def _radius(part: Part) -> float:
@@ -149,9 +141,8 @@ def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
             raise item.error(f"the wheel of '{joint}' has no round shape", "set wheel_radius")
     smallest, largest = min(radii.values()), max(radii.values())
     if largest > 1.01 * smallest:
-        raise item.error(
-            f"the wheels have radii from {smallest:g} to {largest:g} m", "set wheel_radius"
-        )
+        what = f"the wheels have radii from {smallest:g} to {largest:g} m"
+        raise item.error(what, "set wheel_radius")
     return largest
 
 
@@ -169,12 +160,7 @@ def _body(
     inertia = moments(inertials, (middle[0], middle[1], centre[2]))
     if min(inertia) <= 0:
         raise urdf.root.error("the moments of inertia must be above 0")
-    to_footprint = scaled(middle, -1.0)
-    linked = [
-        (name, part.placed(to_footprint))
-        for name, link in urdf.links.items()
-        for part in link.parts
-    ]
+    linked = _placed(urdf, middle)
     if not linked:
         raise urdf.root.error("no link has a shape", "boxes, cylinders and spheres are supported")
     parts = tuple(_lifted(urdf, name, part) for name, part in linked)
@@ -195,15 +181,15 @@ def _body(
     )
 
 
+def _placed(urdf: Urdf, middle: Vector) -> list[tuple[str, Part]]:
+    """Return all parts in base_footprint, each with the name of its link."""
+    parts = [(name, part) for name, link in urdf.links.items() for part in link.parts]
+    return [(name, part.placed(scaled(middle, -1.0))) for name, part in parts]
+
+
 def _look(urdf: Urdf, wheels: Sequence[_Wheel], middle: Vector) -> Look:
-    """Return the robot's look for viewers, with wheels that turn."""
     turning = {wheel.link for wheel in wheels}
-    parts = [
-        part.placed(scaled(middle, -1.0))
-        for name, link in urdf.links.items()
-        for part in link.parts
-        if name not in turning
-    ]
+    parts = [part for name, part in _placed(urdf, middle) if name not in turning]
     if not parts:
         return Look()  # shown as its body
     return Look(tuple(parts), tuple(_turning(urdf, wheel, middle) for wheel in wheels))

@@ -138,11 +138,7 @@ def _key_hint(name: str, allowed: Collection[str]) -> str:
 
 
 def load(text: str, source: str, name: str) -> Item:
-    """Return the root of a YAML document; errors name it ``name``.
-
-    Raises:
-        InvalidFile: The text is not YAML, or has no or several documents.
-    """
+    """Return the root, called ``name``, of the text; InvalidFile unless it is one YAML document."""
     node = strict_yaml.read_file(text, source)
     if node is None:
         raise InvalidFile(f"{source}:1: the file is empty")
@@ -229,11 +225,7 @@ def named_file(item: Item) -> tuple[str, str]:
 
 
 def read_file(path: Path) -> str:
-    """Read a file's text.
-
-    Raises:
-        InvalidFile: It cannot be read, is not text, or is too large for a description.
-    """
+    """Read a file's text; InvalidFile if it is not readable text, or too large for a model."""
     with os_errors_as(f"cannot read {path}", kind=InvalidFile):
         if path.is_file() and path.stat().st_size > _LARGEST_BYTES:
             raise InvalidFile(f"{path}: is larger than {_LARGEST_BYTES // 1_000_000} MB")

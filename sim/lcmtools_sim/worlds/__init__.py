@@ -28,15 +28,10 @@ def describe(name: str) -> str:
 
 
 def find_world(world: str) -> tuple[str, str]:
-    """Return a world file's text and its name for messages.
+    """Return a world file's text and its name for messages; UsageError for an unknown name.
 
-    Args:
-        world: The name of an included world, or a file: a name with a slash or the
-            ending .yaml, .yml, .sdf or .world.
-
-    Raises:
-        UsageError: There is no world with this name.
-        InvalidFile: The file cannot be read.
+    ``world`` is the name of an included world, or a file: a name with a slash or the ending .yaml,
+    .yml, .sdf or .world; InvalidFile if that cannot be read.
     """
     if "/" in world or world.endswith(_ENDINGS):
         from lcmtools_sim.world_file.values import read_file
@@ -45,10 +40,8 @@ def find_world(world: str) -> tuple[str, str]:
     name = ALIASES.get(world, world)
     if name not in world_names():
         hint = did_you_mean(world, [*world_names(), *ALIASES])
-        raise UsageError(
-            f"there is no world '{world}'",
-            hint or f"worlds: {', '.join(world_names())}; or give a file, ./{world}.yaml",
-        )
+        hint = hint or f"worlds: {', '.join(world_names())}; or give a file, ./{world}.yaml"
+        raise UsageError(f"there is no world '{world}'", hint)
     return _packaged(name), f"{name}.yaml"
 
 

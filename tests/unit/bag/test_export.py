@@ -119,6 +119,7 @@ def test_json_lines_have_topic_time_sender_type_and_message(tmp_path: Path) -> N
         "time": _SECOND,
         "sender": "/driver",
         "type": "geometry_msgs/Twist",
+        "types": ["geometry_msgs/Twist", "geometry_msgs/Accel"],
         "message": {
             "linear": {"x": 0.25, "y": 0.0, "z": 0.0},
             "angular": {"x": 0.0, "y": 0.0, "z": 0.0},

@@ -9,6 +9,7 @@ from lcmtools.doctor.evidence import LogLine
 from lcmtools.doctor.listening import Listening
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field
+from lcmtools.messages.message_time import MessageTime
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -198,7 +199,8 @@ def test_a_utime_is_microseconds_of_now(
     listening = Listening(lambda _: ())
     for second in range(3):
         now = microseconds + advances * second * 10**6
-        monkeypatch.setattr("lcmtools.doctor.listening.utime", lambda _, now=now: now * 1000)
+        time = MessageTime("utime", now, now * 1000, "microseconds")
+        monkeypatch.setattr("lcmtools.doctor.listening.message_time", lambda _, time=time: time)
         listening.add_packet(Packet("U", encode(String()), NOW + second * 10**9, ALICE))
     assert [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)] == found
 

@@ -11,7 +11,9 @@ from lcmtools.types.std_msgs import Header
 def test_a_nested_message_is_a_field_of_its_type() -> None:
     twist, vector = message_class("geometry_msgs/Twist"), message_class("geometry_msgs/Vector3")
     linear, _ = fields(twist)
-    assert linear == Field("linear", "geometry_msgs/Vector3", vector, (), is_length=False)
+    assert linear == Field(
+        "linear", "geometry_msgs/Vector3", vector, (), is_length=False, attribute="linear"
+    )
 
 
 def test_length_fields_are_there_but_not_visible() -> None:

@@ -168,6 +168,9 @@ class _Supply:
     def far(self) -> TypeSource:
         raise AssertionError("asked without need")
 
+    def recorded_names(self, _: int) -> list[str]:
+        return []
+
     def recorded(self) -> list[TypeSource]:
         raise AssertionError("asked without need")
 

@@ -194,7 +194,7 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         (
             "sensor_msgs/JointState",
             ["name_length: 2"],
-            "name_length: is always the length of name; leave it out",
+            "name_length: is 2, and the length of name is 0; leave it out",
         ),
         (
             "sensor_msgs/CompressedImage",

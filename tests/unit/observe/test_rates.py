@@ -3,13 +3,12 @@
 import math
 from itertools import pairwise
 from statistics import pstdev
-from types import SimpleNamespace
 
 import pytest
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.fields import utime
 from lcmtools.messages.layout import stamp_reader
+from lcmtools.messages.message_time import MessageTime
 from lcmtools.observe.measuring.measure import Delays
 from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow
 from lcmtools.observe.reading.arrivals import SelectedPacket
@@ -151,10 +150,9 @@ def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
 
 
 def test_without_a_header_the_delay_is_that_of_utime(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert utime(SimpleNamespace(utime=5)) == 5000  # type: ignore[arg-type] # a field is enough
-    assert utime(Twist()) is None
     delay, packet = Delays(Decoder(lambda _: ()), print), Packet("/a", Twist().encode(), 0)
-    monkeypatch.setattr("lcmtools.observe.measuring.measure.utime", lambda _: 7000)
+    found = MessageTime("utime", 7, 7000, "microseconds")
+    monkeypatch.setattr("lcmtools.observe.measuring.measure.message_time", lambda _: found)
     assert delay(SelectedPacket("/a", packet, 9000)) == 2000
 
 

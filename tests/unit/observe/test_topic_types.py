@@ -17,14 +17,17 @@ _UNKNOWN = 1
     ("announced", "sent", "text"),
     [
         pytest.param("", [], "unknown type", id="nothing known"),
-        pytest.param("", [fingerprint(Twist)], "geometry_msgs/Twist", id="as it is sent"),
+        pytest.param("", [fingerprint(String)], "std_msgs/String", id="as it is sent"),
+        pytest.param(
+            "", [fingerprint(Twist)], "geometry_msgs/Twist (one of 2)", id="equal fields, as sent"
+        ),
         pytest.param("std_msgs/String", [], "std_msgs/String", id="as it is announced"),
         pytest.param("std_msgs/String", [fingerprint(String)], "std_msgs/String", id="the same"),
         pytest.param("own/Text", [fingerprint(String)], "own/Text", id="equal fields"),
         pytest.param(
             "std_msgs/String",
             [fingerprint(Twist), _UNKNOWN],
-            "std_msgs/String, geometry_msgs/Twist, unknown type",
+            "std_msgs/String, geometry_msgs/Twist (one of 2), unknown type",
             id="several",
         ),
     ],

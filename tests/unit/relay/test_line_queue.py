@@ -9,7 +9,7 @@ from lcmtools.relay.line_queue import LATE, LineMessage, LineQueue
 def _drain(queue: LineQueue) -> list[tuple[str, bytes]]:
     taken = []
     while queue.is_waiting:
-        taken += [(one.channel, one.payload) for one in queue.take(0.0)]
+        taken += [(one.channel, one.payload) for one in queue.pop(0.0)]
     return taken
 
 
@@ -19,7 +19,7 @@ def test_messages_leave_in_order_and_the_protocols_first() -> None:
     queue.add([LineMessage("a", b"3")])
     queue.add_first(LineMessage("node", b"0"))
     assert _drain(queue) == [("node", b"0"), ("a", b"1"), ("b", b"2"), ("a", b"3")]
-    assert queue.take(0.0) == []
+    assert queue.pop(0.0) == []
 
 
 def test_only_the_newest_of_a_topic_waits() -> None:
@@ -54,7 +54,7 @@ def test_what_has_waited_for_too_long_is_dropped_and_counted() -> None:
     queue = LineQueue()
     queue.add([LineMessage("cmd", b"old", due=time.monotonic()), LineMessage("map", b"state")])
     queue.add([LineMessage("cmd", b"new", due=time.monotonic() + 3600)])
-    kept = [one.payload for one in queue.take(0.0) if not queue.is_late(one)]
+    kept = [one.payload for one in queue.pop(0.0) if not queue.is_late(one)]
     assert (kept, queue.dropped) == ([b"state", b"new"], 1)
 
 
@@ -62,17 +62,17 @@ def test_what_is_dropped_at_the_end_is_counted() -> None:
     queue = LineQueue()
     queue.add([LineMessage("a", b""), LineMessage("b", b"")])
     queue.clear()
-    assert (queue.dropped, queue.take(0.0)) == (2, [])
+    assert (queue.dropped, queue.pop(0.0)) == (2, [])
 
 
 def test_what_was_taken_before_it_was_cleared_is_not_sent_any_more() -> None:
     queue = LineQueue()
     due = time.monotonic() + LATE
     queue.add([LineMessage("cmd", b"go", due=due), LineMessage("map", b"state")])
-    taken = queue.take(0.0)
+    taken = queue.pop(0.0)
     queue.clear()
     queue.add([LineMessage("cmd", b"new", due=time.monotonic() + 2 * LATE)])
-    kept = [one.payload for one in taken + queue.take(0.0) if not queue.is_late(one)]
+    kept = [one.payload for one in taken + queue.pop(0.0) if not queue.is_late(one)]
     assert (kept, queue.dropped) == ([b"state", b"new"], 1)
 
 

@@ -99,7 +99,7 @@ def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
             report = Knowledge(f"{relay}/{side}", known[relay].links())
             for other, there in product(range(4), (0, 1)):
                 if pairs[other][there] == pairs[relay][side]:
-                    known[other].learn(report, f"{other}/{there}", SECOND)
+                    known[other].add_report(report, f"{other}/{there}", SECOND)
     assert {one.carrying() for one in known} == {frozenset({"0", "1", "2"})}
 
 
@@ -107,17 +107,18 @@ def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
     other = _links(((0, 1), (0, 1)))[0]
     known = _known(((0, 1), (0, 1)), 1)
     report = Knowledge("0/0", (replace(other, number=1),))
-    assert known.learn(report, "1/0", SECOND)
-    assert known.learn(report._replace(end="0/1"), "1/1", SECOND)
+    assert known.add_report(report, "1/0", SECOND)
+    assert known.add_report(report._replace(end="0/1"), "1/1", SECOND)
     assert known.carrying() == {"0"}
-    assert not known.learn(report, "1/0", SECOND)  # nothing new
+    assert not known.add_report(report, "1/0", SECOND)  # nothing new
     assert not known.expire(4 * SECOND)
     assert known.expire(4 * SECOND + 1)
     assert known.carrying() == {"1"}
     left = replace(other, number=2, state=State.LEFT)
-    known.learn(report._replace(links=(replace(other, number=1),)), "1/0", 9 * SECOND)
-    known.learn(report._replace(links=(left,)), "1/0", 9 * SECOND)
-    known.learn(report._replace(links=(replace(other, number=1),)), "1/1", 9 * SECOND)  # was late
+    known.add_report(report._replace(links=(replace(other, number=1),)), "1/0", 9 * SECOND)
+    known.add_report(report._replace(links=(left,)), "1/0", 9 * SECOND)
+    late = report._replace(links=(replace(other, number=1),))
+    known.add_report(late, "1/1", 9 * SECOND)
     assert known.carrying() == {"1"}
 
 
@@ -126,16 +127,16 @@ def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it() -> No
     dead = replace(_links(pairs)[0], number=7)
     one, other = _known(pairs, 1), _known(pairs, 2)
     for at, known in ((1, one), (2, other)):
-        known.learn(Knowledge("0/0", (dead,)), f"{known.own.id}/0", at * SECOND)
+        known.add_report(Knowledge("0/0", (dead,)), f"{known.own.id}/0", at * SECOND)
     for second in range(3, 10):  # each forgets it while the other has it still
         for known, teller in ((one, other), (other, one)):
             known.expire(second * SECOND + 1)
             known.update(State.STANDBY, known.own.ends)
             report = Knowledge(f"{teller.own.id}/0", teller.links())
-            known.learn(report, f"{known.own.id}/0", second * SECOND + 1)
+            known.add_report(report, f"{known.own.id}/0", second * SECOND + 1)
     assert "0" not in {link.id for link in (*one.links(), *other.links())}
     back = replace(dead, number=8)
-    assert one.learn(Knowledge("0/0", (back,)), "1/0", 10 * SECOND)
+    assert one.add_report(Knowledge("0/0", (back,)), "1/0", 10 * SECOND)
 
 
 def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
@@ -143,7 +144,8 @@ def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
     younger = _links(pairs)[1]
     ports = tuple(replace(end, ports=(5, 6)) for end in younger.ends)
     known = _known(pairs, 0)
-    known.learn(Knowledge("1/0", (replace(younger, ends=ports, number=1),)), "0/0", 0, "10.0.0.2")  # type: ignore[arg-type]
+    report = Knowledge("1/0", (replace(younger, ends=ports, number=1),))  # type: ignore[arg-type]
+    known.add_report(report, "0/0", 0, "10.0.0.2")
     assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
     assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
     assert known.idle("0/0", {"0", "1"}) == frozenset()

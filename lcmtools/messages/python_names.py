@@ -1,0 +1,70 @@
+"""Names that LCM allows and Python cannot spell: ``from`` is ``from_`` in Python.
+
+Belongs here: which names these are, and the fingerprint of a type that is generated with others.
+Must not know files or lcm-gen's output.
+"""
+
+from collections.abc import Collection, Iterable
+from functools import cache
+from itertools import chain
+from keyword import iskeyword
+
+_MEMBERS = {
+    *("encode", "decode", "get_hash", "_encode_one", "_decode_one", "_get_hash_recursive"),
+    *("_get_packed_fingerprint", "_packed_fingerprint"),
+    *("__slots__", "__typenames__", "__dimensions__", "__renamed__", "__lcm_name__"),
+    "__constant_types__",
+    *dir(object),
+}
+"""The members of lcm-gen's classes, and those that lcmtools adds."""
+
+_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 63
+
+HashedField = tuple[str, str, tuple[int | str, ...]]
+"""A field's name, its type by LCM's name ("" for another message), and its array sizes."""
+
+
+def python_name(name: str, others: Collection[str] = ()) -> str:
+    """Return a name as it is in Python: with "_" if that needs it, and unlike all ``others``."""
+    if not _is_taken(name):
+        return name
+    while _is_taken(name) or name in others:
+        name += "_"
+    return name
+
+
+def python_path(path: str) -> str:
+    """Return a path of packages and types, joined by dots, as it is in Python."""
+    return ".".join(map(python_name, path.split(".")))
+
+
+def base_hash(parts: Iterable[HashedField]) -> int:
+    """Return the part of a fingerprint that lcm-gen computes from the fields themselves.
+
+    See lcm-proj/lcm, lcmgen/lcmgen.c.
+    """
+    value = _START
+    for byte in chain.from_iterable(map(_hashed_bytes, parts)):
+        # the high bits are shifted as those of a signed number
+        high = (value >> 55) | (~0x1FF if value >= _SIGN else 0)
+        value = (((value << 8) ^ high) + byte) & _BITS
+    return value
+
+
+def _is_taken(name: str) -> bool:
+    is_mangled = name.startswith("__") and not name.endswith("__")
+    return is_mangled or iskeyword(name) or name in _MEMBERS
+
+
+@cache
+def _hashed_bytes(part: HashedField) -> tuple[int, ...]:
+    """Return the bytes that lcm-gen hashes for a field."""
+
+    def text(name: str) -> tuple[int, ...]:
+        data = name.encode()
+        return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
+
+    name, primitive, dimensions = part
+    sizes = ((isinstance(size, str), *text(str(size))) for size in dimensions)
+    kind = text(primitive) if primitive else ()
+    return (*text(name), *kind, len(dimensions), *chain.from_iterable(sizes))

@@ -1,0 +1,62 @@
+"""Arrays in the messages of arrays, as columns of tables."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools import message_class
+from lcmtools.messages.codec import encode
+from lcmtools.messages.message_template import draft_from_values
+from lcmtools.messages.plain import to_plain
+
+Family = Callable[[str], Path]
+CONTACT = "{force: [1, 2, 3], points: [[1, 2, 3], [4, 5, 6]], raw: [1, 2], label: x}"
+GRID = "grid: [[{value: 1, on: true}, {corner: [1, 2]}]], words: [[a, b]]"
+EMPTY, ONE = "{}", f"{{bodies: [{{name: a, contacts: [{CONTACT}]}}], {GRID}}}"
+RAGGED = f"{{bodies: [{{contacts: [{CONTACT}, {{}}]}}, {{name: b}}, {{contacts: [{{}}]}}], {GRID}}}"
+ROWS = "{grid: [[{value: 1}], [{value: 2}]], words: [[a], [b]]}"
+NO_ROWS = "{cols: 4}"
+
+
+def part(plain: Any, path: str) -> Any:
+    """The values of a column in a message: a list for each array on the way."""
+    if isinstance(plain, list) and path:
+        return [part(one, path) for one in plain]
+    name, _, rest = path.partition(".")
+    return part(plain[name], rest) if path else plain
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        [EMPTY, EMPTY],
+        [ONE, ONE],
+        [RAGGED, RAGGED],
+        [ROWS, ROWS],
+        [NO_ROWS],
+        [RAGGED],
+        [EMPTY, ONE, RAGGED, ROWS, NO_ROWS],
+        [ROWS, RAGGED, ONE, ONE],
+    ],
+)
+def test_parquet_has_lists_in_lists(
+    family: Family,
+    cli: Callable[..., Any],
+    log_of: Callable[..., str],
+    tmp_path: Path,
+    texts: list[str],
+) -> None:
+    from pyarrow import parquet
+
+    family("nested_arrays")
+    cls = message_class("nested_arrays/scene_t")
+    messages = [draft_from_values(cls, [text]).message for text in texts]
+    log, target = log_of("SCENE", *map(encode, messages)), tmp_path / "scene.parquet"
+    assert cli("bag", "export", log, str(target)).ok() == f"{target}: {len(texts)} messages\n"
+    found = parquet.read_table(target).to_pydict()
+    assert found.pop("%time")
+    expected = {name: [part(to_plain(one), name) for one in messages] for name in found}
+    assert found == expected
+    assert "bodies.contacts.points" in found

@@ -1,0 +1,203 @@
+"""Types with the same name in several folders: each is known by its fingerprint."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools import message_class
+from lcmtools.bag.recorded_types import recorded_types
+from lcmtools.errors import UnknownType
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import (
+    candidates,
+    fingerprint,
+    message_classes,
+    type_name,
+    versioned,
+)
+from lcmtools.messages.supply import set_supply
+from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.packages import provide_recorded_types, provide_user_types
+from lcmtools.wire.log_index import LogIndex, index_line, parse_index, type_line
+from lcmtools.wire.packet import Packet
+
+Family = Callable[[str], Path]
+Cli = Callable[..., Any]
+OLD = ("rover/state_t", "rover/pose_t", "rover/mode_t")
+
+
+def old(name: str) -> Any:
+    return message_class(f"{name}@old/{name.rpartition('/')[2]}.lcm")
+
+
+def test_every_struct_is_known_by_its_fingerprint(family: Family) -> None:
+    family("versions")
+    for name in OLD:
+        new = message_class(name)
+        assert fingerprint(new) != fingerprint(old(name))
+        for cls in (new, old(name)):
+            number = fingerprint(cls)
+            assert candidates(number) == [name]
+            assert message_class(name, number) is cls
+            assert message_class(versioned(name, number)) is cls
+            assert type(decode(cls, encode(cls()))) is cls
+            assert cls in set(message_classes())
+
+
+def test_a_version_is_made_of_the_types_beside_it(family: Family) -> None:
+    family("versions")
+    assert fields(old("rover/state_t"))[0].message_class is old("rover/pose_t")
+    trail = message_class("rover/trail_t")  # which only the old folder has
+    assert fields(trail)[1].message_class is old("rover/pose_t")
+
+
+@pytest.mark.parametrize(
+    ("version", "slots"),
+    [
+        ("old/state_t.lcm", 2),
+        ("new/state_t.lcm", 3),
+        ("./versions/old/state_t.lcm", 2),
+        ("0xe77dcbf86d862546", 2),
+    ],
+)
+def test_the_choice_is_written_behind_the_name(family: Family, version: str, slots: int) -> None:
+    family("versions")
+    for name in ("rover/state_t", "rover.state_t", "state_t"):
+        assert len(message_class(f"{name}@{version}").__slots__) == slots
+
+
+@pytest.mark.parametrize("version", ["state_t.lcm", "older/state_t.lcm", "0x1", "lcmtools"])
+def test_a_version_that_is_unknown_or_not_the_only_one_names_the_choice(
+    family: Family, version: str
+) -> None:
+    family("versions")
+    names = "rover/state_t@new/state_t.lcm or rover/state_t@old/state_t.lcm"
+    with pytest.raises(
+        UnknownType, match=f"unknown version '{version}' of rover/state_t; write {names}"
+    ):
+        message_class(f"rover/state_t@{version}")
+
+
+def test_the_name_alone_means_the_first_and_a_line_says_so(
+    family: Family, caplog: pytest.LogCaptureFixture
+) -> None:
+    family("versions")
+    message_class("rover/state_t", fingerprint(old("rover/state_t")))
+    assert not caplog.messages, "nothing was left open"
+    assert len(message_class("rover/state_t").__slots__) == 3
+    assert caplog.messages[0].endswith(
+        "; the first is used, the other is rover/state_t@old/state_t.lcm"
+    )
+
+
+def test_lcmtools_own_type_is_a_version_too(
+    monkeypatch: pytest.MonkeyPatch, family: Family, tmp_path: Path
+) -> None:
+    family("versions")
+    shipped = message_class("std_msgs/String")
+    (tmp_path / "s.lcm").write_text("package std_msgs;\nstruct String { string text; }\n")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    assert message_class("std_msgs/String").__slots__ == ["text"]
+    assert message_class("std_msgs/String@lcmtools") is shipped
+    assert versioned("std_msgs/String", fingerprint(shipped)) == "std_msgs/String@lcmtools"
+
+
+def test_a_broken_file_does_not_hide_a_type_with_another_fingerprint(
+    monkeypatch: pytest.MonkeyPatch, family: Family, tmp_path: Path
+) -> None:
+    family("versions")
+    number = fingerprint(message_class("std_msgs/String"))
+    (tmp_path / "std_msgs").mkdir()
+    (tmp_path / "std_msgs/String.lcm").write_text("package std_msgs;\nstruct String {")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    assert message_class("std_msgs/String", number).__slots__ == ["data"]
+
+
+def test_a_log_with_both_decodes(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:
+    family("versions")
+    log = log_of("STATE", encode(message_class("rover/state_t")()), encode(old("rover/state_t")()))
+    shown = cli("echo", "-b", log, "STATE", "--flow-style").ok().splitlines()[::2]
+    assert shown == [
+        "{pose: {x: 0.0, y: 0.0}, mode: 0, note: ''}",
+        "{pose: {x: 0.0, y: 0.0}, mode: 0}",
+    ]
+    assert (
+        cli("echo", "-b", log, "STATE", "rover/state_t", "--flow-style").ok().split("\n---\n")[:2]
+        == shown
+    )
+    only = cli("echo", "-b", log, "STATE", "rover/state_t@old/state_t.lcm", "--flow-style").out
+    assert "the type is not rover/state_t@old/state_t.lcm but rover/state_t\n" in only
+    assert shown[1] in only
+    assert cli("list", "-b", log, "-t").ok() == (
+        "STATE [rover/state_t, rover/state_t@old/state_t.lcm]\n"
+    )
+
+
+def test_a_log_keeps_both_for_a_computer_without_their_files(family: Family) -> None:
+    family("versions")
+    classes = [message_class("rover/state_t"), old("rover/state_t"), message_class("rover/trail_t")]
+    packets = [Packet("A", encode(cls()), 0) for cls in classes]
+    lines = [index_line(), *map(type_line, recorded_types(packets, Decoder(lambda _: ())))]
+    index = parse_index(line.rstrip("\n") for line in lines)
+    assert isinstance(index, LogIndex)
+    set_supply(None)
+    family("near")
+    assert candidates(fingerprint(classes[1])) == []
+    provide_recorded_types(index.types.values())
+    for packet, cls in zip(packets, classes, strict=True):
+        found = Decoder(lambda _: ()).decode(packet)
+        assert (type_name(found), fingerprint(type(found))) == (type_name(cls), fingerprint(cls))
+
+
+def test_wtf_says_how_versions_differ(family: Family) -> None:
+    from fixtures.judging import findings
+
+    from lcmtools.graph.model import Traffic
+    from lcmtools.wire.packet import Sender
+
+    family("versions")
+    for name, words in (
+        ("rover/mode_t", "rover/mode_t is rover/mode_t@old/mode_t.lcm with note added at the end"),
+        (
+            "rover/state_t",
+            "rover/state_t and rover/state_t@old/state_t.lcm differ in pose and note",
+        ),
+    ):
+        numbers = fingerprint(message_class(name)), fingerprint(old(name))
+        seen = [
+            Traffic("CHANNEL", Sender("10.0.0.1", 4000 + n), (number,), 1, 8, 0, 0)
+            for n, number in enumerate(numbers)
+        ]
+        found = findings(traffic=seen)["type-mismatch"]
+        assert any(words in item for item in found.items), found.items
+        assert found.remedies == (
+            "generate the code of both sides from the same .lcm files: lcm-gen",
+        )
+
+
+def test_versions_of_a_file_beside_that_of_the_first(tmp_path: Path) -> None:
+    from lcmtools.packages.versions import version_place
+
+    cases = {
+        ("new/a.lcm", "old/a.lcm"): "old",
+        ("a.lcm", "third/party/a.lcm"): "third",
+        ("third/party/a.lcm", "a.lcm"): ".",
+        ("a.lcm", "b.lcm"): "b.lcm",
+        ("x/new/a.lcm", "x/old/deep/a.lcm"): "x/old",
+    }
+    for (first, file), place in cases.items():
+        assert version_place(tmp_path / file, tmp_path / first) == tmp_path / place
+
+
+def test_json_of_both_names_both(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:
+    family("versions")
+    log = log_of("STATE", encode(old("rover/state_t")()))
+    (row,) = json.loads(cli("list", "-b", log, "--json").ok())
+    assert row["types"] == ["rover/state_t@old/state_t.lcm"]
+    assert row["other_senders"] == [None]
