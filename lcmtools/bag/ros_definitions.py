@@ -124,6 +124,8 @@ def _with_known(name: str, found: Definitions, known: Definitions) -> Definition
     """Return definitions with those of ROS for the types that they lack."""
     total, waiting = dict(found), [name]
     for one in waiting:
+        if one.endswith("/wstring"):  # to the library, a type of the package
+            raise InvalidFile("its strings of the type wstring cannot be read")
         if one not in total and one not in known:
             raise InvalidFile(f"the bag has no definition of {lcm_name(one)}, which it contains")
         total.setdefault(one, known.get(one))

@@ -188,10 +188,10 @@ class RosImport:
                 raise InvalidFile(f"another {one.name} came before, and a log has one of a name")
         source = user_types().compiled_types(types)
         if source.problems:
-            raise source.problems[0].error()
+            raise InvalidFile(source.problems[0].what)
         found = Registry([source]).message_class(lcm_name(name))
         if not conversion.fits(found, name):
-            raise InvalidFile("LCM cannot express it")
+            raise InvalidFile("its fields cannot be translated")
         for one in types:
             self.types[one.name] = replace(one, fingerprint=source.fingerprints[one.name])
             self._note_renamed(one, conversion.store.fielddefs)

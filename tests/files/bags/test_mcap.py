@@ -123,6 +123,14 @@ _CHANNELS: dict[str, tuple[str, str, str, bytes]] = {  # encoding, schema, its e
     "definition": ("cdr", "own_msgs/srv/Add_Event", "ros2msg", b"int64 a\n---\nint64 b\n"),
     "own_msgs/Part": ("cdr", "own_msgs/msg/Item", "ros2msg", b"own_msgs/Part part\n"),
     "no definition of it": ("cdr", "own_msgs/msg/Item", "", b""),
+    "wstring": ("cdr", "own_msgs/msg/Item", "ros2msg", b"wstring x"),
+    "float128": (
+        "cdr",
+        "own_msgs/msg/Item",
+        "ros2idl",
+        b"module own_msgs { module msg { struct Item { long double x; }; }; };",
+    ),
+    "LCM's 268435456 bytes": ("cdr", "own_msgs/msg/Item", "ros2msg", b"float64[400000000] x"),
     "are no own_msgs/Item": ("cdr", "own_msgs/msg/Item", "ros2msg", b"float64[9] x"),
 }
 
