@@ -6,11 +6,11 @@ All are measured in one run. Commands run on a bus of 20 nodes, a talker and a l
 a tap. Commands that go on, and a node that follows the graph of a bus with 199 others, are given in
 percent of a core: beside a plain LCM program in Python that decodes the same messages, or beside
 the same node alone; ``spy`` runs in a terminal. The window's server with a page of odometry,
-curves, laser and camera is beside itself without one, and so is the simulator. Messages between
-processes and codecs are beside plain ``lcm`` with lcm-gen's code. A ratio is ours by the anchor's;
-a goal is one of ours or, with an "x", of the ratio. ``echo``'s is a third of rostopic's, where that
-is installed, else of the 10.1 % that it took elsewhere. ``--write`` keeps the table in RESULTS.md,
-with machine and versions.
+curves, laser and camera is beside itself without one, and so is the simulator. A tree of users'
+types costs the difference to ``echo`` without it. Messages between processes and codecs are beside
+plain ``lcm`` with lcm-gen's code. A ratio is ours by the anchor's; a goal is one of ours or, with
+an "x", of the ratio. ``echo``'s is a third of rostopic's, where that is installed, else of the
+10.1 % that it took elsewhere. ``--write`` keeps the table in RESULTS.md, with machine and versions.
 """
 
 import os
@@ -31,6 +31,7 @@ import completion
 import graph
 import gui
 import transport
+import type_tree
 from codec import measure, samples
 from commands import TOOL, Environment, child_environment, end, in_turn, run, start, talking
 from common import bus, cells, child, isolate, parser, show
@@ -64,6 +65,9 @@ _DECODED = {
     "OccupancyGrid 200x200": 20,
 }
 """Messages, and how many times as fast as by lcm-gen's code they are to be decoded."""
+
+_TREE = {"first use": 12_000, "use after": 500, "use of": 150}
+"""The goals of a look-up in a tree of users' types [ms], by how its description starts."""
 
 Row = Sequence[object]
 _COLUMNS = ["what", "ours", "anchor", "ratio", "goal"]
@@ -188,6 +192,13 @@ def coding(rounds: int) -> Iterator[Row]:
         yield row(f"encode {label}, us", ways[2], ways[3], "0.33x")
 
 
+def own_types(environment: Environment, rounds: int) -> Iterator[Row]:
+    """Commands that find a user's own types in a large tree."""
+    for what, ours, anchor in type_tree.costs(environment, rounds):
+        goal = next(goal for start, goal in _TREE.items() if what.startswith(start))
+        yield row(f"{what}, ms of CPU more", 1000 * (ours - anchor), 1000 * anchor, goal)
+
+
 def machine() -> str:
     """The computer and the versions that were measured."""
     cpuinfo = Path("/proc/cpuinfo")
@@ -224,6 +235,7 @@ def main() -> None:
         environment = {**child_environment(cache, _GRAPH_PORT), "XDG_CACHE_HOME": f"{cache}/user"}
         rows = [*ended(environment, rounds)]
         rows += going_on({**environment, "LCM_DEFAULT_URL": bus(PORT)}, cache, few)
+        rows += own_types(environment, few)
     rows += [following(), *viewed(), *travelling(rounds), *coding(few)]
     title = f"Medians of {rounds} runs, {few} of what goes on or is coded"
     show(title, _COLUMNS, rows)

@@ -6,6 +6,7 @@ simulator obeys what it subscribes to. Programs that are not nodes do not show w
 to.
 """
 
+import re
 from collections.abc import Iterable
 from shlex import quote
 from typing import NamedTuple
@@ -25,6 +26,13 @@ from lcmtools.observe.simulators import is_simulator
 
 _JOINTS = "sensor_msgs/JointState"
 _SHARED = "/rosout"  # shared by all nodes: each line has its node's name
+_NO_MOTION = re.compile(
+    r"(?:^|[._])(?:u?time(?:stamp|out)?|stamp|duration|dt|[num]?secs?"
+    r"|u?id|index|name|num|number|count(?:er)?|seq(?:uence|num|no|nr)?)(?:[._]|$)|(?:^|[.])t$"
+)
+"""Words of names of times, sequence numbers, counts and names."""
+_CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")  # in robotId
+_INDEX = re.compile(r"\d+\b")
 _MOST_VALUES = 3  # values of a command that are shown
 
 
@@ -117,7 +125,7 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
     moving = [
         f"{name} {value:g}"
         for name, value in flat.items()
-        if isinstance(value, (int, float)) and value and not name.startswith("header.")
+        if isinstance(value, (int, float)) and value and _is_motion(name)
     ]
     more = ", ..." if len(moving) > _MOST_VALUES else ""
     values = ", ".join(moving[:_MOST_VALUES]) + more
@@ -128,6 +136,12 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
     stop = {k: v for k, v in to_plain(message).items() if v and k != "header"} if is_joints else {}
     typed = f"lcmtools pub -1 {track.topic} {track.type} '{write_json(stop)}'"
     return StandingCommand(track.topic, values, encode(message), typed)
+
+
+def _is_motion(path: str) -> bool:
+    """Return False for a field that names or counts a command or dates it: ``utime``, ``seq``."""
+    names = _INDEX.sub("", _CAPITAL.sub("_", path)).lower()
+    return not _NO_MOTION.search(names) and not names.startswith("header.")
 
 
 def _set_to_zero(message: Message) -> None:

@@ -10,6 +10,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from lcmtools.messages.compiled import Codecs, Scan, Write, compiled
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import length_values
 from lcmtools.messages.layout import Layout, Leaf, check_type, is_bounded, layout, smallest
 from lcmtools.messages.registry import Message, fingerprint
@@ -92,7 +93,9 @@ def _read_numbers(run: list[Leaf], made: list[Message], cursor: Cursor) -> None:
     packer = struct.Struct(">" + "".join(FORMATS[leaf.field.type] for leaf in run))
     values = packer.unpack_from(cursor.data, cursor.advance(packer.size, run[0].where))
     for leaf, value in zip(run, values, strict=True):
-        setattr(made[leaf.part], leaf.field.attribute, value)
+        kind = leaf.field.type
+        named = kind.cls(value) if isinstance(kind, EnumType) else value
+        setattr(made[leaf.part], leaf.field.attribute, named)
 
 
 def _read_other(

@@ -31,6 +31,7 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias, cast
 
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import Field, attribute, visible_fields
 from lcmtools.messages.layout import Layout, Leaf, check_type
 from lcmtools.messages.number_array import NumberArray
@@ -199,6 +200,10 @@ class _Reading:
             if leaf.is_number:
                 self._codes += FORMATS[leaf.field.type]
                 self._targets.append(target)
+                if isinstance(leaf.field.type, EnumType):
+                    self._unpack()
+                    enum = self._source.name("e", leaf.field.type.cls)
+                    self._lines.append(f"{target} = {enum}({target})")
             elif codec is None:
                 self._string(target)
             elif not self._array_of_numbers(leaf.field, target, size):

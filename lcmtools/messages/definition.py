@@ -5,9 +5,10 @@ Belongs here: the text of a type's fields, constants and defaults. Must not know
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import Field, constant_types, constants, visible_fields
 from lcmtools.messages.plain import Plain, to_plain
-from lcmtools.messages.registry import Message
+from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.setting import write_setting
 
@@ -46,7 +47,8 @@ def prototype_line(cls: type[Message]) -> str:
 
 def declaration(field: Field) -> str:
     """Return a field as a line of a definition: "float64[36] covariance", "string[] name"."""
-    return f"{array_type(field.type, field.dimensions)} {field.name}"
+    element = type_name(field.type.cls) if isinstance(field.type, EnumType) else field.type
+    return f"{array_type(element, field.dimensions)} {field.name}"
 
 
 def array_type(element: str, dimensions: Iterable[int | str]) -> str:
@@ -60,6 +62,8 @@ def _lines(cls: type[Message], indent: str, outer: tuple[type[Message], ...]) ->
     for field in visible_fields(cls):
         yield f"{indent}{declaration(field)}"
         nested = field.message_class
+        if isinstance(field.type, EnumType):
+            yield from (f"{indent}  int32 {n}={v}" for n, v in field.type.cls.__members__.items())
         if nested and nested not in (*outer, cls):  # a type may hold an array of itself
             yield from _lines(nested, f"{indent}  ", (*outer, cls))
 

@@ -8,6 +8,7 @@ from functools import cache
 from typing import NamedTuple, TypeAlias
 
 from lcmtools.clock import join_stamp, split_stamp
+from lcmtools.messages.enums import EnumValue, enum_type
 from lcmtools.messages.registry import Message, type_name
 
 PRIMITIVES = {
@@ -198,4 +199,6 @@ def _field(cls: type[Message], attribute: str, lcm_type: str, sizes: list[int | 
         )
     module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is not in a package
     nested: type[Message] = getattr(importlib.import_module(module or short), short)
+    if issubclass(nested, EnumValue):
+        return Field(name, enum_type(nested), None, dimensions, is_length=False)
     return Field(name, type_name(nested), nested, dimensions, is_length=False)

@@ -6,11 +6,13 @@ the message; its fields may also be used without it. Must not know where the mes
 
 import ast
 import contextlib
+from collections.abc import Sequence
 from typing import cast
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.formats.expression import Expression, ExpressionFault, Language, NoValue, operands
 from lcmtools.formats.operations import CONSTANTS, comparable
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import attribute, constants, field_name, fields
 from lcmtools.messages.path import Slice, Target, element_target, field_target, root_target
 from lcmtools.messages.registry import Message
@@ -103,7 +105,12 @@ class _Fields:
 
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
-        return comparable(getattr(owner, attribute(cls, field_name(cls, name))))
+        own_name = field_name(cls, name)
+        value = getattr(owner, attribute(cls, own_name))
+        kind = next((part.type for part in fields(cls) if part.name == own_name), "")
+        if isinstance(kind, EnumType):  # which equals its name too
+            value = list(map(kind.cls, value)) if isinstance(value, Sequence) else kind.cls(value)
+        return comparable(value)
 
 
 def _named_target(owner: Target, name: str, where: str) -> Target | None:

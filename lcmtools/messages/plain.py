@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.formats.strict_json import write_json
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import TIME_FIELDS, Field, fields, is_time, visible_fields
 from lcmtools.messages.layout import longest_array
 from lcmtools.messages.number_array import NumberArray
@@ -136,6 +137,8 @@ def _plain(value: object, what: Field | Target, depth: int, view: View) -> Plain
         return _plain_array(value, what, depth, view)
     if what.message_class:
         return to_plain(cast("Message", value), view)
+    if isinstance(what.type, EnumType):
+        return what.type.plain(cast("int", value))
     if what.type == "string" and view:
         return _plain_string(cast("str", value), view)
     return plain_scalar(value)
@@ -149,8 +152,9 @@ def _plain_array(value: object, what: Field | Target, depth: int, view: View) ->
     if view.hides_arrays:
         return f"<array type: {what.type}, length: {len(elements)}>"
     shown = elements[: view.most_elements if view.longest is None else view.longest]
-    is_simple = depth == 1 and not what.message_class and not (view and what.type == "string")
-    if isinstance(shown, array):
+    is_number = not (what.message_class or isinstance(what.type, EnumType))
+    is_simple = depth == 1 and is_number and not (view and what.type == "string")
+    if isinstance(shown, array) and is_number:
         plain: list[Plain] = shown.tolist()
     elif is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # numpy's numbers are rare
         plain = cast("list[Plain]", list(shown))

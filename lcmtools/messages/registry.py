@@ -268,12 +268,9 @@ class Registry:
         bare = re.sub(r"^(?:msg|srv)/|\.(?:lcm|msg|srv)$", "", name)
         if bare != name or re.search(r"[{:\s]", name):
             return f"write a type as {bare if bare != name else 'geometry_msgs/Twist'}"
-        near = near_miss(name, known)
-        package = full_name(name).rpartition("/")[0]
-        for problem in self.problems():  # the missing type may be in that file
-            if f" {package}/" not in near:
-                return str(problem.error())
-        return near or "see: lcmtools msg list"
+        near, package = near_miss(name, known), full_name(name).rpartition("/")[0]
+        folder = next((str(one.error()) for one in self.problems() if one.is_of_folder), "")
+        return (folder if f" {package}/" not in near else "") or near or "see: lcmtools msg list"
 
 
 def _version(number: int, known: Mapping[int, str]) -> str:
@@ -402,7 +399,7 @@ def problems() -> Sequence[Problem]:
     return default_registry().problems()
 
 
-def type_name(message: Message | type[Message]) -> str:
+def type_name(message: Message | type) -> str:
     """Return the name of a message's type, or of a class: "geometry_msgs/Twist"."""
     return _class_name(message if isinstance(message, type) else type(message))
 

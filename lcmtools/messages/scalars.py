@@ -13,6 +13,7 @@ import struct
 from typing import TYPE_CHECKING, SupportsFloat
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.messages.enums import EnumType
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -29,6 +30,7 @@ STRAY_BYTES = "surrogateescape"
 
 _BASED = re.compile(r"([-+]?)0(?:x[0-9a-f]+|o[0-7]+|b[01]+)", re.IGNORECASE)
 _WHOLE = re.compile(r"[-+]?[0-9]+")
+_NUMBER_START = re.compile(r"[-+]?\.?[0-9]")
 _DECIMAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?", re.IGNORECASE)
 _NOT_FINITE = re.compile(r"[-+]?(?:\.?(?:inf|nan)|infinity)", re.IGNORECASE)
 _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
@@ -81,6 +83,8 @@ def from_text(text: str, type_name: str) -> Scalar:
 
     The field decides, not the text: "on" is text in a string and true in a bool.
     """
+    if isinstance(type_name, EnumType) and not _NUMBER_START.match(text):
+        return _named(text, type_name)
     if type_name == "string":
         return _check_text(text)
     if type_name == "bool":
@@ -94,6 +98,8 @@ def from_python(value: object, type_name: str) -> Scalar:
     """Convert a Python or numpy value to a primitive type's Python value; else raise Misfit."""
     item = getattr(value, "item", None)  # numpy's scalars
     plain = item() if callable(item) and getattr(value, "shape", None) == () else value
+    if isinstance(type_name, EnumType) and isinstance(plain, str):
+        return _named(plain, type_name)
     if type_name == "string":
         return _check_text(plain)
     if type_name == "bool":
@@ -102,6 +108,14 @@ def from_python(value: object, type_name: str) -> Scalar:
         raise Misfit(f"expected true or false, got {given(plain)}")
     check = _check_integer if type_name in INTEGERS else _check_float
     return check(plain, type_name)
+
+
+def _named(name: str, enum: EnumType) -> int:
+    value = enum.number(name)
+    if value is None:
+        names = ", ".join(enum.cls.__members__)
+        raise Misfit(f"{enum.cls.__name__} has no value {given(name)}", f"its values: {names}")
+    return value
 
 
 def _read_integer(text: str, type_name: str) -> int:

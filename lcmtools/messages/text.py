@@ -23,6 +23,7 @@ from functools import cache
 from operator import attrgetter
 from typing import NamedTuple, cast
 
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, parts, visible_fields
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.plain import (
@@ -98,6 +99,12 @@ class Writer(NamedTuple):
         if isinstance(plain, str):
             return str(plain) if isinstance(plain, More) else quoted(plain)
         return repr(plain) if self.width is None else _fixed(plain, self.width)
+
+    def value(self, plain: Plain, indent: str) -> str:
+        """Format a field's value, behind its name, or below it with an indent."""
+        return (
+            "\n".join(("", *self._lines(plain, indent))) if _is_block(plain) else self.flow(plain)
+        )
 
     def _lines(self, whole: Plain, indent: str) -> Iterator[str]:
         """Yield the lines of a message's fields or an array's elements, one below the other."""
@@ -189,6 +196,8 @@ def _add_fields(
 
 def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
     """Return a function that formats a field's value; None for a number."""
+    if isinstance(field.type, EnumType):
+        return lambda value: FREE.value(plain_value(value, field), indent)
     if field.dimensions and not field.message_class and field.type != "string":
         return lambda value: repr(
             value if isinstance(value, NumberArray) else plain_value(value, field)

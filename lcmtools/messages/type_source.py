@@ -10,6 +10,9 @@ from lcmtools.errors import InvalidFile
 SHIPPED = "lcmtools.types"
 """The package of the classes of lcmtools' own types."""
 
+_FILES = (".lcm", ".msg", ".srv", ".action")
+_MOST_NAMED = 3  # types that an error names
+
 
 class Problem(NamedTuple):
     """A problem that makes a file, or one type in it, unusable."""
@@ -19,16 +22,31 @@ class Problem(NamedTuple):
     what: str
     hint: str = ""  # the remedy
     type: str = ""  # the type concerned; "" for the whole file
+    lost: Sequence[str] = ()  # the types that are unusable, this one's and those that contain it
 
     def error(self) -> InvalidFile:
-        """Return the problem as an error to raise."""
+        """Return the problem as an error to raise, with the types that it costs."""
         line = f":{self.line}" if self.line else ""
-        return InvalidFile(f"{shown(self.file)}{line}: {self.what}", self.hint)
+        others = [name for name in self.lost if name != self.type]
+        path = Path(self.file)
+        if path.suffix != ".lcm" or all(name.rpartition("/")[2] == path.stem for name in others):
+            others = []  # the file's name says it
+        more = f" and {len(others) - _MOST_NAMED} more" if len(others) > _MOST_NAMED else ""
+        lost = f" (unusable: {', '.join(others[:_MOST_NAMED])}{more})" if others else ""
+        return InvalidFile(f"{shown(self.file)}{line}: {self.what}{lost}", self.hint)
+
+    @property
+    def is_of_folder(self) -> bool:
+        """True if it concerns a whole folder, so that any type may be missing because of it."""
+        return not self.lost and Path(self.file).suffix not in _FILES
 
     def concerns(self, name: str) -> bool:
-        """Return True if this may be the reason why the type ``package/Name`` is missing."""
-        if self.type:
-            return name in (self.type, self.type.rpartition("/")[2])
+        """Return True if this is the reason why the type ``package/Name`` is missing.
+
+        Of a file that cannot be read, the path decides.
+        """
+        if self.lost:
+            return any(name in (one, one.rpartition("/")[2]) for one in self.lost)
         package, _, short = name.rpartition("/")
         path = Path(self.file)
         return path.stem in (short, f"{package}_{short}") and (
@@ -47,6 +65,7 @@ class TypeSource(NamedTuple):
     notes: Mapping[str, str] = MappingProxyType({})  # warnings: another file defines the type too
     places: Sequence[str] = ()  # folders and files that define some of the types differently
     versions: "Sequence[TypeSource]" = ()  # their types
+    enums: Mapping[str, int] = MappingProxyType({})  # their hashes
 
     def with_versions(self) -> "Sequence[TypeSource]":
         """Return this source, and those of its types' other versions."""

@@ -1,7 +1,8 @@
-"""The cache of compiled .lcm files in the user's cache folder, keyed by their content.
+"""The cache of compiled type files in the user's cache folder, keyed by their content.
 
-Belongs here: the folder, its index, and safety if two processes build the same at once. Must not
-know how it is built: see ``build``, which is imported only then, as most commands find it built.
+Belongs here: the folder, its indices of the types in sets of files, the units with the types of one
+file each, and safety if two processes write the same at once. Must not know how they are made: see
+``generated`` and ``build``, which are imported only then, as most commands find them made.
 """
 
 import hashlib
@@ -9,119 +10,184 @@ import json
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from threading import Lock
 
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError, os_errors_as
-from lcmtools.folders import cache_folder
+from lcmtools.folders import cache_folder, write_atomically
 from lcmtools.messages.type_source import SHIPPED, Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.unit import Generated, Output, load
 from lcmtools.packages.versions import with_versions
 
-_INDEX = "index.json"  # the table of the types in a folder
-_FORM = "4"  # version of the index; a change invalidates the cache
+_FORM = "5"  # version of the files; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
 VERSION_PREFIX = f"{_PREFIX}v_"
 """The beginning of a package with other versions of types."""
-_KEPT_DAYS = 30.0
+_DAY = 86400.0
+_KEPT = 30 * _DAY
+_AT_ONCE = 64  # files compiled together
+_SHORT = 1.0  # [s] of compiling without a word
 _ONE_AT_A_TIME = Lock()
+
+Units = Mapping[str, str]
+"""The keys of files or types in the cache."""
 
 
 def cached_types(
     files: Sequence[LcmFile],
     environment: Mapping[str, str],
     shipped: Mapping[str, int],
+    say: Callable[[str], object] = str,
     home: str = SHIPPED,
 ) -> TypeSource:
-    """Return the types of some files, ready to import; compile them if necessary.
+    """Return the types of some files, ready to import; compile the files that are new.
 
-    The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
-    ``home`` is the package that has them.
+    The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types;
+    ``home`` is the package that has them. ``say`` is called with a line if it takes long.
 
     Raises:
         MissingExtra: There is no lcm-gen.
         LcmtoolsError: The result cannot be written.
     """
-    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + digest(files, home)
+    keys = _keys(files)
+    paths = (f"{file.path}\n{key}\n" for file, key in zip(files, keys, strict=True))
+    total = hashlib.sha256(os.fsencode("".join((home, *paths)))).hexdigest()
+    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + total[:20]
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
-        if _read_index(prefix, root / prefix) is None:
-            _make(files, prefix, root, shipped, home)
-        source = _importable(prefix, root / prefix)
+        index = root / f"{prefix}.json"
+        if (found := _read_index(index)) is None:
+            _make(files, keys, index, shipped, say)
+            if (found := _read_index(index)) is None:
+                raise LcmtoolsError(f"cannot read {index}")
+        source, units, files_of = found
+        if index.stem not in sys.modules:
+            from lcmtools.packages.loading import TypeLoader
+
+            def read(name: str) -> Generated:
+                file = LcmFile(Path(files_of[name]), b"")
+                output = _read_unit(root, units[name], file) or Output([])
+                found = next((one for one in output.types if one.name == name), None)
+                if found is None:
+                    raise LcmtoolsError(f"cannot read {root / units[name]}, the type {name}")
+                return found
+
+            TypeLoader(source, units, read, shipped, home).open()
 
     def compiled(inside: Sequence[LcmFile], known: Mapping[str, int], home: str) -> TypeSource:
-        return cached_types(inside, environment, known, home)
+        return cached_types(inside, environment, known, say, home)
 
     return with_versions(source, files, shipped, compiled)
 
 
-def digest(files: Sequence[LcmFile], home: str) -> str:
-    """A digest of the files' content, and of all that the result depends on beside them."""
+def _keys(files: Sequence[LcmFile]) -> list[str]:
+    """Return the keys of files' content, and of the versions of lcm-gen and lcmtools that read it.
+
+    The content of a ROS file does not contain the names of its package and of its type.
+    """
     program = Path(find_lcm_gen()).stat()
-    known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns} {home}"
-    total = hashlib.sha256(known.encode())
+    known = f"{_FORM} {__version__} {sys.version} {program.st_size} {program.st_mtime_ns}".encode()
+    start = hashlib.sha256(known)
+    keys = []
     for file in files:
-        content = hashlib.sha256(file.content).digest()
-        path = os.fsencode(f"{file.package}:{file.path}" if file.package else file.path)
-        total.update(hashlib.sha256(path).digest() + content)
-    return total.hexdigest()[:20]
+        total = start.copy()
+        total.update(os.fsencode(f"{file.package}:{file.path.name}\n") if file.package else b"\n")
+        total.update(file.content)
+        keys.append(f"{total.hexdigest()[:32]}.types")
+    return keys
 
 
-def _importable(prefix: str, folder: Path) -> TypeSource:
-    source = _read_index(prefix, folder)
-    if source is None:
-        raise LcmtoolsError(f"cannot read {folder / _INDEX}")
-    with suppress(OSError):
-        os.utime(folder)  # mark it as used: see _forget_old
-    if str(folder) not in sys.path:
-        sys.path.append(str(folder))  # it has only ``prefix``, a name that nothing else has
-    return source
+def _read_index(index: Path) -> tuple[TypeSource, Units, Mapping[str, str]] | None:
+    """Return the types of a set of files, their keys, and their files.
 
-
-def _read_index(prefix: str, folder: Path) -> TypeSource | None:
-    """Return the types of a folder that ``build`` has filled; None if it is incomplete."""
+    None if the index is incomplete.
+    """
     try:
-        table = json.loads((folder / _INDEX).read_text("utf-8"))
-        return TypeSource(
-            prefix,
+        table = json.loads(index.read_text("utf-8"))
+        files = dict(table["files"])
+        source = TypeSource(
+            index.stem,
             {name: int(digits, 16) for name, digits in table["fingerprints"].items()},
             table["services"],
-            table["files"],
+            {name: path for name, path in files.items() if name in table["fingerprints"]},
             [Problem(**problem) for problem in table["problems"]],
             table["notes"],
             table["places"],
+            enums={name: int(digits, 16) for name, digits in table["enums"].items()},
         )
+        units = dict(table["units"])
+        if time.time() - index.stat().st_mtime > _DAY:  # mark them as used: see _forget_old
+            for path in (index, *(index.parent / key for key in units.values())):
+                os.utime(path)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        return None
+    return source, units, files
+
+
+def _read_unit(root: Path, key: str, file: LcmFile) -> Output | None:
+    """Return the types of a file; None if they are not in the cache."""
+    try:
+        return load((root / key).read_bytes(), file)
+    except (OSError, ValueError, EOFError, TypeError):
         return None
 
 
 def _make(
-    files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int], home: str
+    files: Sequence[LcmFile],
+    keys: Sequence[str],
+    index: Path,
+    shipped: Mapping[str, int],
+    say: Callable[[str], object],
 ) -> None:
-    import shutil
-    import tempfile
-
+    """Compile the files that are not in the cache, and write the index of all."""
     from lcmtools.packages.build import build
 
+    root = index.parent
     with os_errors_as(f"cannot write in {root}"):
-        scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=root))
-    target = root / prefix
-    try:
-        table = build(files, prefix, scratch, shipped, home)
-        (scratch / _INDEX).write_text(json.dumps(table), "utf-8")
-        if _read_index(prefix, target) is None:  # else another process made it first
-            shutil.rmtree(target, ignore_errors=True)
-            scratch.rename(target)
-    except OSError as error:
-        if _read_index(prefix, target) is None:
-            raise LcmtoolsError(f"cannot write in {root}: {error.strerror}") from error
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+        known = {key: _read_unit(root, key, file) for key, file in zip(keys, files, strict=True)}
+        new = {key: file for key, file in zip(keys, files, strict=True) if known[key] is None}
+        known |= _compile(new, root, say)
+        units = [(known[key] or Output([])).of(file) for key, file in zip(keys, files, strict=True)]
+        made = build(units, shipped)
+        numbers = made.fingerprints()
+        homes = {id(one): key for key, unit in zip(keys, units, strict=True) for one in unit.types}
+        table = {
+            "fingerprints": {name: f"{number:016x}" for name, number in numbers.items()},
+            "enums": {n: f"{t.number:016x}" for n, t in made.types.items() if t.tables is None},
+            "files": {name: str(one.file.path) for name, one in made.types.items()},
+            "services": made.services(),
+            "problems": [problem._asdict() for problem in made.problems],
+            "notes": made.notes,
+            "places": made.places,
+            "units": {name: homes[id(one)] for name, one in made.types.items()},
+        }
+        write_atomically(index, json.dumps(table), private=True)
     _forget_old(root)
+
+
+def _compile(
+    files: Mapping[str, LcmFile], root: Path, say: Callable[[str], object]
+) -> dict[str, Output]:
+    """Compile files, and keep the types of each under its key."""
+    from lcmtools.packages.generated import generate
+
+    found: dict[str, Output] = {}
+    begin, waiting = time.monotonic(), [f"lcmtools: compiling {len(files)} new type files ..."]
+    keys = list(files)
+    for start in range(0, len(keys), _AT_ONCE):
+        some = keys[start : start + _AT_ONCE]
+        for key, output in zip(some, generate([files[key] for key in some]), strict=True):
+            write_atomically(root / key, output.dump(), private=True)
+            found[key] = output
+        if waiting and time.monotonic() - begin > _SHORT:
+            say(waiting.pop())
+    return found
 
 
 def _cache_folder(environment: Mapping[str, str]) -> Path:
@@ -135,6 +201,7 @@ def _cache_folder(environment: Mapping[str, str]) -> Path:
     return _scratch_folder()
 
 
+@cache
 def _scratch_folder() -> Path:
     import atexit
     import shutil
@@ -146,11 +213,15 @@ def _scratch_folder() -> Path:
 
 
 def _forget_old(root: Path) -> None:
-    """Remove types that no process has used in a month."""
+    """Remove what no process has used in a month."""
     import shutil
 
-    oldest = time.time() - _KEPT_DAYS * 86400
-    for folder in root.iterdir():
+    oldest = time.time() - _KEPT
+    for path in root.iterdir():
         with suppress(OSError):
-            if folder.stat().st_mtime < oldest:
-                shutil.rmtree(folder, ignore_errors=True)
+            if path.stat().st_mtime >= oldest:
+                continue
+            if path.is_dir():  # of an older version
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink()

@@ -1,7 +1,6 @@
-"""lcm-gen, which comes with the lcm package: run on one file at a time, for any of its languages.
+"""lcm-gen, which comes with the lcm package: run on type files, for any of its languages.
 
-Belongs here: finding it, running it, the meaning of its errors. It gets one file at a time, because
-it applies a file's package to the next file if that names none. Must not know which types exist.
+Belongs here: finding it, running it, the meaning of its errors. Must not know which types exist.
 """
 
 import os
@@ -23,6 +22,9 @@ _OPTIONS = {
     "python": ("--python", "--ppath", "{}"),
 }
 LANGUAGES = tuple(_OPTIONS)
+
+_FUNCTION = re.compile(r"(?:(?<=fp->v == )|(?<== \{ p, ))(\w+::getHash)")
+_CAST = r"reinterpret_cast<decltype(__lcm_hash_ptr::v)>(\1)"  # v is a void* in liblcm 1.3.1
 
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
@@ -51,11 +53,18 @@ def find_lcm_gen() -> str:
     return program_on_path
 
 
-def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
-    """Run lcm-gen on one file; return the file's problem, None if it is correct."""
+def run_lcm_gen(files: Sequence[Path], options: Sequence[str]) -> Problem | None:
+    """Run lcm-gen on files; return the first problem, None if all are correct.
+
+    Each of several files must name its package: lcm-gen applies it to the next file if not. The
+    problem's file is "" if lcm-gen does not say which one it is.
+    """
     import subprocess
 
-    command = [find_lcm_gen(), *options, str(file)]
+    command, only = (
+        [find_lcm_gen(), *options, *map(str, files)],
+        files[0] if len(files) == 1 else "",
+    )
     try:
         done = subprocess.run(  # noqa: S603 - lcm-gen, with paths as arguments
             command,
@@ -68,14 +77,15 @@ def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
             check=False,
         )
     except (subprocess.TimeoutExpired, OSError, ValueError) as error:
-        return Problem(str(file), 0, f"lcm-gen cannot read this: {error}")
-    return _problem(file, done.stdout) if done.returncode else None
+        return Problem(str(only), 0, f"lcm-gen cannot read this: {error}")
+    return _problem(files, done.stdout) if done.returncode else None
 
 
 def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
     """Write code for type files into a folder; return the written files, sorted.
 
-    Other files in the folder are kept; files with the same names are overwritten.
+    Other files in the folder are kept; files with the same names are overwritten. C++ compiles with
+    every liblcm from 1.3.1 on.
 
     Raises:
         InvalidFile: lcm-gen refuses a file; then nothing is written.
@@ -83,13 +93,6 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
         MissingExtra: There is no lcm-gen.
     """
     import tempfile
-
-    def copy(path: Path, source: Path, target: Path) -> None:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if path.name == "__init__.py" and target.exists():
-            write_whole(target, _joined(source, target))
-        else:
-            write_whole(target, source.read_bytes())
 
     try:
         with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
@@ -99,27 +102,39 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
             for file in files:
                 if is_ros := file.suffix in SUFFIXES:
                     translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
-                problem = run_lcm_gen(translated if is_ros else file, options)
+                problem = run_lcm_gen([translated if is_ros else file], options)
                 if problem:
                     raise problem.error()
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
-                copy(path, scratch / path, folder / path)
+                _copy(scratch / path, folder / path)
     except OSError as error:
         where = error.filename or folder
         raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
     return [folder / path for path in made]
 
 
-def _problem(file: Path, output: str) -> Problem:
+def _copy(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if source.name == "__init__.py" and target.exists():
+        write_whole(target, _joined(source, target))
+    elif source.suffix == ".hpp":
+        write_whole(target, _FUNCTION.sub(_CAST, source.read_text("utf-8")))
+    else:
+        write_whole(target, source.read_bytes())
+
+
+def _problem(files: Sequence[Path], output: str) -> Problem:
     """Parse lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
+    known = set(map(str, files))
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for before, line in pairwise(lines):
-        if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):
+        if (place := re.fullmatch(r"(.+) : (\d+)", line)) and place[1] in known:
             hints = (hint for start, hint in _HINTS.items() if before.lower().startswith(start))
-            return Problem(str(file), int(place[1]), before.rstrip("."), next(hints, ""))
-    return Problem(str(file), 0, lines[0] if lines else "lcm-gen rejects it without a reason")
+            return Problem(place[1], int(place[2]), before.rstrip("."), next(hints, ""))
+    what = lines[0] if lines else "lcm-gen rejects it without a reason"
+    return Problem(str(files[0]) if len(files) == 1 else "", 0, what)
 
 
 def _joined(new: Path, old: Path) -> str:

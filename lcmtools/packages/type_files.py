@@ -6,7 +6,6 @@ Belongs here: finding and reading them. Must not know their content.
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.util import find_spec
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +19,8 @@ GROUPS = ("lcmtools.nodes", "lcmtools.messages")
 
 _SUFFIXES = (".lcm", *(f".{kind}" for kind in ROS_FOLDERS))
 _MOST_FOLDERS = 2000  # a user may name the home folder
-_OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
+_OTHER_FOLDERS = {"node_modules", "site-packages", "venv"}
+_BUILT = {"build", "dist"}
 
 
 class LcmFile(NamedTuple):
@@ -77,25 +77,40 @@ def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]
             problems.append(Problem(str(folder), 0, "there is no such folder", f"see {VARIABLE}"))
             continue
         for path in _paths(folder):
-            one = files.get(path) or _read(path)
+            one = path if isinstance(path, Problem) else files.get(path) or _read(path)
             if isinstance(one, LcmFile):
-                files[path] = one
+                files[one.path] = one
             elif one not in problems:
                 problems.append(one)
     return list(files.values()), problems
 
 
-def _paths(folder: Path) -> Iterator[Path]:
-    """Yield the type files below a folder; if it is very large, only those found in time."""
-    for place, folders, names in islice(os.walk(folder), _MOST_FOLDERS):
-        folders[:] = sorted(one for one in folders if one[0] != "." and one not in _OTHER_FOLDERS)
-        yield from (Path(place, name) for name in sorted(names) if name.endswith(_SUFFIXES))
+def _paths(folder: Path) -> Iterator[Path | Problem]:
+    """Yield the type files below a folder; if it is very large, only the first ones, and why.
+
+    Folders called build and dist come last: they usually have copies of files, maybe old ones.
+    """
+    roots, known = [folder], set()
+    places = ((root, *one) for root in roots for one in os.walk(root))  # roots are added meanwhile
+    for count, (root, place, folders, names) in enumerate(places):
+        if count >= _MOST_FOLDERS:
+            what = f"it has more than {_MOST_FOLDERS} folders, and the others are not searched"
+            yield Problem(str(root), 0, what, f"name those with type files in {VARIABLE}")
+            return
+        roots += [Path(place, one) for one in sorted(_BUILT & set(folders))]
+        others = _BUILT | _OTHER_FOLDERS
+        folders[:] = sorted(one for one in folders if one[0] != "." and one not in others)
+        for path in (Path(place, name) for name in sorted(names) if name.endswith(_SUFFIXES)):
+            if root == folder or path.parts[-2:] not in known:
+                known.add(path.parts[-2:])
+                yield path
 
 
 def _read(path: Path) -> LcmFile | Problem:
     try:
         if not path.is_file():
-            return Problem(str(path), 0, "this is not a file")
+            what = "this link leads nowhere" if path.is_symlink() else "this is not a file"
+            return Problem(str(path), 0, what)
         if path.stat().st_size > LONGEST_FILE:
             what = f"a {path.suffix} file must have less than {LONGEST_FILE} bytes"
             return Problem(str(path), 0, what)

@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from lcmtools.errors import UnknownType, os_errors_as
+from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import fields
+from lcmtools.messages.python_names import python_name
 from lcmtools.messages.registry import (
     Message,
     ServiceType,
@@ -148,7 +150,14 @@ class UserTypes:
     def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
         from lcmtools.packages.cache import cached_types
 
-        return cached_types(files, self._environment, self._shipped)
+        return cached_types(files, self._environment, self._shipped, _say)
+
+
+def _say(text: str) -> None:
+    """Tell what takes long, as libraries do: by logging, which writes to standard error."""
+    import logging
+
+    logging.getLogger("lcmtools").warning(text)
 
 
 def _recorded_file(one: "RecordedType") -> LcmFile:
@@ -180,7 +189,9 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     if not names:
         raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
     shipped = shipped_folder()
-    return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+    kinds = [part.type for name in names for part in fields(message_class(name))]
+    enums = {Path(kind.cls.__file__) for kind in kinds if isinstance(kind, EnumType)}
+    return sorted(enums | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
 def source_file(kind: type[Message]) -> str:
@@ -211,7 +222,9 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message | S
         if name.startswith("_"):
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         user_types().add_start(Path(file).resolve().parent)
-        named = f"{package}/{name}"
+        own = name.rstrip("_")  # of a type "pass", which is imported as "pass_"
+        is_spelled = python_name(own) == name and f"{package}/{name}" not in type_names()
+        named = f"{package}/{own if is_spelled else name}"
         try:
             return service_class(named) if named in service_names() else message_class(named)
         except UnknownType as error:

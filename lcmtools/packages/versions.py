@@ -35,11 +35,11 @@ def with_versions(
     types that are made of these versions are known too, and if they are defined there, their names
     mean these.
     """
-    known = {**shipped, **source.fingerprints}
+    known = {**shipped, **source.enums, **source.fingerprints}
     versions: list[TypeSource] = []
     mixed: dict[str, int] = {}  # types made of types of another folder
-    for place in map(Path, source.places):
-        inside = [one for one in files if place in (one.path, *one.path.parents)]
+    for place in source.places:
+        inside = [one for one in files if f"{one.path}/".startswith(f"{place}/")]
         inside.sort(key=lambda one: len(one.path.parts))
         for one in compiled(inside, known, source.prefix).with_versions():
             new = {n: f for n, f in one.fingerprints.items() if known.get(n) != f}

@@ -54,6 +54,13 @@ def test_bw_measures_a_log_by_its_own_times(log: str, cli: Run) -> None:
     assert average == pytest.approx(2.3, abs=0.2)  # 22 or 23 bytes at 100 Hz
 
 
+@pytest.mark.parametrize("pattern", ["/chat*", "**", "c?atter"])
+@pytest.mark.parametrize("verb", ["hz", "bw", "type", "info"])
+def test_a_pattern_means_all_topics_that_match(verb: str, pattern: str, log: str, cli: Run) -> None:
+    result = cli(verb, pattern, "--json", "--lcm-url", f"file://{log}")
+    assert (result.code, '"/chatter"' in result.out) == (0, True)
+
+
 @pytest.mark.parametrize(("verb", "noun"), [("hz", "rate"), ("bw", "bandwidth")])
 def test_one_message_in_a_log_is_said_to_be_too_few(
     verb: str, noun: str, tmp_path: Path, cli: Run

@@ -4,7 +4,7 @@ import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -16,9 +16,10 @@ from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.path import parse_path, select
 from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.python_names import python_name
-from lcmtools.messages.registry import fingerprint, service_class, type_name
+from lcmtools.messages.registry import Message, fingerprint, service_class, type_name
 from lcmtools.messages.text import format_message
 from lcmtools.packages.lcm_gen import find_lcm_gen
+from lcmtools.packages.user_types import package_messages
 
 Family = Callable[[str], Path]
 TYPES = ("lambda/pass", "lambda/global", "def/class", "from", "global/Query")
@@ -148,3 +149,13 @@ def test_commands_show_and_export_them(
     cli("bag", "export", log, str(tmp_path / "words.csv")).ok()
     heading, _ = (tmp_path / "words.csv").read_text().splitlines()
     assert {"field.from", "field.in", "field.class0"} <= set(heading.split(","))
+
+
+def test_a_package_has_them_under_their_python_names(family: Family) -> None:
+    folder = family("words")
+    find = package_messages("global.msg", str(folder / "global" / "msg" / "__init__.py"))
+    assert type_name(cast("type[Message]", find("Query"))) == "global/Query"
+    find = package_messages("lambda", str(folder / "__init__.py"))
+    assert find("pass_") is message_class("lambda/pass")
+    with pytest.raises(AttributeError, match="unknown type 'lambda/from'"):
+        find("from_")

@@ -1,8 +1,10 @@
 """``lcmtools hz``, ``bw`` and ``delay``: a report a second, as rostopic prints it."""
 
-from collections.abc import Callable, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeAlias
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
 from lcmtools.cli.declare import (
@@ -34,6 +36,9 @@ from lcmtools.observe.reading.arrivals import SelectedPacket
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.monitor import BusMonitor
 
+Windows: TypeAlias = defaultdict[str, Window[ItemT, Any]]
+"""A window for each topic."""
+
 
 def measured_topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
     """Return the argument for topics, and the option for the window's size."""
@@ -64,6 +69,7 @@ measuring_options = together(
 @examples(
     "hz /husky0/odometry",
     "hz EXAMPLE /chatter -w 100",
+    "hz '/*/odometry'",
     "hz /chatter --filter \"m.data != ''\" -n 1 --timeout 5s",
 )
 @measured_topics(least=2, usual=50_000)
@@ -72,15 +78,15 @@ def hz(topics: tuple[str, ...], *, window: int, condition: str | None, **ending:
     """Measure the rate of topics; report once a second until Ctrl-C.
 
     Times of arrival are the kernel's, or simulated time if a simulator publishes /clock. The type
-    need not be known. A log is read at once, with its recorded times.
+    need not be known. A log is read at once, with its recorded times. TOPIC may be a pattern.
     """
     wanted = Filter(condition) if condition is not None else None
-    windows = {topic: RateWindow(window) for topic in topics}
+    windows: Windows[int] = defaultdict(partial(RateWindow, window))
     with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            measure(monitor, windows, attrgetter("time"), RATE, condition=wanted, **ending)
+            measure(monitor, topics, windows, attrgetter("time"), RATE, condition=wanted, **ending)
         finally:
-            for sentence in lossy_senders(monitor, topics, looking_names()):
+            for sentence in lossy_senders(monitor, tuple(windows), looking_names()):
                 notify(sentence)
     notify_single(windows, "rate")
 
@@ -92,11 +98,11 @@ def bw(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa:
     """Measure the bandwidth of topics; report once a second until Ctrl-C.
 
     This counts the bytes of messages without network headers; 1 KB is 1000 bytes. Time is simulated
-    if a simulator publishes /clock. A log is read at once.
+    if a simulator publishes /clock. A log is read at once. TOPIC may be a pattern.
     """
-    windows = {topic: BandwidthWindow(window) for topic in topics}
+    windows: Windows[tuple[int, int]] = defaultdict(partial(BandwidthWindow, window))
     with open_monitor("bw") as monitor:
-        measure(monitor, windows, attrgetter("time", "packet.size"), BANDWIDTH, **ending)
+        measure(monitor, topics, windows, attrgetter("time", "packet.size"), BANDWIDTH, **ending)
     notify_single(windows, "bandwidth")
 
 
@@ -109,17 +115,19 @@ def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # no
     For messages without a header, the field utime is used: microseconds since 1970, as usual in
     LCM; else timestamp, t, time_ms or the like, in the unit that makes it a time of this century,
     which is told. Between two computers the offset of their clocks adds to the delay. Both times
-    are simulated if a simulator publishes /clock. A log is read at once.
+    are simulated if a simulator publishes /clock. A log is read at once. TOPIC may be a
+    pattern.
     """
-    windows = {topic: DelayWindow(window) for topic in topics}
+    windows: Windows[int] = defaultdict(partial(DelayWindow, window))
     with open_monitor("delay", whole=True) as monitor:
         delays = Delays(Decoder(monitor.types_of), notify)
-        measure(monitor, windows, delays, DELAY, log_time=False, **ending)
+        measure(monitor, topics, windows, delays, DELAY, log_time=False, **ending)
 
 
 def measure(
     monitor: BusMonitor,
-    windows: Mapping[str, Window[ItemT, Any]],
+    topics: Sequence[str],
+    windows: Windows[ItemT],
     item: Callable[[SelectedPacket], ItemT | None],
     form: ReportForm,
     *,
@@ -129,7 +137,7 @@ def measure(
     """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
     end_with_reader()
     wanted = ListenOptions(names=looking_names(), **options)
-    measurement = Measurement(monitor, windows, item, wanted, notify)
+    measurement = Measurement(monitor, topics, windows, item, wanted, notify)
     for channel in measurement.channels:
         write_note(f"subscribed to [{channel}]")
     if measurement.is_simulated:

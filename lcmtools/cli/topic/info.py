@@ -5,12 +5,12 @@ from lcmtools.cli.declare import argument, duration, examples, flag, option, sub
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import write_document, write_lines
 from lcmtools.observe.measuring.measure import watch_counters
-from lcmtools.observe.reading.find import find_topic
+from lcmtools.observe.reading.selection import selected_topics
 from lcmtools.observe.reports import topic_report
 
 
 @subcommand("info", json_option, looking_options)
-@examples("info /husky0/odometry", "info EXAMPLE /chatter --json")
+@examples("info /husky0/odometry", "info EXAMPLE /chatter --json", "info '/*/odometry'")
 @argument("topics", nargs=-1, required=True, completer="bus:topics")
 @option("--wait", type=duration, help="Measure rates for this long (else as nodes announce them).")
 @flag("-v", "--verbose", help="Show fingerprints and command lines too.")
@@ -19,12 +19,12 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
 
     Counters for each: messages, bytes, messages dropped from a full queue, queue depth, rate, and
     time of the last message. For plain LCM programs these are observed values. For publishers also
-    the number of messages lost on the way here, by sequence numbers.
+    the number of messages lost on the way here, by sequence numbers. TOPIC may be a pattern.
     """
     names = looking_names()
     with open_monitor("info") as monitor:
         graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
-    found = [find_topic(graph, name, names) for name in topics]
+    found = selected_topics(graph, topics, names)
     if as_json:
         write_document([topic_report.record(topic, counters) for topic in found])
         return

@@ -8,8 +8,9 @@ from lcmtools.errors import LcmtoolsError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
-from lcmtools.names import is_hidden
-from lcmtools.observe.reading.find import find_topic_and_path, is_of_type
+from lcmtools.names import has_wildcard, is_hidden
+from lcmtools.observe.reading.find import is_of_type
+from lcmtools.observe.reading.selection import selected_fields
 from lcmtools.observe.reports.describe import (
     NO_TYPE,
     UNKNOWN,
@@ -23,50 +24,56 @@ from lcmtools.observe.reports.describe import (
 @examples(
     "type /husky0/odometry",
     "type /husky0/odometry/pose/covariance",
+    "type '/*/odometry'",
     "type /chatter | lcmtools msg show",
 )
 @argument("topic", completer="bus:topics")
 def print_type(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
-    For a field it prints the topic's type, the field and the field's type, as rostopic does.
+    For a field it prints the topic's type, the field and the field's type, as rostopic does. TOPIC
+    may be a pattern: each topic that matches has its line.
     """
     names = looking_names()
     names.spellings(topic)  # refuses an empty name on any bus
-    found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
-    kinds = topic_kinds(found)
-    record = types_record(kinds, found.name)
-    text = str(record["type"] or NO_TYPE)
-    if path.steps:
-        _show_field(found, text, path, as_json=as_json)
+    found = selected_fields(look("type", foreign=True)[0], topic, names)
+    shown = [_record_and_text(*one) for one in found]
+    if has_wildcard(topic):
+        rows = (f"{record['topic']}: {text}" for record, text in shown)
+        write_result([record for record, _ in shown], rows, as_json=as_json)
         return
-    if text == UNKNOWN and not as_json:
-        raise _unknown(found)
-    for one in kinds:
-        if len(one) > 1:
-            write_note(f"{one[0]} is one of several types with the same fields: {', '.join(one)}")
-    type_ = None if text == UNKNOWN else record["type"]
-    write_result({"topic": found.name, **record, "type": type_}, [text], as_json=as_json)
+    ((one, path),), ((record, text),) = found, shown
+    if text == UNKNOWN and (path.steps or not as_json):
+        hint = "; ".join(fingerprint_rows(one))
+        raise LcmtoolsError(f"the type of {one.name} is not known", hint)
+    for kind in topic_kinds(one):
+        if len(kind) > 1 and not path.steps:
+            write_note(f"{kind[0]} is one of several types with the same fields: {', '.join(kind)}")
+    write_result(record, [text], as_json=as_json)
 
 
-def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
+def _record_and_text(topic: Topic, path: Path) -> tuple[dict[str, object], str]:
+    """Return a topic's type, or that of a field, for JSON and as a line."""
     from lcmtools.messages.definition import array_type
 
-    if text == UNKNOWN:
-        raise _unknown(topic)
+    record = types_record(topic_kinds(topic), topic.name)
+    text = str(record["type"] or NO_TYPE)
+    if not path.steps or text == UNKNOWN:
+        type_ = None if text == UNKNOWN else record["type"]
+        return {"topic": topic.name, **record, "type": type_}, text
     try:
         found = target(message_class(text.partition(", ")[0]), path)
     except ValueMismatch as error:  # exit code 1, as for a missing topic
         raise LcmtoolsError(error.what, error.hint) from error
     field = str(path).replace(".", "/")
     kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))
-    record = {"topic": topic.name, "type": text, "field": field, "field_type": kind}
-    write_result(record, [f"{text} {field} {kind}"], as_json=as_json)
-
-
-def _unknown(topic: Topic) -> LcmtoolsError:
-    rows = "; ".join(fingerprint_rows(topic))
-    return LcmtoolsError(f"the type of {topic.name} is not known", rows)
+    field_record: dict[str, object] = {
+        "topic": topic.name,
+        "type": text,
+        "field": field,
+        "field_type": kind,
+    }
+    return field_record, f"{text} {field} {kind}"
 
 
 @subcommand("find", all_option, json_option, looking_options)

@@ -5,7 +5,8 @@ Belongs here: when a report is due, and which is the last. Must not know the mea
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
@@ -14,7 +15,7 @@ from typing import Generic, TypeVar
 
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.clock import join_stamp
-from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType, UsageError
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
 from lcmtools.graph.model import Graph
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
@@ -25,10 +26,15 @@ from lcmtools.observe.measuring.counters import Counters
 from lcmtools.observe.measuring.rates import Window
 from lcmtools.observe.reading.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket
 from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
-from lcmtools.observe.reading.find import GLOBAL, find_topic, known_spelling
+from lcmtools.observe.reading.find import GLOBAL, known_spelling
 from lcmtools.observe.reading.losses import total
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.selection import OneTopic
+from lcmtools.observe.reading.selection import (
+    OneTopic,
+    TopicPattern,
+    select_topics,
+    selected_topics,
+)
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
@@ -127,45 +133,51 @@ class MeasurementReport(Generic[FoundT]):
 class Measurement(Generic[ItemT, FoundT]):
     """A measurement of topics on a bus, or of a log, which is read at once by its own times.
 
-    ``windows`` has the window of each topic, as typed; ``item`` returns what a window needs of a
-    message, or None if the message does not count. ``notify`` is called with a sentence for the
-    user.
+    ``windows`` gets the window of each topic, as typed or, for a pattern, as it arrives; ``item``
+    returns what a window needs of a message, or None if the message does not count. ``notify`` is
+    called with a sentence for the user.
 
     Raises:
         ValueMismatch: The condition does not fit an announced type.
-        UsageError: A topic is a pattern, and not a channel on the bus.
     """
 
     def __init__(
         self,
         monitor: BusMonitor,
-        windows: Mapping[str, Window[ItemT, FoundT]],
+        topics: Sequence[str],
+        windows: defaultdict[str, Window[ItemT, FoundT]],
         item: Callable[[SelectedPacket], ItemT | None],
         options: ListenOptions,
         notify: Notify,
     ) -> None:
         self._monitor, self._windows, self._item = monitor, windows, item
+        self._topics = list(dict.fromkeys(topics))
         self._options, self._notify = options, notify
         self._decoder = Decoder(monitor.types_of)
         self._has_notified = False
-        self._silent = dict.fromkeys(windows)
+        self._silent = dict.fromkeys(self._topics)
         self._now = 0
         self._last_time: int | None = None  # [ns] of a log's latest arrival
         self._goes_back = False
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
+        selections = [select_topics(one, options.names, with_path=False) for one in self._topics]
+        self._patterns = {one.text for one in selections if isinstance(one, TopicPattern)}
+        for topic in self._topics:
+            if topic not in self._patterns:
+                windows[topic]  # make it
         self._stream = ArrivalStream(
             monitor,
-            [OneTopic(topic, options.names, with_path=False) for topic in windows],
+            selections,
             options.names,
             wall_time=options.wall_time or (options.log_time and not monitor.is_live),
             strict_time=True,
             keep=self._counts if options.condition else None,
         )
         self.is_simulated = self._stream.is_simulated  # the times are simulated
-        # The channels that it listens to, one for each topic; none for a log.
-        self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
+        # The channels that it listens to now; none for a log.
+        self.channels = self._channels(selections) if monitor.is_live else []
 
     def reports(self) -> Iterator[MeasurementReport[FoundT]]:
         """Yield a report once a second, and a last one on Ctrl-C or at a log's end.
@@ -225,13 +237,16 @@ class Measurement(Generic[ItemT, FoundT]):
         if batch.is_reset:
             for window in self._windows.values():
                 window.clear()
-        for topic, arrivals in groupby(batch.arrivals, _TOPIC):
+        for topic, arrivals in groupby(batch.arrivals, self._topic if self._patterns else _TOPIC):
             items = [item for item in map(self._item, arrivals) if item is not None]
             self._windows[topic].add(*items)
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)
         return sum(window.total for window in self._windows.values()) - before
+
+    def _topic(self, arrival: SelectedPacket) -> str:
+        return arrival.packet.channel if arrival.topic in self._patterns else arrival.topic
 
     def _check_order(self, batch: Batch) -> None:
         for arrival in batch.arrivals:
@@ -250,23 +265,25 @@ class Measurement(Generic[ItemT, FoundT]):
             return False
         return self._options.condition is None or self._options.condition.matches(message)
 
-    def _channel(self, topic: str) -> str:
-        """The channel of a topic, for which the condition is checked if its type is announced."""
+    def _channels(self, selections: Iterable[OneTopic | TopicPattern]) -> list[str]:
+        """Return the channels of topics; the condition is checked for each with one known type."""
         graph, names = self._stream.graph, self._options.names
-        found = known_spelling(graph, topic, names)
-        if found is None and has_wildcard(topic):
-            what = f"{topic} is a pattern, which has no single rate"
-            raise UsageError(what, f"lcmtools list --hz '{topic}' shows all that match")
-        channel = found or names.spellings(topic)[-1]
-        types = graph.topic(channel).types
-        if self._options.condition and len(types) == 1:
-            with suppress(UnknownType):
-                self._options.condition.check(message_class(types[0]))
-        return channel
+        found: list[str] = []
+        for one in selections:
+            if isinstance(one, TopicPattern):
+                found += one.channels()
+            else:
+                known = known_spelling(graph, one.text, names)
+                found.append(known or names.spellings(one.text)[-1])
+        for types in (graph.topic(channel).types for channel in found):
+            if self._options.condition and len(types) == 1:
+                with suppress(UnknownType):
+                    self._options.condition.check(message_class(types[0]))
+        return found
 
     def _which(self) -> str:
         condition = self._options.condition
-        return f"came on {', '.join(self._windows)}{f', with {condition},' if condition else ''}"
+        return f"came on {', '.join(self._topics)}{f', with {condition},' if condition else ''}"
 
     def _notify_silent(self) -> None:
         """Say on which topics nothing has come, and which topic was probably meant."""
@@ -276,9 +293,9 @@ class Measurement(Generic[ItemT, FoundT]):
 
     def _notify_missing(self) -> None:
         """Say the same for a log, and whether its times make the measurement useless."""
-        if len(self._silent) == len(self._windows):
-            topics = ", ".join(self._windows)
-            hint = self._stream.near(next(iter(self._windows)))
+        if len(self._silent) == len(self._topics):
+            topics = ", ".join(self._topics)
+            hint = self._stream.near(self._topics[0])
             raise LcmtoolsError(f"the log has no message on {topics}", hint)
         if self._goes_back:
             self._notify("the times of the log go back; lcmtools bag sort sorts them")
@@ -307,7 +324,7 @@ def watch_counters(
     *,
     with_messages: bool = False,
 ) -> tuple[Graph, Counters]:
-    """Return a bus's graph, and the counters of the endpoints of topics, which are as typed.
+    """Return a bus's graph, and the counters of the endpoints of topics, or patterns, as typed.
 
     It counts for ``wait`` [s], or for as long as needed, at most half a second: ``with_messages``
     also if the rates are announced but no message has come.
@@ -315,9 +332,12 @@ def watch_counters(
     Raises:
         LcmtoolsError: A topic is not on the bus; the hint has the topic that was probably meant.
     """
-    monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
+    named = [word for word in words if not has_wildcard(word)]
+    monitor.listen_to([spelling for name in named for spelling in names.spellings(name)])
     graph = monitor.settle()
-    topics = [find_topic(graph, name, names) for name in words]
+    topics = selected_topics(graph, words, names)
+    if any(map(has_wildcard, words)):
+        monitor.listen_to([topic.name for topic in topics])
     publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
     if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
         return graph, Counters(graph, graph, monitor.losses())

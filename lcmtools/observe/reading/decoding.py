@@ -108,6 +108,13 @@ class Decoder:
 
 
 def remedy_of_unknown() -> str:
-    """Return what to do about an unknown type: correct .lcm files, or set their location."""
-    broken = next((str(problem.error()) for problem in problems()), "")
-    return broken or f"{VARIABLE}=FOLDER adds the folder of your .lcm files"
+    """Return what to do about an unknown type: set the location of .lcm files, or correct them.
+
+    Of a fingerprint nobody knows whether it belongs to a type in a broken file.
+    """
+    if folder := next((str(one.error()) for one in problems() if one.is_of_folder), ""):
+        return folder
+    broken = len({problem.file for problem in problems()})
+    files = f"{broken} broken type files" if broken > 1 else "a broken type file"
+    more = f"; lcmtools msg build shows {files}" if broken else ""
+    return f"{VARIABLE}=FOLDER adds the folder of your .lcm files{more}"

@@ -6,10 +6,11 @@ Only the bus can tell a topic from the field path after it. Must not know how a 
 from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, parse_path, splits
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
-from lcmtools.observe.reading.find import GLOBAL
+from lcmtools.observe.reading.find import GLOBAL, find_topic, find_topic_and_path
 
 
 class OneTopic:
@@ -111,6 +112,39 @@ def select_topics(
     """Return the selection for an argument (see ``OneTopic`` and ``TopicPattern``)."""
     kind = TopicPattern if has_wildcard(argument) else OneTopic
     return kind(argument, names, with_path=with_path)
+
+
+def selected_topics(graph: Graph, words: Iterable[str], names: Resolver = GLOBAL) -> list[Topic]:
+    """Return the topics that names or patterns mean, each once.
+
+    Raises:
+        LcmtoolsError: A topic is not on the bus, or none matches a pattern.
+    """
+    found: dict[str, Topic] = {}
+    for word in words:
+        is_pattern = has_wildcard(word)
+        some = selected_fields(graph, word, names) if is_pattern else ()
+        topics = [topic for topic, _ in some] or [find_topic(graph, word, names)]
+        found |= {topic.name: topic for topic in topics}
+    return list(found.values())
+
+
+def selected_fields(
+    graph: Graph, argument: str, names: Resolver = GLOBAL
+) -> list[tuple[Topic, Path]]:
+    """Return the topics that an argument means, and the field path after each.
+
+    Raises:
+        LcmtoolsError: A topic is not on the bus, or none matches a pattern; a path is wrong.
+    """
+    if not has_wildcard(argument):
+        return [find_topic_and_path(graph, argument, names)]
+    pattern = TopicPattern(argument, names)
+    pattern.update(graph)
+    found = [(graph.topic(name), pattern.path_on(name)) for name in sorted(pattern.channels())]
+    if not found:
+        raise LcmtoolsError(f"no topic matches {argument}", "lcmtools list shows the topics")
+    return [(topic, path) for topic, path in found if path is not None]
 
 
 def _is_there(topic: Topic) -> bool:

@@ -1,5 +1,7 @@
 """Commands among the topics that are played: who would obey, and what stands at the end."""
 
+from pathlib import Path
+
 import pytest
 from fixtures.says import assert_says
 
@@ -7,7 +9,9 @@ from lcmtools.bag.commands import LastCommands, conflicts, is_command
 from lcmtools.bag.playlist import Track
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.messages.registry import Message, fingerprint, message_class, type_name
+from lcmtools.messages.supply import set_supply
+from lcmtools.packages import provide_user_types
 from lcmtools.types.geometry_msgs import Pose, Twist, TwistStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Sender
@@ -166,3 +170,42 @@ def test_zero_is_no_stop_for_a_position() -> None:
     assert arm == ("/arm_cmd", "position0 1.5", None, "")
     assert (unknown[0], *unknown[2:]) == ("/x_cmd", None, "")
     assert_says(unknown[1], "not known")
+
+
+@pytest.mark.parametrize(
+    ("field", "shown"),
+    [
+        ("utime", ""),
+        ("timestamp", ""),
+        ("t", ""),
+        ("time_us", ""),
+        ("last_cmd_time", ""),
+        ("seq", ""),
+        ("sequence_number", ""),
+        ("robotId", ""),
+        ("robot_id", ""),
+        ("num_joints", ""),
+        ("speed", "speed 2"),
+        ("speed_ms", "speed_ms 2"),
+        ("tilt", "tilt 2"),
+        ("timed_speed", "timed_speed 2"),
+        ("width", "width 2"),
+    ],
+)
+def test_times_numbers_and_names_are_no_motion(
+    field: str, shown: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "drive_t.lcm").write_text(f"package own; struct drive_t {{ int64_t {field}; }}")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    provide_user_types()
+    try:
+        kind = message_class("own/drive_t")
+        message = kind()
+        setattr(message, field, 2)
+        commands = LastCommands([track("DRIVE_COMMAND", kind)])
+        commands.add("DRIVE_COMMAND", encode(message))
+        found = [one.values for one in commands.pop(Graph(), heard=True)]
+    finally:
+        set_supply(None)
+    assert found == [shown][: bool(shown)]

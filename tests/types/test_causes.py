@@ -1,0 +1,168 @@
+"""Errors name the first cause: file, line, and the types that it costs, and blame no other file."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.messages.supply import set_supply
+from lcmtools.observe.reading.decoding import remedy_of_unknown
+from lcmtools.packages import provide_user_types
+
+Cli = Callable[..., Any]
+
+BROKEN = "package rover;\nstruct whale_t\n{\n  double length\n}\n"
+POD = "package rover;\nstruct pod_t { int32_t n; whale_t whales[n]; }\n"
+SEA = "package sea;\nstruct sea_t { rover.pod_t pod; }\n"
+DEEP = "package rover;\nstruct pod_t { int8_t id;\n  salmon_t whale;\n}\n"
+WHALE = "package rover;\nstruct whale_t { double length; }\n"
+ENDLESS = "package rover;\nstruct whale_t { pod_t pod; }\n"
+NEEDS_WHALE = "package rover;\nstruct pod_t { whale_t whale; }\n"
+
+
+@pytest.fixture
+def types(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[dict[str, str]], Path]:
+    """``types({"a/b.lcm": text})``: makes the files of a user; gives their folder."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+
+    def make(files: dict[str, str]) -> Path:
+        for name, text in files.items():
+            path = tmp_path / "lcmtypes" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path / "lcmtypes"))
+        monkeypatch.chdir(tmp_path)
+        return tmp_path / "lcmtypes"
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("files", "asked", "error"),
+    [
+        (
+            {"whale.lcm": BROKEN},
+            "rover/whale_t",
+            (
+                "lcmtypes/whale.lcm:5: expected token ; (unusable: rover/whale_t);"
+                " a ';' is missing before this"
+            ),
+        ),
+        (
+            {"whale_t.lcm": BROKEN, "pod_t.lcm": POD, "sea_t.lcm": SEA},
+            "sea/sea_t",
+            (
+                "lcmtypes/whale_t.lcm:5: expected token ;"
+                " (unusable: rover/whale_t, rover/pod_t, sea/sea_t); a ';' is missing before this"
+            ),
+        ),
+        (
+            {"whale_t.lcm": BROKEN},
+            "whale_t",
+            "lcmtypes/whale_t.lcm:5: expected token ;; a ';' is missing before this",
+        ),
+        (
+            {"whale_t.lcm": WHALE, "pod_t.lcm": DEEP, "sea_t.lcm": SEA},
+            "sea/sea_t",
+            (
+                "lcmtypes/pod_t.lcm:3: rover/pod_t: unknown type 'salmon_t' (unusable: sea/sea_t);"
+                " name the folder of its .lcm file too"
+            ),
+        ),
+        (
+            {"pod_t.lcm": DEEP.replace("salmon", "whal"), "whale_t.lcm": WHALE, "sea_t.lcm": SEA},
+            "pod_t",
+            (
+                "lcmtypes/pod_t.lcm:3: rover/pod_t: unknown type 'whal_t' (unusable: sea/sea_t);"
+                " did you mean rover.whale_t?"
+            ),
+        ),
+        (
+            {"whale_t.lcm": ENDLESS, "pod_t.lcm": NEEDS_WHALE, "sea_t.lcm": SEA},
+            "sea/sea_t",
+            (
+                "lcmtypes/pod_t.lcm: rover/pod_t contains itself (unusable: sea/sea_t);"
+                " only an array of variable size can hold its own type"
+            ),
+        ),
+        (
+            {"whale_t.lcm": BROKEN},
+            "rover/wale_t",
+            "unknown type 'rover/wale_t'; see: lcmtools msg list",
+        ),
+        (
+            {"whale_t.lcm": BROKEN},
+            "geometry_msgs/Twst",
+            "unknown type 'geometry_msgs/Twst'; did you mean geometry_msgs/Twist?",
+        ),
+    ],
+)
+def test_the_first_cause_is_named(
+    files: dict[str, str], asked: str, error: str, types: Callable[..., Path], cli: Cli
+) -> None:
+    types(files)
+    result = cli("msg", "show", asked)
+    assert (result.out, result.err) == ("", f"lcmtools msg show: {error}\n")
+
+
+def test_a_dangling_link_costs_its_own_type_only(types: Callable[..., Path], cli: Cli) -> None:
+    folder = types({"rover/whale_t.lcm": WHALE})
+    (folder / "rover" / "gone_t.lcm").symlink_to("nowhere")
+    where = "lcmtypes/rover/gone_t.lcm: this link leads nowhere"
+    assert cli("msg", "show", "rover/gone_t").err == f"lcmtools msg show: {where}\n"
+    assert cli("msg", "show", "rover/whale_t").code == 0
+    assert "unknown type 'rover/other_t'" in cli("msg", "show", "rover/other_t").err
+
+
+def test_each_cause_is_listed_once(types: Callable[..., Path], cli: Cli) -> None:
+    folder = types({"whale_t.lcm": BROKEN, "pod_t.lcm": POD, "sea_t.lcm": SEA, "ok.lcm": WHALE})
+    (folder / "ok.lcm").write_text("package rover;\nstruct ok_t { int8_t a; }\n")
+    result = cli("msg", "build", "--json")
+    report = json.loads(result.out)
+    assert (result.code, [one["type"] for one in report["types"]]) == (1, ["rover/ok_t"])
+    (problem,) = report["problems"]
+    assert problem["lost"] == ["rover/whale_t", "rover/pod_t", "sea/sea_t"]
+
+
+def test_another_file_with_the_type_makes_up_for_a_broken_one(
+    types: Callable[..., Path], cli: Cli
+) -> None:
+    types({"a/whale_t.lcm": BROKEN, "b/whale_t.lcm": WHALE, "pod_t.lcm": POD})
+    assert "float64 length" in cli("msg", "show", "rover/pod_t").out
+
+
+def test_no_file_is_blamed_for_an_unknown_fingerprint(types: Callable[..., Path]) -> None:
+    types({"whale_t.lcm": BROKEN})
+    provide_user_types()
+    try:
+        said = remedy_of_unknown()
+    finally:
+        set_supply(None)
+    assert said == (
+        "LCMTOOLS_TYPE_PATH=FOLDER adds the folder of your .lcm files;"
+        " lcmtools msg build shows a broken type file"
+    )
+
+
+@pytest.mark.parametrize("name", ["build", "dist"])
+def test_folders_of_builds_are_searched_last(
+    name: str, types: Callable[..., Path], cli: Cli
+) -> None:
+    copy = WHALE.replace("length", "old_length")
+    copies = {f"{name}/lib/msg/whale_t.lcm": copy, f"{name}/only_t.lcm": POD}
+    types({**copies, "msg/whale_t.lcm": WHALE})
+    assert cli("msg", "show", "rover/whale_t").out == "float64 length\n"
+    assert "float64 length" in cli("msg", "show", "rover/pod_t").out
+
+
+def test_a_tree_that_is_too_large_is_not_cut_in_silence(
+    types: Callable[..., Path], cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.packages.type_files._MOST_FOLDERS", 3)
+    types({f"{n}/t{n}_t.lcm": f"struct t{n}_t {{ byte x; }}\n" for n in range(5)})
+    result = cli("msg", "list")
+    assert "lcmtypes: it has more than 3 folders, and the others are not searched" in result.err
