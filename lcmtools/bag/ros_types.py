@@ -17,6 +17,7 @@ from lcmtools.bag.ros_definitions import (
     FILLER,
     Definitions,
     RosVersion,
+    nested_types,
     original_text,
     parts,
     renamed_fields,
@@ -42,6 +43,7 @@ NO_TYPES: RecordedTypes = MappingProxyType({})
 _Convert: TypeAlias = Callable[[Any], Any]
 _Described: TypeAlias = Any  # as in rosbags: a kind, and its content
 
+_HOLD_TIMES = ("std_msgs/msg/Time", "std_msgs/msg/Duration")
 _TIME = "builtin_interfaces/msg/Time"
 _SAME = {"bool": "bool", "float32": "float32", "float64": "float64", "string": "string"}
 
@@ -120,16 +122,24 @@ class Conversion:
 
     def fits(self, cls: type[Message], name: str) -> bool:
         """Return whether a ROS type has the fields of a class."""
-        return name in self.store.fielddefs and self._find(cls, name) is not None
+        if name not in self.store.fielddefs:
+            return False
+        inner = self._inner(cls, name)
+        return self.fits(cls, inner) if inner else self._find(cls, name) is not None
 
     def to_ros(self, cls: type[Message], name: str, message: Message) -> object:
         """Convert a message to a ROS type that fits its class."""
+        if inner := self._inner(cls, name):
+            held: Any = self.to_ros(cls, inner, message)
+            return self.store.types[name](held)
         pairs = self._find(cls, name) or ()
         values = {pair.ros_name: pair.to_ros(getattr(message, pair.lcm_name)) for pair in pairs}
         return self.store.types[name](**values or self._filler(name))
 
     def to_lcm(self, cls: type[Message], name: str, message: object) -> Message:
         """Convert a message of a ROS type that fits a class to that class."""
+        if inner := self._inner(cls, name):
+            return self.to_lcm(cls, inner, message.data)  # type: ignore[attr-defined] # see there
         made = cls()
         for pair in self._find(cls, name) or ():
             value = pair.to_lcm(getattr(message, pair.ros_name))
@@ -137,6 +147,12 @@ class Conversion:
                 value = _shaped(value, length_values(made, pair.array))
             setattr(made, pair.lcm_name, value)
         return made
+
+    def _inner(self, cls: type[Message], name: str) -> str | None:
+        """Return the time in ROS 1's std_msgs/Time, which LCM's is itself; None for other types."""
+        if not is_time(cls) or name not in _HOLD_TIMES:
+            return None
+        return next((one for one in nested_types(self.store.fielddefs[name])), None)
 
     def _filler(self, name: str) -> dict[str, Any]:
         return dict.fromkeys((field for field, _ in self.store.fielddefs[name][1]), 0)
@@ -308,7 +324,7 @@ class RosTypes(Conversion):
 
         found = get_types_from_msg(original_text(one.source), name)
         for part in fields(cls):
-            if part.message_class and not is_time(part.message_class):
+            if part.message_class:
                 self._add(part.message_class)
         trial = ros_store(None)
         trial.register({**self.store.fielddefs, **found})

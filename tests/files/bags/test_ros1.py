@@ -1,10 +1,12 @@
 """Bags of ROS 1 that were not closed, are damaged, or have strange topics."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fixtures.ros_bags import SECOND, Topic, own_types, write_bag
+from fixtures.command import Result
+from fixtures.ros_bags import SECOND, Topic, own_types, read_bag, write_bag
 from fixtures.says import assert_says
 from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import Reader
@@ -86,3 +88,35 @@ def test_a_strange_definition_costs_only_its_topic(
     assert [one.topic for one in reading.read(path)] == ["/words"] * 3
     (row,) = reading.report.rows()
     assert_says(row, "1 messages", "/item", said)
+
+
+def test_a_time_in_a_type_of_its_own_is_the_time(
+    tmp_path: Path, cli: Callable[..., Result]
+) -> None:
+    path, log, back = tmp_path / "a.bag", tmp_path / "a.lcmlog", tmp_path / "b.bag"
+    store = own_types(1, Item="std_msgs/Time at\nstd_msgs/Duration[] some\ntime plain")
+    types = store.types
+    time = types["builtin_interfaces/msg/Time"](sec=5, nanosec=6)
+    held = types["std_msgs/msg/Time"](time)
+    some = types["std_msgs/msg/Duration"](types["builtin_interfaces/msg/Duration"](-7, 8))
+    write_bag(
+        path,
+        store,
+        Topic("/time", "std_msgs/msg/Time", [{"data": time}]),
+        Topic("/item", "own_msgs/msg/Item", [{"at": held, "some": [some], "plain": time}]),
+    )
+    cli("bag", "import", str(path), str(log)).ok()
+    found: dict[str, Any] = {one.topic: one.message for one in RosImport().read(path)}
+    assert (found["/time"].sec, found["/time"].nsec) == (5, 6)
+    assert (found["/item"].at.sec, found["/item"].some[0].sec, found["/item"].plain.nsec) == (
+        5,
+        -7,
+        6,
+    )
+    cli("bag", "export", str(log), str(back)).ok()
+    assert read_bag(back) == read_bag(path)
+    digests = []
+    for one in (path, back):
+        with Reader(one) as reader:
+            digests.append([(each.topic, each.digest) for each in reader.connections])
+    assert digests[0] == digests[1]
