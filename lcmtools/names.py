@@ -19,6 +19,11 @@ MAX_CHANNEL_BYTES = 63
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
 _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
+# as commands print control characters and bytes that are not UTF-8
+_ESCAPE = re.compile(
+    r"\\x([01][0-9a-f]|7f|[89a-f][0-9a-f])|\\u(20[0-9a-f]{2}|dc[89a-f][0-9a-f])", re.IGNORECASE
+)
+
 _NEAR = 0.65  # least similarity, 1 for equal names; "position" and "friction" have 0.625
 
 _WILDCARD = re.compile(r"\*\*|[*?]")
@@ -99,10 +104,8 @@ def check_node(name: str) -> None:
 @lru_cache  # called for each message sent
 def check_channel(channel: str) -> str:
     """Return a channel unchanged; raise InvalidName if it is empty, too long or not UTF-8."""
-    try:
-        channel.encode()
-    except UnicodeEncodeError:
-        raise InvalidName(f"the channel {channel!a} is not UTF-8", "use another name") from None
+    if not is_utf_8(channel):
+        raise InvalidName(f"the channel {channel!a} is not UTF-8", "use another name")
     return check_length(channel)
 
 
@@ -114,6 +117,7 @@ def check_base_name(name: str, namespace_by: str = "__ns:=") -> None:
         raise InvalidName(f"'{name}' is not a legal node name", hint)
 
 
+@lru_cache  # called for each message sent
 def check_length(channel: str, name: str = "") -> str:
     """Return a channel unchanged; raise InvalidName if it is empty or longer than 63 bytes.
 
@@ -131,6 +135,30 @@ def check_length(channel: str, name: str = "") -> str:
     if not channel or "\0" in channel:
         raise InvalidName(f"{channel!r}: a channel name must not be empty or contain a zero byte")
     return channel
+
+
+@lru_cache  # called for each message sent
+def is_utf_8(channel: str) -> bool:
+    """Return whether a channel's name is UTF-8; liblcm's Python sends on no other."""
+    try:
+        channel.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def unescaped(name: str) -> str:
+    r"""Return a name with ``\xff`` for a byte that is not UTF-8 as that byte, as it is shown.
+
+    Also with control characters that are shown as ``\x1b`` or ``\u202e``.
+    """
+
+    def character(escape: "re.Match[str]") -> str:
+        code = int(escape[1] or escape[2], 16)
+        return chr(code + 0xDC00 if 0x80 <= code < 0x100 else code)  # noqa: PLR2004 - a byte
+
+    found = _ESCAPE.sub(character, name)  # bytes that together are UTF-8 are a character
+    return found.encode("utf-8", "surrogateescape").decode("utf-8", "surrogateescape")
 
 
 def as_utf_8(name: str) -> str:
@@ -162,10 +190,11 @@ def spellings(name: str, namespace: str = "/") -> Sequence[str]:
     """Return the channels that a name may mean when a topic is *read*: as written, and resolved.
 
     ``echo EXAMPLE`` may mean the plain LCM channel ``EXAMPLE`` or the topic ``/EXAMPLE``, whichever
-    is on the bus. A name that is not a legal ROS name can only be a channel.
+    is on the bus. A name that is not a legal ROS name can only be a channel, also with escapes
+    (``unescaped``).
     """
     if name.startswith("~") or not _LEGAL_NAME.fullmatch(name):
-        return [name]
+        return list(dict.fromkeys([name, unescaped(name)]))
     return list(dict.fromkeys([name, resolve(name, namespace)]))
 
 
@@ -187,8 +216,9 @@ class Pattern:
         self._hidden = hidden or is_hidden(text)
         bare = text.rstrip("/")
         root = "" if text.startswith("/") else f"(?:{re.escape(namespace.rstrip('/'))}/)?"
-        self._whole = re.compile(root + _expression(bare), re.DOTALL)
-        self._below = re.compile(f"{root}{_expression(bare)}(/.*)?" if bare else ".*", re.DOTALL)
+        said = "|".join(map(_expression, dict.fromkeys([bare, unescaped(bare)])))
+        self._whole = re.compile(f"{root}(?:{said})", re.DOTALL)
+        self._below = re.compile(f"{root}(?:{said})(/.*)?" if bare else ".*", re.DOTALL)
 
     def matches(self, name: str) -> bool:
         """Return True if the pattern matches the whole name."""

@@ -13,7 +13,7 @@ from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement, encode_announcement
 from lcmtools.messages.filter import Filter
-from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden
+from lcmtools.names import SELF_TEST_CHANNEL, Pattern, did_you_mean, is_hidden, unescaped
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.settings import parse_duration
@@ -104,6 +104,7 @@ def parse_renames(
     names: dict[str, str] = {}
     for word in words:
         old, sign, new = word.partition(":=")
+        old = unescaped(old)
         if not (old and sign and new) or old.endswith("/") != new.endswith("/"):
             raise UsageError(f"'{word}' is not a rename", "write OLD:=NEW, or /old/:=/new/")
         is_all = old.endswith("/")
@@ -111,7 +112,7 @@ def parse_renames(
         found = [one for one in every if one == old or (is_all and one.startswith(old))]
         if not found:
             TopicChoice([old]).check(known)
-        names |= {one: new + one[len(old) :] for one in found}
+        names |= {one: unescaped(new) + one[len(old) :] for one in found}
     kept = [names.get(one, one) for one in known]
     if twice := next((one for one in kept if kept.count(one) > 1), ""):
         raise UsageError(f"two topics would be called {twice}", "rename the other one too")

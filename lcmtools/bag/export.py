@@ -110,7 +110,7 @@ def _open(
     on_omission: OnOmission,
 ) -> AbstractContextManager[_Target]:
     makers: dict[str, Callable[[], AbstractContextManager[_Target]]] = {
-        "csv": lambda: CsvFiles(path, on_omission),
+        "csv": lambda: CsvFiles(path),
         "jsonl": lambda: JsonLines(path),
         "npz": lambda: NumpyFile(path, on_omission),
         "parquet": lambda: ParquetFiles(path, on_omission),

@@ -36,6 +36,7 @@ class IndexNotes:
         self._numbers: dict[Sender | None, int] = {}  # senders' numbers in the current file
         self._named: dict[Sender, str] = {}  # senders' names in the current file
         self._nodes: dict[str, Packet] = {}  # the last announcement of each node by its id
+        self._left: dict[str, Node] = {}  # the nodes that have ended, by id
         self._revisions: dict[bytes, bytes] = {}
         self._types: dict[tuple[str, int], RecordedType] = {}
         self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints that have occurred
@@ -86,6 +87,9 @@ class IndexNotes:
         announcement = decode_announcement(packet.payload)
         if announcement is None:
             return False
+        if announcement.leaving:
+            self._left[announcement.node.id] = announcement.node._replace(sender=packet.sender)
+            self._next_lookup = 0.0
         ends = announcement.node.endpoints
         if announcement.node.tool and not any(end.role is Role.PUBLISHER for end in ends):
             return True  # it only observes, as this recorder does
@@ -152,7 +156,7 @@ class IndexNotes:
         packets, self._unknown = self._unknown, []
         for packet in packets:
             self._announced[packet.channel] = self._monitor.types_of(packet.channel)
-        nodes = self._monitor.graph().nodes
+        nodes = (*self._left.values(), *self._monitor.graph().nodes)
         self._lookup = self._worker.submit(self._identify, list(self._numbers), nodes, packets)
 
     def _end_lookup(self, lookup: "Future[list[RecordedType]]", writer: LogWriter) -> None:

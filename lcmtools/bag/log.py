@@ -17,10 +17,12 @@ from lcmtools.bag.columns import table, with_times
 from lcmtools.bag.summary import LogSummary, TopicSummary, known_nodes, summarize
 from lcmtools.bag.times import parse_time, time_window
 from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.messages.supply import has_supply
 from lcmtools.names import did_you_mean
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.received import Arrival, messages, usual_names
+from lcmtools.packages import provide_user_types
 
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array
@@ -39,6 +41,8 @@ class Log(AbstractContextManager["Log"]):
     """
 
     def __init__(self, path: str | Path) -> None:
+        if not has_supply():
+            provide_user_types()
         self.path = Path(path)
         self._file = LogFile(path)
 
@@ -51,7 +55,7 @@ class Log(AbstractContextManager["Log"]):
         self._file.close()
 
     def __iter__(self) -> Iterator[Arrival]:
-        """Yield the messages of all topics; raises errors as ``messages`` does."""
+        """Yield the messages of all topics, as ``messages`` does."""
         return self.messages()
 
     @cached_property
@@ -94,11 +98,11 @@ class Log(AbstractContextManager["Log"]):
             start: The time at which to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05".
             end: The time at which to end.
             where: Yield only messages for which this expression is true.
-            on_error: Called if a message cannot be decoded; None to raise.
+            on_error: Called if a message cannot be decoded, which is then left out; None to yield
+                an arrival whose ``message`` raises the error.
 
         Raises:
             UsageError: A time, a topic or the expression is wrong.
-            DecodeError: A message cannot be decoded, and ``on_error`` is None.
             LcmtoolsError: The log has no message on the topics.
         """
         return messages(
@@ -124,7 +128,7 @@ class Log(AbstractContextManager["Log"]):
             LcmtoolsError: The log has no message on the topic, or none of a type that is known and
                 does not contain itself.
         """
-        first, last = self._between(start, end) or (0, sys.maxsize)
+        first, last = self._between(start, end) or (-sys.maxsize, sys.maxsize)
         decoder = Decoder(known_nodes(self._file).types_of)
         spelled = set(usual_names().spellings(topic))
         packets = (one for one in self._file.packets() if one.channel in spelled)

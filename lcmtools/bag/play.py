@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,6 +82,7 @@ def play(
         UsageError: There is no such topic, or the log has nothing in these times.
         LcmtoolsError: Topics are in use on the bus, and nothing was played.
     """
+    choice = replace(choice, only_utf_8=not (url.is_multicast or url.provider == "zenoh"))
     with Playlist(paths, choice, notify) as playlist:
         window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
         now = time.monotonic_ns()
@@ -99,7 +100,7 @@ def play(
             )
         known, graph = _check(url, playlist.tracks, notify, force=manner.force)
         with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
-            session = _Session(node, playlist.tracks, manner, notify, watch)
+            session = _Session(node, playlist, manner, notify, watch)
             session.find(graph)
             if manner.waits:
                 session.wait_for_subscribers()
@@ -129,8 +130,9 @@ class _Session:
     """Sending a log by a node."""
 
     def __init__(
-        self, node: Node, tracks: Sequence[Track], manner: Manner, notify: Notify, watch: "_Watch"
+        self, node: Node, playlist: Playlist, manner: Manner, notify: Notify, watch: "_Watch"
     ) -> None:
+        tracks, self._recorded_time = playlist.tracks, playlist.recorded_time
         self._node, self._notify, self._watch = node, notify, watch
         self._forced = manner.force
         self._commands = LastCommands(tracks)
@@ -190,7 +192,7 @@ class _Session:
                 return
             if now >= due:
                 due = now + period
-                self._tick(player.time(now))
+                self._tick(self._recorded_time(player.time(now)))
             if now - shown >= _SHOW_PERIOD:
                 shown = now
                 on_position(player.position(now))

@@ -4,26 +4,40 @@ Belongs here: which channels are played, and under which names. Must not know bu
 """
 
 import heapq
+import sys
+from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import histogram, span_of
-from lcmtools.clock import CLOCK_TOPIC
+from lcmtools.bag.summary_report import span_text
+from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
-from lcmtools.names import Resolver, check_channel, is_hidden, resolve_namespace, spellings
+from lcmtools.names import (
+    Resolver,
+    check_length,
+    is_hidden,
+    is_utf_8,
+    resolve_namespace,
+    spellings,
+)
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
+from lcmtools.wire.log_events import Event
 from lcmtools.wire.log_index import Block, disorder
 
+_STEP = NANOSECONDS  # times that go back by more are a step, after which playing goes on at once
+_MOST_PARTS = 8  # between which the times of a log may change to and fro
 _SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
@@ -35,6 +49,7 @@ class Choice:
     topics: TopicChoice = field(default_factory=TopicChoice)
     names: NodeArguments = field(default_factory=NodeArguments)  # for namespace and remaps
     keeps_clock: bool = False  # True if /clock keeps its name in a namespace
+    only_utf_8: bool = False  # True if the bus has no other channels
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +66,61 @@ class Track:
 class Played(NamedTuple):
     """A message of a log."""
 
-    time: int  # time of recording [ns since 1970]
+    time: int  # time of recording [ns since 1970]; after a step back in the log, later
     topic: str
     payload: bytes
 
 
+class _ContinuousLog(LogFile):
+    """A log whose events after a step back in time have later times, as if no time had passed."""
+
+    def __init__(self, path: str | Path) -> None:
+        self._steps: list[tuple[int, int]] = []  # offset, and what is added from there on [ns]
+        self._parts = [(-sys.maxsize, 0)]  # first time of playing, and what is added [ns]
+        super().__init__(path)
+
+    def remove_steps(self) -> None:
+        """Find the steps, and change the times of the events after them."""
+        later, latest = 0, None
+        for event in super().events():
+            if latest is not None and abs(event.time + later - latest) > _STEP:
+                later = self._later_from(event.time, latest)
+                self._steps.append((event.start, later))
+            time = event.time + later
+            latest = time if latest is None else max(latest, time)
+        self.index = replace(self.index, blocks=[])
+
+    def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
+        """Yield the places of the events, with the times at which they are to be played."""
+        found = super().events(start, end)
+        if not self._steps:
+            return found
+        return (event._replace(time=event.time + self._later(event)) for event in found)
+
+    def recorded_time(self, time: int) -> int:
+        """Return the time of recording for a time of playing."""
+        return time - self._parts[bisect_right(self._parts, time, key=itemgetter(0)) - 1][1]
+
+    def _later_from(self, time: int, latest: int) -> int:
+        """Return what to add to a time after a step: as in the part that it continues, if any."""
+        fits = [one for one in self._parts[-_MOST_PARTS:] if time + one[1] >= latest - _STEP]
+        if not fits:
+            self._parts.append((latest, latest - time))
+            return latest - time
+        part = min(fits, key=itemgetter(1))
+        del self._parts[self._parts.index(part) + 1 :]  # they were single messages
+        return part[1]
+
+    def _later(self, event: Event) -> int:
+        place = bisect_right(self._steps, event.start, key=itemgetter(0))
+        return self._steps[place - 1][1] if place else 0
+
+
 class Playlist(AbstractContextManager["Playlist"]):
     """The messages of one or more logs, merged by their times.
+
+    Where times go back by more than a second, the rest is played as if it came at once: its times
+    are later than those of recording.
 
     Hidden channels, such as those of services, are played only if they are named. Nodes' recorded
     announcements never are.
@@ -75,21 +138,28 @@ class Playlist(AbstractContextManager["Playlist"]):
         notify: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._nodes = GraphBuilder(is_log=True)
-        self._logs: list[tuple[LogFile, Sequence[Block]]] = []
+        self._logs: list[tuple[_ContinuousLog, Sequence[Block]]] = []
         try:
             for path in paths:
-                log = LogFile(path)
+                log = _ContinuousLog(path)
                 if log.size - log.index.end > _SLOW_BYTES:
                     notify(f"reading {path}; with an index (lcmtools bag reindex) this is instant")
                 for packet in log.announcements():
                     self._nodes.add(packet)
-                self._logs.append((log, list(log.blocks(self._nodes.add))))
-                if disorder(self._logs[-1][1]):
-                    notify(f"the times of {path} go back; lcmtools bag sort sorts them")
+                blocks = list(log.blocks(self._nodes.add))
+                if damage := log.damage(blocks):
+                    notify(damage)
+                if back := disorder(blocks):
+                    far = f", by up to {span_text(back / NANOSECONDS)}" if back > _STEP else ""
+                    notify(f"the times of {path} go back{far}; lcmtools bag sort sorts them")
+                if back > _STEP:
+                    log.remove_steps()
+                    blocks = list(log.blocks())
+                self._logs.append((log, blocks))
                 provide_recorded_types(log.index.types.values())
             # The times of the first and the last message of the logs [ns since 1970].
             self.span = _span(self._logs)
-            self.tracks = self._tracks(choice)  # what is played, sorted by channel
+            self.tracks = self._tracks(choice, notify)  # what is played, sorted by channel
         except BaseException:
             self.close()
             raise
@@ -131,6 +201,10 @@ class Playlist(AbstractContextManager["Playlist"]):
                 wanted = {name: topic for name, topic in wanted.items() if topic not in found}
         return sorted(found.values(), key=lambda one: one.time)
 
+    def recorded_time(self, time: int) -> int:
+        """Return the time of recording in the first log for a time of playing."""
+        return self._logs[0][0].recorded_time(time)
+
     def histogram(self, bins: int) -> list[int]:
         """Return the number of messages in each of ``bins`` equal parts of the logs' time."""
         parts = [histogram(log, blocks, self.span, bins) for log, blocks in self._logs]
@@ -156,7 +230,7 @@ class Playlist(AbstractContextManager["Playlist"]):
                     found[channel] = messages + count.messages, number
         return found
 
-    def _tracks(self, choice: Choice) -> tuple[Track, ...]:
+    def _tracks(self, choice: Choice, notify: Callable[[str], None]) -> tuple[Track, ...]:
         counts = self._counts
         names = [name for name in sorted(counts) if not name.startswith(_NEVER)]
         choice.topics.check(names)
@@ -171,6 +245,9 @@ class Playlist(AbstractContextManager["Playlist"]):
             paths = ", ".join(str(log.path) for log, _ in self._logs)
             raise LcmtoolsError(f"no messages of {paths} are left to play", "select other topics")
         moved = _moved(chosen, choice)
+        for odd in [name for name in chosen if choice.only_utf_8 and not is_utf_8(moved[name])]:
+            chosen.remove(odd)
+            notify(f"{odd} is left out: this bus has no channel that is not UTF-8")
         types_of = self._nodes.types_of
         return tuple(
             _track(channel, moved[channel], counts[channel], types_of(channel))
@@ -178,7 +255,7 @@ class Playlist(AbstractContextManager["Playlist"]):
         )
 
 
-def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
+def _span(logs: Sequence[tuple[_ContinuousLog, Sequence[Block]]]) -> tuple[int, int]:
     for log, blocks in logs:
         if not blocks:
             hint = "its first one is not complete" if log.size else "it is empty"
@@ -216,7 +293,7 @@ def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
             TopicChoice([source]).check(channels)
         moved.update(dict.fromkeys(found, Resolver(namespace).resolve(target)))
     for topic in moved.values():
-        check_channel(topic)
+        check_length(topic)
     return moved
 
 

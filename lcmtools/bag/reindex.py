@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from lcmtools.bag.output import output_beside
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.summary import Progress, known_nodes
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.protocol import head_of
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile, index_path
@@ -19,8 +20,10 @@ def reindex_log(log: LogFile, progress: Progress = lambda _: None) -> int:
     Missing definitions of types are added if known here.
 
     Raises:
-        LcmtoolsError: The index cannot be written.
+        LcmtoolsError: The log is not a file, or its index cannot be written.
     """
+    if not log.path.is_file():
+        raise LcmtoolsError(f"{log.path} is not a file", "an index is written beside a file")
     with (
         output_beside(index_path(log.path), force=True) as made,
         made.open("w", encoding="utf-8") as file,

@@ -12,7 +12,6 @@ from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reports.describe import Kinds, seen_kinds
 from lcmtools.packages import provide_recorded_types
-from lcmtools.wire.log_events import HEAD_BYTES
 from lcmtools.wire.log_index import Block, ChannelCount, disorder
 from lcmtools.wire.packet import Sender
 
@@ -118,7 +117,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         str(log.path),
         log.size,
         log.index.end,
-        log.size - sum(map(_event_bytes, topics.values())),
+        log.size - sum(block.event_bytes for block in blocks),
         start,
         end,
         tuple(topics[name] for name in sorted(topics)),
@@ -147,12 +146,6 @@ def span_of(blocks: Sequence[Block]) -> tuple[int, int]:
     """Return the times of the first and the last message in blocks, as ``log_span``."""
     first = min((block.first_time for block in blocks), default=0)
     return first, max((block.last_time for block in blocks), default=0)
-
-
-def _event_bytes(topic: TopicSummary) -> int:
-    """Bytes of the events of a topic."""
-    name_bytes = len(topic.name.encode("utf-8", "surrogateescape"))
-    return topic.bytes + topic.messages * (HEAD_BYTES + name_bytes)
 
 
 def histogram(

@@ -5,6 +5,7 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
+from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.reports.describe import kinds_text, size_text
 from lcmtools.text_table import text_table
 
@@ -14,7 +15,9 @@ _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "S
 
 def time_text(time: int) -> str:
     """Return a time [ns since 1970] in the computer's time zone, and in seconds."""
-    seconds = f"{time // 1_000_000_000}.{time % 1_000_000_000 // 1_000_000:03}"
+    milliseconds = abs(time) // 1_000_000
+    sign = "-" if time < 0 and milliseconds else ""
+    seconds = f"{sign}{milliseconds // 1000}.{milliseconds % 1000:03}"
     with suppress(ValueError, OverflowError, OSError):  # outside of years with four digits
         moment = datetime.fromtimestamp(time / 1e9, timezone.utc).astimezone()
         return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03} ({seconds})"
@@ -98,7 +101,7 @@ def _facts(summary: LogSummary) -> Iterator[tuple[str, str]]:
 
 def _cells(topic: TopicSummary) -> Sequence[str]:
     return (
-        topic.name,
+        printable(topic.name),
         kinds_text(topic.kinds, topic.name),
         str(topic.messages),
         "-" if topic.rate is None else f"{topic.rate:.2f} Hz",

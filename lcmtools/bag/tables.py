@@ -1,27 +1,27 @@
 """Messages as tables: comma-separated values, JSON lines, NumPy's arrays, Parquet."""
 
+import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack
 from itertools import chain, count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from tempfile import TemporaryFile
+from typing import TYPE_CHECKING, Any
 
 from lcmtools.bag.columns import TIME, require_columns, table, with_times
 from lcmtools.errors import DecodeError, UsageError, needing_extra
 from lcmtools.formats.strict_json import write_json
 from lcmtools.messages.fields import stamp
-from lcmtools.messages.plain import Plain, cells, to_plain
+from lcmtools.messages.plain import Cell, Plain, cells, to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import as_utf_8
-from lcmtools.observe.formatter import CsvTable
+from lcmtools.observe.formatter import csv_line, merged_columns
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array
-
-_ALL_VALUES = ".jsonl, .npz and .parquet have all of its values"
 
 OnOmission = Callable[[str, str], None]  # called with a reason and a sentence
 
@@ -64,36 +64,67 @@ def _file_name(topic: str) -> str:
 class CsvFiles(AbstractContextManager["CsvFiles"]):
     """Comma-separated values, a file for each topic, as ``echo --csv`` prints them.
 
-    A path without a suffix is a folder, which is created. ``on_omission`` is called for each
-    reason why something is left out.
+    The columns are those of the longest arrays. A path without a suffix is a folder, which is
+    created.
     """
 
-    def __init__(self, path: Path, on_omission: OnOmission) -> None:
-        self._files, self._on_omission = _TopicFiles(path, ".csv"), on_omission
+    def __init__(self, path: Path) -> None:
+        self._files = _TopicFiles(path, ".csv")
         self._stack = ExitStack()
-        self._tables: dict[str, tuple[TextIO, CsvTable]] = {}
+        self._tables: dict[str, _CsvFile] = {}
 
     def __exit__(self, *_: object) -> None:
-        """Close the files."""
+        """Close the files; raises OSError."""
         self._stack.close()
 
     def add(self, packet: Packet, decoder: Decoder) -> None:
         """Write a message's row; raises DecodeError and OSError."""
         message = decoder.decode(packet)
-        file, rows = self._tables.get(packet.channel) or self._open(packet.channel)
+        topic, kind = packet.channel, type_name(message)
+        if topic not in self._tables:
+            file = self._stack.enter_context(_CsvFile(self._files.path(topic), kind))
+            self._tables[topic] = file
         stamped = stamp(message)
         time = packet.time if stamped is None else stamped
-        row = rows.row({TIME: time, **cells(to_plain(message))}, type_name(message))
-        if row is not None:
-            file.write(f"{row}\n")
+        self._tables[topic].add({TIME: time, **cells(to_plain(message))}, kind)
 
-    def _open(self, topic: str) -> tuple[TextIO, CsvTable]:
-        path = self._files.path(topic)
-        file = self._stack.enter_context(
-            path.open("x", encoding="utf-8", errors="backslashreplace")
-        )
-        self._tables[topic] = file, CsvTable(self._on_omission, _ALL_VALUES)
-        return self._tables[topic]
+
+class _CsvFile(AbstractContextManager["_CsvFile"]):
+    """The rows of messages of one type; they are written at the end, when all columns are known."""
+
+    def __init__(self, path: Path, kind: str) -> None:
+        self._path, self._kind = path, kind
+        self._rows = TemporaryFile("w+", encoding="ascii")  # noqa: SIM115 - closed on exit
+        self._columns: list[str] = []
+        self._known: set[str] = set()
+        self._columns_of: dict[int, list[str]] = {}  # by the number of values in a row
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Write the file, unless an error has occurred; raises OSError."""
+        with self._rows:
+            if kind is None:
+                self._write()
+
+    def add(self, row: Mapping[str, Cell], kind: str) -> None:
+        """Add a message's row; DecodeError if it has another type than the first."""
+        if kind != self._kind:
+            raise DecodeError(f"of {kind}, and {self._kind} came before")
+        if not row.keys() <= self._known:
+            self._columns = merged_columns(self._columns, list(row))
+            self._known = set(self._columns)
+            self._columns_of[len(self._columns)] = self._columns
+        self._rows.write(json.dumps([row.get(column, "") for column in self._columns]) + "\n")
+
+    def _write(self) -> None:
+        self._rows.seek(0)
+        with self._path.open("x", encoding="utf-8", errors="backslashreplace") as file:
+            file.write(f"{csv_line(self._columns)}\n")
+            for line in self._rows:
+                values = json.loads(line)
+                if len(values) < len(self._columns):
+                    row = dict(zip(self._columns_of[len(values)], values, strict=True))
+                    values = [row.get(column, "") for column in self._columns]
+                file.write(f"{csv_line(values)}\n")
 
 
 class JsonLines(AbstractContextManager["JsonLines"]):

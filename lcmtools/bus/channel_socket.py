@@ -8,7 +8,7 @@ the socket's buffer fills up between two reads, the newest are lost.
 import contextlib
 import select
 
-from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, attach, mark, request_arrival
+from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, attach, mark
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import one_channel
 from lcmtools.bus.url import BusUrl
@@ -39,7 +39,6 @@ class ChannelSocket:
             raise BusError("this system cannot filter datagrams")
         self._poll = select.poll()
         self._poll.register(self._receiver, select.POLLIN)
-        request_arrival(self._receiver)
         mark(self._receiver, SELECTIVE)
 
     def receive(self) -> list[tuple[bytes, int]]:

@@ -19,7 +19,7 @@ from lcmtools.bus.receiving_bus import BATCH, ReceivingBus
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
-from lcmtools.names import check_channel
+from lcmtools.names import check_channel, check_length, is_utf_8
 
 _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for; others end or lose their connection."""
@@ -71,11 +71,14 @@ class LcmBus(ReceivingBus):
             BusError: It cannot be sent.
             InvalidName: LCM cannot carry this channel name.
         """
-        check_channel(channel)
         instance, paced = self._connection.instance, self._paced
+        check = check_length if paced else check_channel
+        check(channel)
         if instance is None:
             raise self._missing()
-        if paced and (len(payload) > PACED_ABOVE_BYTES or channel in paced.channels):
+        is_large = len(payload) > PACED_ABOVE_BYTES
+        # liblcm's Python sends on no channel that is not UTF-8
+        if paced and (is_large or channel in paced.channels or not is_utf_8(channel)):
             paced.send(channel, payload)
             return
         try:

@@ -12,7 +12,15 @@ import struct
 import time
 from collections.abc import Iterator
 
-from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, attach, mark, receive_buffer_bytes, share_port
+from lcmtools.bus.kernel import (
+    ANNOUNCED,
+    SELECTIVE,
+    attach,
+    mark,
+    receive_buffer_bytes,
+    request_arrival,
+    share_port,
+)
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
@@ -37,7 +45,9 @@ def sending_socket(url: BusUrl) -> socket.socket:
 def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socket.socket:
     """Return a socket that receives from the group shared with others, as liblcm's receivers do.
 
-    It has ``program`` as its filter from the beginning, if the system has filters.
+    It has ``program`` as its filter from the beginning, if the system has filters, and all its
+    datagrams have their receive time, if the system gives one: one that came before the request
+    would have the time of reading it.
 
     Raises:
         BusError: The group cannot be joined.
@@ -47,6 +57,7 @@ def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socke
         stack.enter_context(receiver)  # closed on an error
         share_port(receiver)
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        request_arrival(receiver)
         mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))

@@ -35,8 +35,9 @@ class ObserverSockets:
     def __init__(self, url: BusUrl) -> None:
         self._url = url
         self.all = [receiving_socket(url)]
+        self.all[0].settimeout(0.0)
         # true if the system gives each datagram's receive time
-        self.has_times = self._prepare(self.all[0])
+        self.has_times = request_arrival(self.all[0])
         self._granted = self.all[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
         self.short = self.all[:]  # sockets for short messages, at first the one for all
@@ -90,7 +91,7 @@ class ObserverSockets:
         shorts = _SHORT_SHARES if self._granted < _SMALL else 1
         while len(self.all) < shorts + shares:  # new ones receive nothing yet
             receiver = receiving_socket(self._url, nothing())
-            self._prepare(receiver)
+            receiver.settimeout(0.0)
             self.all.append(receiver)
             self._poll.register(receiver, select.POLLIN)
         self.short, large = self.all[:shorts], self.all[shorts:]
@@ -103,8 +104,3 @@ class ObserverSockets:
             mark(self.all[0], SELECTIVE)
             self.since = time.time_ns()
         self._shares = shares
-
-    @staticmethod
-    def _prepare(receiver: socket.socket) -> bool:
-        receiver.settimeout(0.0)
-        return request_arrival(receiver)

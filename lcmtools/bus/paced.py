@@ -77,7 +77,9 @@ class PacedSender(SendingThread[tuple[str, bytes]]):
         """
         sizes: dict[int, list[int]] = {}
         for place, (channel, payload) in enumerate(messages):
-            sizes.setdefault(len(channel.encode()) + len(payload), []).append(place)
+            sizes.setdefault(
+                len(channel.encode("utf-8", "surrogateescape")) + len(payload), []
+            ).append(place)
         left: list[int] = []
         for size, places in sizes.items():
             most = max(1, min(_MOST_TOGETHER, _MOST_BYTES_TOGETHER // size))

@@ -13,6 +13,7 @@ from lcmtools.messages.codec import NOT_PLAIN, encode
 from lcmtools.messages.coder import coder
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.rows import Cursor, Malformed
+from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.types.lcmtools_msgs import Appendable
 
 M = TypeVar("M", bound=Message)
@@ -28,13 +29,15 @@ def encode_appendable(message: Message) -> bytes:
 def decode_appendable(cls: type[M], data: bytes) -> M:
     """Return the message that this or another version of a type encoded.
 
+    Bytes in strings that are not UTF-8, as in a channel's name, are kept (``decode``'s keep_stray).
+
     Raises:
         DecodeError: A field ends early or has an impossible length.
     """
     try:
         return cast("M", coder(cls).scan(data, 0)[0])
     except NOT_PLAIN:  # shorter, or damaged
-        cursor = Cursor(data, 0)
+        cursor = Cursor(data, 0, STRAY_BYTES)
     try:
         return cast("M", coder(cls).read_available(cursor))
     except Malformed as malformed:

@@ -120,7 +120,7 @@ class Factory:
         checks.check_text("create_payload_publisher", "topic", topic)
         bus, graph = self.__context.bus, self.__context.follower.graph
         kind = type_name, fingerprint
-        publisher = PayloadPublisher(bus, kind, names.check_channel(topic), 10, graph)
+        publisher = PayloadPublisher(bus, kind, names.check_length(topic), 10, graph)
         self.__add_publisher(publisher)
         return publisher
 

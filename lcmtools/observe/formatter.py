@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
@@ -87,6 +87,14 @@ class MessageFormatter:
         self._whole: dict[tuple[Path, MessageClass], bool] = {}
         self._notified: set[str] = set()
         self._has_shown = False
+
+    def learn_columns(self, found: SelectedPacket) -> str | None:
+        """Add the columns of a message that is to be shown as CSV; None if it is not shown."""
+        self._table.is_learning = True
+        try:
+            return self.text(found)
+        finally:
+            self._table.is_learning = False
 
     def text(self, found: SelectedPacket) -> str | None:
         """Return the text of a message; None if it must not be shown or has no fields.
@@ -223,16 +231,17 @@ def _raw_text(packet: Packet, reason: str) -> str:
 
 
 class CsvTable:
-    """Rows of comma-separated values under the columns of the first one.
+    """Rows of comma-separated values under the columns of the first one, or of those it learnt.
 
     Rows of another type of message are left out. ``notify`` is called with the reason and a
-    sentence if something is left out; it ends with the ``remedy`` where values have no column.
+    sentence if something is left out.
     """
 
-    def __init__(self, notify: Callable[[str, str], None], remedy: str = _SLICE) -> None:
-        self._remedy = remedy
+    def __init__(self, notify: Callable[[str, str], None]) -> None:
         self._columns: list[str] = []
         self._kind = ""
+        self._has_head = False
+        self.is_learning = False  # True while rows only add columns
         self._notify = notify
 
     def row(self, cells: dict[str, Cell], kind: str) -> str | None:
@@ -241,23 +250,43 @@ class CsvTable:
         A column without a value in the message is empty; values without a column are left out.
         ``kind`` has the name of the values' type, or the names of several.
         """
-        head = "" if self._columns else f"{_line(list(cells))}\n"
-        if head:
+        if not self._columns:
             self._columns, self._kind = list(cells), kind
         elif kind != self._kind:
             columns = f"the columns are those of {self._kind}"
             self._notify(f"kind {kind}", f"messages of {kind} are left out: {columns}")
             return None
+        if self.is_learning:
+            if not cells.keys() <= set(self._columns):
+                self._columns = merged_columns(self._columns, list(cells))
+            return ""
+        head = "" if self._has_head else f"{csv_line(self._columns)}\n"
+        self._has_head = True
         if more := len(cells.keys() - set(self._columns)):
             self._notify(
                 "more",
                 f"no column for {more} more in an array that was shorter in the first message;"
-                f" {self._remedy}",
+                f" {_SLICE}",
             )
-        return head + _line([cells.get(column, "") for column in self._columns])
+        return head + csv_line([cells.get(column, "") for column in self._columns])
 
 
-def _line(cells: "list[str] | list[Cell]") -> str:
+def merged_columns(columns: list[str], others: list[str]) -> list[str]:
+    """Return the columns of two rows, each array's together."""
+    places = {name: place for place, name in enumerate(columns)}
+    merged, end = list[str](), 0
+    for name in others:
+        place = places.get(name)
+        if place is None:
+            merged.append(name)
+        elif place >= end:
+            merged += columns[end : place + 1]
+            end = place + 1
+    return merged + columns[end:]
+
+
+def csv_line(cells: Sequence[Cell]) -> str:
+    """Return values as comma-separated ones, without the end of the line."""
     text = io.StringIO()
     csv.writer(text).writerow(cells)  # its own line end: else a line break is not quoted
     return text.getvalue().removesuffix("\r\n")

@@ -21,6 +21,7 @@ HEAD_BYTES = 28
 
 _MOST_AT_ONCE = 64 << 20  # bytes
 _HEAD = struct.Struct(">4sqqII")
+_LONGEST_CHANNEL = 1000  # bytes; for liblcm an event with an empty or a longer name is damaged
 
 
 class Event(NamedTuple):
@@ -51,7 +52,8 @@ class Event(NamedTuple):
 def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> Iterator[Event]:
     """Yield the places of the events of a log that begin in a range of bytes; skip damaged ones.
 
-    Bytes between the end of one event and the start of the next are damaged.
+    An event is whole if all bytes of its lengths are there, whatever follows them. Bytes between
+    the end of one event and the start of the next are damaged.
     """
     last = (len(log) if end is None else min(end, len(log))) - HEAD_BYTES
     names: dict[bytes, str] = {}
@@ -60,7 +62,9 @@ def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> 
         _, _, time, channel_size, payload_size = _HEAD.unpack_from(log, start)
         payload_start = start + HEAD_BYTES + channel_size
         stop = payload_start + payload_size
-        if stop != len(log) and log[stop : stop + len(SYNC)] != SYNC:
+        is_followed = log[stop : stop + len(SYNC)] == SYNC
+        is_sound = is_followed or stop == len(log) or _is_alone(log, start, stop)
+        if not (is_sound and 0 < channel_size < _LONGEST_CHANNEL):
             start = _next_sync(log, start + 1)
             continue
         spelled = log[start + HEAD_BYTES : payload_start]
@@ -68,7 +72,21 @@ def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> 
         if channel is None:
             channel = names[spelled] = spelled.decode("utf-8", "surrogateescape")
         yield Event(start, payload_start, stop, channel, time * 1000)
-        start = stop
+        start = stop if is_followed else _next_sync(log, stop)
+
+
+def _is_alone(log: "bytes | mmap.mmap", start: int, stop: int) -> bool:
+    """Return whether an event is whole, though none follows it.
+
+    If a sound event begins in it and ends after it, its own lengths are damaged.
+    """
+    if stop > len(log):
+        return False
+    inner = log.rfind(SYNC, start + 1, stop + len(SYNC) - 1)
+    if not 0 <= inner <= len(log) - HEAD_BYTES:
+        return True
+    end = inner + HEAD_BYTES + sum(_HEAD.unpack_from(log, inner)[3:])
+    return end <= stop or (end != len(log) and log[end : end + len(SYNC)] != SYNC)
 
 
 def _next_sync(log: "bytes | mmap.mmap", start: int) -> int:

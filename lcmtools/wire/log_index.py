@@ -27,6 +27,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from lcmtools.wire.log_events import HEAD_BYTES
 from lcmtools.wire.packet import Packet, Sender
 
 VERSION = 1
@@ -97,6 +98,14 @@ class Block:
             return
         self.channels[channel] = ChannelCount(
             1, size, [[sender, 1]], time, time, fingerprint=packet.fingerprint
+        )
+
+    @property
+    def event_bytes(self) -> int:
+        """The bytes of all events."""
+        return sum(
+            one.bytes + one.messages * (HEAD_BYTES + len(name.encode("utf-8", "surrogateescape")))
+            for name, one in self.channels.items()
         )
 
     def is_full(self, end: int) -> bool:

@@ -4,11 +4,13 @@ import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from fixtures.says import assert_says
 
+from lcmtools.bus import kernel
+from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.kernel import receive_buffer_bytes
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import (
@@ -17,6 +19,7 @@ from lcmtools.bus.multicast import (
     receiving_socket,
     sending_socket,
 )
+from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.errors import BusError
@@ -148,6 +151,44 @@ def test_groups_on_one_port_do_not_hear_each_other(free_port: Callable[[], int])
         b.setblocking(False)  # noqa: FBT003
         with pytest.raises(BlockingIOError):
             b.recv(10)
+
+
+class _Noting(socket.socket):
+    """A socket that notes the options it is given, in order."""
+
+    noted: ClassVar[list[tuple[socket.socket, tuple[int, int]]]] = []
+
+    def setsockopt(self, level: int, option: int, *value: Any) -> None:
+        """Set an option, as a socket does."""
+        super().setsockopt(level, option, *value)
+        self.noted.append((self, (level, option)))
+
+
+@pytest.mark.parametrize(
+    "opened",
+    [
+        Tap,
+        lambda url: Tap(url, whole=True, spread=True),
+        lambda url: ChannelSocket(url, "/a"),
+        QuickProbe,
+    ],
+    ids=["tap", "recorder", "channel", "probe"],
+)
+def test_the_kernel_stamps_datagrams_before_the_first_can_come(
+    opened: Callable[[BusUrl], Any], bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_Noting, "noted", [])
+    monkeypatch.setattr(socket, "socket", _Noting)
+    opened(parse_url(bus_url)).close()
+    stamp, join = (
+        (socket.SOL_SOCKET, kernel._STAMP_OPTION),
+        (socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP),
+    )
+    joins = [one for one, option in _Noting.noted if option == join]
+    assert joins
+    for receiver in joins:
+        options = [option for one, option in _Noting.noted if one is receiver]
+        assert options.index(stamp) < options.index(join)
 
 
 def test_a_process_with_over_a_thousand_files_is_told(

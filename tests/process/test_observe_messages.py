@@ -63,8 +63,11 @@ def test_what_is_wrong_is_an_error(log: Path) -> None:
 
 
 def test_what_cannot_be_decoded_is_an_error_unless_it_is_taken(log: Path) -> None:
+    (odd,) = lcmtools.observe.messages("RAW", log=log)
+    assert odd.payload == bytes(20)
     with pytest.raises(DecodeError, match="unknown type"):
-        list(lcmtools.observe.messages("RAW", log=log))
+        _ = odd.message
+    assert list(lcmtools.observe.messages("RAW", log=log, where="m.data > 0")) == []
     errors: list[DecodeError] = []
     assert list(lcmtools.observe.messages("RAW", log=log, on_error=errors.append)) == []
     assert len(errors) == 1

@@ -9,7 +9,7 @@ from lcmtools.bus.base import Handler
 from lcmtools.bus.receiving_bus import ReceivingBus
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh.session import ZenohSession
-from lcmtools.names import check_channel
+from lcmtools.names import check_channel, check_length
 
 
 class ZenohBus(ReceivingBus):
@@ -38,7 +38,7 @@ class ZenohBus(ReceivingBus):
             BusError: The bus is closed.
             InvalidName: LCM cannot carry this channel name.
         """
-        check_channel(channel)
+        check_length(channel)
         if self._closed:
             raise self._refusal()
         self._session.publish(channel, payload, type_name, latched=latched)

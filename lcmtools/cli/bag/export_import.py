@@ -84,6 +84,8 @@ def export_(
             recorded=log.index.types,
             force=force,
         )
+        if damage := log.damage():
+            done.add_omission("damage", damage)
     for text in done.left_out.values():
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}

@@ -37,10 +37,11 @@ def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
 @subcommand("fix", made_options)
 @examples("bag fix broken.lcmlog fixed.lcmlog", "bag fix broken.lcmlog fixed.lcmlog --json")
 @places
-def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
+def fix(source: str, target: str, *, force: bool, as_json: bool) -> int:
     """Write all that can be read from a damaged log to another log, and report what is left out.
 
-    For each part left out, its bytes and the times of the messages around it are shown.
+    For each part left out, its bytes and the times of the messages around it are shown. The exit
+    code is 1 if there are any.
     """
     with LogFile(source) as log:
         damage = find_damage(log)
@@ -49,3 +50,4 @@ def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
     write_lines([] if as_json else damage_rows(damage))
     if not damage:
         write_note("nothing is damaged")
+    return 1 if damage else 0

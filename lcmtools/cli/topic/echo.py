@@ -1,6 +1,7 @@
 """``lcmtools echo``."""
 
 import sys
+from collections import deque
 from itertools import islice
 from typing import Any
 
@@ -27,7 +28,7 @@ from lcmtools.messages.plain import View
 from lcmtools.messages.registry import means_type, message_class
 from lcmtools.messages.text import Writer
 from lcmtools.observe.formatter import DisplayOptions, Form, MessageFormatter
-from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken_together
+from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken, taken_together
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.selection import select_topics
@@ -134,9 +135,15 @@ def command(
         decoder = Decoder(monitor.types_of, named, exact=exact, keep_stray=True)
         formatter = MessageFormatter(decoder, options, lambda: stream.is_one_of_many, notify)
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
+        if monitor.log and options.form == "csv":  # its columns are those of all messages
+            deque(islice(taken(stream, formatter.learn_columns, timeout), count), maxlen=0)
+            monitor.rewind()
+            stream = ArrivalStream(monitor, meant, names)
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
             write_data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
+        if monitor.log and not count and (damage := monitor.log.damage()):
+            notify(damage)
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:

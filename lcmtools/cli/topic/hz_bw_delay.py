@@ -155,7 +155,9 @@ def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
-    """Write a note for topics with a single message, which is too few to measure."""
+    """Write a note for topics with a single message, or a single time: too few to measure."""
     for topic, window in windows.items():
         if window.total == 1:
             notify(f"only one message came on {topic}: a {noun} needs two")
+        elif window.is_timeless:
+            notify(f"all messages on {topic} have the same time: a {noun} has no meaning")

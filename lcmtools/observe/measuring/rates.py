@@ -46,6 +46,7 @@ class Window(ABC, Generic[ItemT, FoundT]):
 
     def __init__(self) -> None:
         self.total = 0  # the number of arrivals in all
+        self.is_timeless = False  # True if all arrivals have the same time
         self._since = 0  # the total at the last ``clear``
         self._reported = 0
 
@@ -60,7 +61,10 @@ class Window(ABC, Generic[ItemT, FoundT]):
         self._since = self._reported = self.total
 
     def next_result(self, now: int = 0) -> FoundT | None:
-        """Return the result at a time [ns]; None if there are too few arrivals, or nothing new."""
+        """Return the result at a time [ns], 0 for the last arrival's.
+
+        None if there are too few arrivals, or nothing new, or no time has passed.
+        """
         is_new = self._repeats or self.total != self._reported
         if not is_new or self.total - self._since < self._least:
             return None
@@ -74,7 +78,7 @@ class Window(ABC, Generic[ItemT, FoundT]):
     def _forget(self) -> None: ...
 
     @abstractmethod
-    def _sum_up(self, now: int) -> FoundT: ...
+    def _sum_up(self, now: int) -> FoundT | None: ...
 
 
 class RateWindow(Window[int, Statistics]):
@@ -94,8 +98,11 @@ class RateWindow(Window[int, Statistics]):
         self._intervals.clear()
         self._last = ()
 
-    def _sum_up(self, now: int) -> Statistics:  # noqa: ARG002
+    def _sum_up(self, now: int) -> Statistics | None:  # noqa: ARG002
         sums = self._intervals.sums()
+        self.is_timeless = sums.shortest == sums.longest == 0
+        if self.is_timeless:
+            return None
         rate = sums.count * 1e9 / sums.total if sums.total > 0 else 0.0
         return _statistics(rate, sums, sums.count + 1)
 
@@ -135,10 +142,14 @@ class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
     def _forget(self) -> None:
         self._items.clear()
 
-    def _sum_up(self, now: int) -> Bandwidth:
+    def _sum_up(self, now: int) -> Bandwidth | None:
         items = self._items
+        times = [time for time, _ in items]
+        self.is_timeless = not now and min(times) == max(times)
+        if self.is_timeless:
+            return None
         sizes = [size for _, size in items]
-        seconds = (max(now, items[-1][0]) - items[0][0]) / 1e9
+        seconds = (max(now or times[-1], times[-1]) - times[0]) / 1e9
         return Bandwidth(
             average=sum(sizes) / seconds if seconds > 0 else 0.0,
             mean=sum(sizes) / len(sizes),

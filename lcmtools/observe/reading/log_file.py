@@ -1,18 +1,21 @@
 """A log file with the index beside it: its messages, their senders, and the index's information."""
 
 import mmap
+import os
 import stat
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
+from shutil import copyfileobj
 from tempfile import TemporaryFile
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reports.describe import size_text
 from lcmtools.wire.log_compression import Compression, compression_of, decompressed
 from lcmtools.wire.log_events import SYNC, Event, events
 from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
@@ -31,12 +34,14 @@ _FOREIGN = {
     b"\x1f\x8b": "a file compressed by gzip",
     b'{"index":': "the index of a log, not the log",
 }
+STANDARD_INPUT = Path("-")
+"""Stands for the log that is piped into a command."""
 _CHUNK = 1 << 20  # bytes of a compressed log that are read at once
 _BAGS = ("MCAP", "ROS")
 
 
 class LogFile(AbstractContextManager["LogFile"]):
-    """A log file that is open for reading.
+    """A log file that is open for reading; also a pipe, which is read to its end first.
 
     Raises:
         BusError: The file cannot be read, or is not a log.
@@ -111,6 +116,20 @@ class LogFile(AbstractContextManager["LogFile"]):
         if block.channels:
             yield block
 
+    def damage(self, blocks: Iterable[Block] | None = None) -> str:
+        """Return a sentence on the bytes that belong to no message; "" if there are none.
+
+        If ``blocks`` are given, as ``blocks`` yields them, the log is not read for this.
+        """
+        if blocks is None:
+            known = sum(event.end - event.start for event in self.events())
+        else:
+            known = sum(block.event_bytes for block in blocks)
+        if known >= self.size:
+            return ""
+        what = f"{size_text(self.size - known)} of {self.path} do not belong to any message"
+        return f"{what}; lcmtools bag fix shows where"
+
     def announcements(self) -> Iterator[Packet]:
         """Yield the announcements of nodes in the index."""
         for node in self.index.nodes:
@@ -161,11 +180,8 @@ class LogFile(AbstractContextManager["LogFile"]):
 
 
 def _mapped(path: Path) -> "bytes | mmap.mmap":
-    mode = path.stat().st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # reading a pipe may never end
-        raise BusError(f"{path} is not a file", "a log is read from a file")
-    with path.open("rb") as file:
-        if path.stat().st_size == 0:  # an empty file cannot be mapped
+    with _opened(path) as file:
+        if os.fstat(file.fileno()).st_size == 0:  # an empty file cannot be mapped
             return b""
         head = file.read(max(map(len, _FOREIGN)))
         if kind := compression_of(head):
@@ -175,11 +191,29 @@ def _mapped(path: Path) -> "bytes | mmap.mmap":
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
 
 
+def _opened(path: Path) -> BinaryIO:
+    """Open a file; the content of a pipe, up to its end, becomes an unnamed temporary file."""
+    is_input = path == STANDARD_INPUT
+    mode = os.fstat(0).st_mode if is_input else path.stat().st_mode
+    if is_input or stat.S_ISFIFO(mode):
+        if os.isatty(0) and is_input:
+            raise BusError("standard input is a terminal", "pipe a log into it, or name a file")
+        content = TemporaryFile()  # noqa: SIM115 - its user closes it
+        with os.fdopen(0, "rb", closefd=False) if is_input else path.open("rb") as pipe:
+            copyfileobj(pipe, content)
+        content.seek(0)
+        return cast(BinaryIO, content)
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise BusError(f"{path} is not a file", "a log is read from a file or a pipe")
+    return path.open("rb")
+
+
 def _refuse_foreign(path: Path, head: bytes) -> None:
     for magic, name in _FOREIGN.items():
         if head.startswith(magic):
             is_bag = any(word in name for word in _BAGS)
             hint = f"lcmtools bag import {path} makes a log of it" if is_bag else ""
+            hint = f"zcat {path} | lcmtools bag info -" if "gzip" in name else hint
             raise BusError(f"{path} is not an LCM log but {name}", hint)
 
 

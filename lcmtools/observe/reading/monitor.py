@@ -114,6 +114,11 @@ class BusMonitor:
         if not self.is_log:
             self._presence.listen_to([Endpoint(topic, Role.SUBSCRIBER) for topic in topics])
 
+    def rewind(self) -> None:
+        """Read a log again from its start; does nothing on a bus."""
+        if isinstance(self._observer, LogObserver):
+            self._observer.rewind()
+
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
 

@@ -11,6 +11,7 @@ from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import DecodeError, UsageError
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import Message
+from lcmtools.messages.supply import has_supply
 from lcmtools.names import Resolver, resolve_namespace
 from lcmtools.observe.reading.arrivals import ArrivalStream, SelectedPacket, taken
 from lcmtools.observe.reading.decoding import Decoder
@@ -18,6 +19,7 @@ from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.selection import select_topics
 from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.observe.reading.sources import LogObserver
+from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file, usual_namespace
 from lcmtools.wire.packet import Packet
 
@@ -28,7 +30,7 @@ class Arrival:
 
     Attributes:
         topic: The topic's name on the bus.
-        message: The message.
+        decoded: The message; or the error, if the payload is none of a known type.
         time: The time of arrival [ns since 1970]: from the kernel; simulated time if a simulator
             publishes ``/clock``; in a log, the time of recording.
         sender: The sender: a node's name, else a process, else an address; "unknown sender" if the
@@ -37,10 +39,22 @@ class Arrival:
     """
 
     topic: str
-    message: Message
+    decoded: Message | DecodeError
     time: int
     sender: str
     packet: Packet
+
+    @property
+    def message(self) -> Message:
+        """The message; raises DecodeError if the payload is none of a known type."""
+        if isinstance(self.decoded, DecodeError):
+            raise self.decoded
+        return self.decoded
+
+    @property
+    def payload(self) -> bytes:
+        """The message as it arrived."""
+        return self.packet.payload
 
 
 def messages(  # noqa: PLR0913 - each is a separate option
@@ -65,20 +79,22 @@ def messages(  # noqa: PLR0913 - each is a separate option
         url: The bus; None for the one that the environment and the settings file select.
         log: A log file to read at once, instead of a bus.
         where: Yield only messages for which this expression, as of ``echo --filter``, is true:
-            ``"m.pose.pose.position.x > 1"``.
+            ``"m.pose.pose.position.x > 1"``. Those that cannot be decoded are left out.
         timeout: The longest time without a message [s]; None for no limit.
         wall_time: Use the system clock even if a simulator publishes /clock.
-        on_error: Called if a message cannot be decoded, which is then left out; None to raise.
+        on_error: Called if a message cannot be decoded, which is then left out; None to yield an
+            arrival whose ``message`` raises the error.
         between: For a log, first and last time of recording of the messages [ns since 1970].
 
     Raises:
         UsageError: A topic, the URL or the expression is wrong.
         BusError: The bus cannot be reached, or the log cannot be read.
         NothingReceived: No message came for ``timeout`` seconds.
-        DecodeError: A message cannot be decoded, and ``on_error`` is None.
         ValueMismatch: The expression does not fit a message.
         LcmtoolsError: The log has no message on the topics.
     """
+    if not has_supply():
+        provide_user_types()
     if not topics:
         raise UsageError("no topic is named", 'for example messages("/chatter")')
     if url is not None and log is not None:
@@ -123,18 +139,21 @@ def _decoded(
 
     def to_arrival(found: SelectedPacket) -> Arrival | None:
         packet = found.packet
+        decoded: Message | DecodeError
         try:
-            message = decoder.decode(packet)
+            decoded = decoder.decode(packet)
         except DecodeError as error:
-            if on_error is None:
-                raise
-            on_error(error)
-            return None
-        if condition and not condition.matches(message):
-            return None
+            if on_error is not None:
+                on_error(error)
+            if on_error is not None or condition:
+                return None
+            decoded = error
+        else:
+            if condition and not condition.matches(decoded):
+                return None
         if packet.sender is not None:
             senders.update([packet.sender], stream.graph.nodes)
-        return Arrival(packet.channel, message, found.time, senders.name(packet.sender), packet)
+        return Arrival(packet.channel, decoded, found.time, senders.name(packet.sender), packet)
 
     return to_arrival
 

@@ -69,9 +69,14 @@ class LogObserver:
         from lcmtools.observe.reading.log_file import LogFile
 
         self.file: LogFile = LogFile(path)  # the log, whose index may know nodes, types and losses
+        self._between = between
+        self.rewind()
+
+    def rewind(self) -> None:
+        """Begin again with the first message."""
         self._packets = self.file.packets()
-        if between:
-            first, last = between
+        if self._between:
+            first, last = self._between
             found = self.file.packets(self.file.offset_at(first))
             self._packets = (packet for packet in found if first <= packet.time <= last)
 

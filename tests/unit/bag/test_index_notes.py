@@ -9,6 +9,8 @@ import pytest
 
 from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.writer import LogWriter
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.wire.log_index import LostMessages
@@ -21,6 +23,25 @@ _ONE, _OTHER = Sender("10.0.0.7", 4001), Sender("10.0.0.8", 4002)
 def worker() -> Iterator[Executor]:
     with ThreadPoolExecutor(1) as pool:
         yield pool
+
+
+def test_a_node_that_ends_at_once_is_named(tmp_path: Path, worker: Executor) -> None:
+    monitor = SimpleNamespace(
+        losses=dict, types_of=lambda _: (), graph=lambda: SimpleNamespace(nodes=())
+    )
+    end = Endpoint("/a", Role.PUBLISHER, ())
+    node = Node("/_lcmtools_pub_7", "7", "h", 7, endpoints=(end,), tool=True)
+    said = [Announcement(node), Announcement(node, leaving=True)]
+    hello, goodbye = (Packet(NODE_CHANNEL, encode_announcement(one), 1000, _ONE) for one in said)
+    notes = IndexNotes(monitor, worker)  # type: ignore[arg-type] # all that it needs
+    with LogWriter(tmp_path / "a.lcmlog") as writer:
+        notes.begin(writer)
+        notes.add_announcement(hello, writer)
+        notes.add([Packet("/a", b"", 1000, _ONE), Packet("/a", b"", 1000, _OTHER)], writer)
+        notes.add_announcement(goodbye, writer)
+        notes.annotate(writer, in_full=True)
+    with LogFile(tmp_path / "a.lcmlog") as log:
+        assert [str(packet.sender) for packet in log.packets()] == [node.name, str(_OTHER)]
 
 
 def test_losses_are_noted_with_the_time_of_the_message_that_showed_them(

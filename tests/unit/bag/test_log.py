@@ -56,8 +56,12 @@ def test_what_cannot_be_decoded_is_an_error_or_reported(path: Path) -> None:
     with lcmtools.bag.open(path) as log:
         assert len(list(log.messages(on_error=errors.append))) == 100
         assert len(errors) == 1
-        with pytest.raises(DecodeError):
-            list(log)
+        every = list(log)
+    assert len(every) == 101
+    odd = [one for one in every if isinstance(one.decoded, DecodeError)]
+    assert [(one.topic, one.payload) for one in odd] == [("RAW", b"x")]
+    with pytest.raises(DecodeError, match="too short"):
+        _ = odd[0].message
 
 
 def test_a_file_that_is_no_log_is_not_opened(tmp_path: Path) -> None:

@@ -120,8 +120,11 @@ def test_damaged_bytes_are_passed_over(log: Log, tmp_path: Path) -> None:
     events = log("a", ("/a", 0), ("/a", 1)).read_bytes()
     path = tmp_path / "damaged"
     path.write_bytes(events[:80] + b"\0" * 50 + events + events[:60])
-    with Playlist([path], Choice()) as playlist:
-        assert len(list(playlist.messages(*playlist.span))) == 2
+    said = list[str]()
+    with Playlist([path], Choice(), said.append) as playlist:
+        assert len(list(playlist.messages(*playlist.span))) == 3
+    (line,) = (one for one in said if "damaged" in one)
+    assert_says(line, "104 B", "do not belong to any message", "lcmtools bag fix")
 
 
 @pytest.mark.parametrize(

@@ -185,7 +185,7 @@ def test_a_log_whose_times_go_back_is_said_to_be(
         notes: list[str] = []
         Playlist([log], Choice(), notes.append).close()
         (note,) = notes
-        assert_says(note, str(log), "go back; lcmtools bag sort")
+        assert_says(note, str(log), "go back, by up to 7 s", "lcmtools bag sort")
         assert_says(said("hz", "-b", log, "A")[1], "go back; lcmtools bag sort")
         said("bag", "reindex", log)
     said("bag", "sort", log, ordered)

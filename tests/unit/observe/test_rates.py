@@ -1,6 +1,5 @@
 """Rates over a window of arrivals."""
 
-import math
 from itertools import pairwise
 from statistics import pstdev
 
@@ -83,11 +82,13 @@ def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None
     assert rate.window == size
 
 
-def test_arrivals_at_one_instant_have_no_finite_rate() -> None:
-    rate = _window(1, 1, 1).next_result()
-    assert rate is not None
-    assert rate.mean == 0.0
-    assert math.isfinite(rate.deviation)
+def test_arrivals_at_one_instant_have_no_rate() -> None:
+    window = _window(1, 1, 1)
+    assert window.next_result() is None
+    assert window.is_timeless
+    window.add(2)
+    assert window.next_result() is not None
+    assert not window.is_timeless
 
 
 def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival() -> None:
