@@ -17,7 +17,7 @@ SLOW_JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin
-FAST := $(addprefix tests/,unit types files house cli physics process)
+FAST := $(addprefix tests/,unit files types house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py
 

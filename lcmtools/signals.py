@@ -8,6 +8,12 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _DOUBLED = 0.05  # [s] within which a second signal is the same request
 
 
+def ending_signals() -> list[signal.Signals]:
+    """Return the signals that end this process now; under nohup, SIGHUP is not one."""
+    hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
+    return [number for number in ENDING if number != signal.SIGHUP or hangs_up]
+
+
 class Doubles:
     """Detects duplicate signals: timeout(1) sends each one twice."""
 

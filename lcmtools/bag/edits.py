@@ -34,15 +34,13 @@ class TopicChoice:
             self.excluded, topic
         )
 
-    def check(self, known: Iterable[str]) -> None:
+    def check(self, known: Iterable[str], hint: str = "lcmtools bag info shows them") -> None:
         """Raise LcmtoolsError for a name that matches none of the known topics."""
         known = list(known)
         for word in (*self.wanted, *self.excluded):
             if not any(_covers([word], topic) for topic in known):
                 near = did_you_mean(word, known)
-                raise LcmtoolsError(
-                    f"there is no topic {word} in the log", near or "lcmtools bag info shows them"
-                )
+                raise LcmtoolsError(f"there is no topic {word} in the log", near or hint)
 
 
 def chosen(packets: Iterable[Packet], topics: TopicChoice) -> Iterator[Packet]:

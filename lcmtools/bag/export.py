@@ -8,8 +8,9 @@ from typing import Protocol
 
 from lcmtools.bag.output import output_beside
 from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
+from lcmtools.bag.ros_types import NO_TYPES, RecordedTypes
 from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, OnOmission, ParquetFiles
-from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
+from lcmtools.errors import DecodeError, InvalidFile, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
@@ -57,35 +58,37 @@ def format_of(target: Path, named: str | None) -> str:
     return SUFFIXES[target.suffix]
 
 
-def export(
+def export(  # noqa: PLR0913 - each is a separate option
     packets: Iterable[Packet],
     decoder: Decoder,
     target: Path,
     format_: str,
     *,
     compression: Compression = "zstd",
+    recorded: RecordedTypes = NO_TYPES,
     force: bool = False,
 ) -> Exported:
     """Write messages to a file or folder in another format, one of ``FORMATS``.
 
     CSV and Parquet have a file for each topic: a target without a suffix is a folder for these. The
-    target appears when it is complete. ``compression`` is for MCAP.
+    target appears when it is complete. ``compression`` is for MCAP; ``recorded`` are the types that
+    the log keeps.
 
     Raises:
         MissingExtra: A library is missing.
-        LcmtoolsError: The target exists, and not ``force``; it cannot be written; or nothing could
-            be exported.
+        LcmtoolsError: The target exists, and not ``force``; or it cannot be written.
+        InvalidFile: Nothing could be exported.
     """
     done = Exported()
     with (
         output_beside(target, force=force) as beside,
-        _open(beside, format_, compression, done.add_omission) as file,
+        _open(beside, format_, compression, recorded, done.add_omission) as file,
     ):
         for packet in packets:
             _add(file, packet, decoder, done)
         if not done.messages:
             why = next(iter(done.left_out.values()), "no messages are selected")
-            raise LcmtoolsError(f"nothing is written to {target}", why)
+            raise InvalidFile(f"nothing is written to {target}", why)
     return done
 
 
@@ -100,16 +103,20 @@ def _add(file: _Target, packet: Packet, decoder: Decoder, done: Exported) -> Non
 
 
 def _open(
-    path: Path, format_: str, compression: Compression, on_omission: OnOmission
+    path: Path,
+    format_: str,
+    compression: Compression,
+    recorded: RecordedTypes,
+    on_omission: OnOmission,
 ) -> AbstractContextManager[_Target]:
     makers: dict[str, Callable[[], AbstractContextManager[_Target]]] = {
         "csv": lambda: CsvFiles(path),
         "jsonl": lambda: JsonLines(path),
         "npz": lambda: NumpyFile(path, on_omission),
         "parquet": lambda: ParquetFiles(path, on_omission),
-        "mcap": lambda: McapFile(path, "cdr", compression),
-        "mcap-ros1": lambda: McapFile(path, "ros1", compression),
-        "ros1": lambda: RosBag(path, 1),
-        "ros2": lambda: RosBag(path, 2),
+        "mcap": lambda: McapFile(path, "cdr", compression, recorded),
+        "mcap-ros1": lambda: McapFile(path, "ros1", compression, recorded),
+        "ros1": lambda: RosBag(path, 1, recorded=recorded),
+        "ros2": lambda: RosBag(path, 2, recorded=recorded),
     }
     return makers[format_]()

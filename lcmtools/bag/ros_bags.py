@@ -5,7 +5,8 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from lcmtools.bag.ros_types import RosTypes, RosVersion
+from lcmtools.bag.ros_definitions import RosVersion
+from lcmtools.bag.ros_types import NO_TYPES, RecordedTypes, RosTypes
 from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.registry import Message
 from lcmtools.names import as_utf_8
@@ -23,18 +24,23 @@ _STORAGE = {"db3": "SQLITE3", "mcap": "MCAP"}
 class McapFile(AbstractContextManager["McapFile"]):
     """An MCAP file that is being written, with ROS's schemas, readable by Foxglove and PlotJuggler.
 
-    The encoding is ROS 2's or ROS 1's; the compression applies to chunks.
+    The encoding is ROS 2's or ROS 1's; the compression applies to chunks; ``recorded`` are the
+    types that a log keeps.
 
     Raises:
         MissingExtra: The library is missing.
     """
 
     def __init__(
-        self, path: Path, encoding: Encoding = "cdr", compression: Compression = "zstd"
+        self,
+        path: Path,
+        encoding: Encoding = "cdr",
+        compression: Compression = "zstd",
+        recorded: RecordedTypes = NO_TYPES,
     ) -> None:
         with needing_extra("mcap", "MCAP needs"):
             from mcap.writer import CompressionType, Writer
-        self._types = RosTypes(1 if encoding == "ros1" else 2)
+        self._types = RosTypes(1 if encoding == "ros1" else 2, recorded)
         self._encoding = encoding
         self._file = path.open("wb")
         self._writer: Any = Writer(self._file, compression=CompressionType[compression.upper()])
@@ -86,13 +92,20 @@ class RosBag(AbstractContextManager["RosBag"]):
         path: The bag's path, which must not exist yet.
         version: The version of ROS.
         storage: For ROS 2: "db3" or "mcap".
+        recorded: The types that a log keeps.
 
     Raises:
         MissingExtra: The library is missing.
     """
 
-    def __init__(self, path: Path, version: RosVersion, storage: str = "db3") -> None:
-        self._types = RosTypes(version)
+    def __init__(
+        self,
+        path: Path,
+        version: RosVersion,
+        storage: str = "db3",
+        recorded: RecordedTypes = NO_TYPES,
+    ) -> None:
+        self._types = RosTypes(version, recorded)
         self._writer: Any
         if version == 1:
             from rosbags.rosbag1 import Writer as Writer1

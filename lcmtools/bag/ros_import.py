@@ -1,34 +1,40 @@
 """Importing messages from ROS bags and MCAP files as LCM messages.
 
 A type of lcmtools or the user with the same name and fields is used; all others are translated from
-the bag's own definitions and compiled, like .msg files of a package.
+the bag's own definitions and compiled, like .msg files of a package. What cannot be read costs only
+itself, and is named.
 """
 
-import struct
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from lcmtools.bag.ros_types import Conversion, RosVersion, parts, ros_store
-from lcmtools.errors import LcmtoolsError, UnknownType, needing_extra, os_errors_as
-from lcmtools.messages.registry import Message, Registry, message_class
+from lcmtools.bag.damage import damage_text
+from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.ros_definitions import (
+    Definitions,
+    RosVersion,
+    lcm_name,
+    nested_types,
+    read_definition,
+    renamed_fields,
+    ros_version,
+    translated,
+)
+from lcmtools.bag.ros_reading import Channel, bag_messages
+from lcmtools.bag.ros_types import Conversion, ros_distributions, ros_store
+from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UnknownType
+from lcmtools.messages.registry import Message, Registry, message_class, shipped_types
 from lcmtools.packages.user_types import user_types
 from lcmtools.wire.log_index import RecordedType
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-_MCAP, _ROS_1 = b"\x89MCAP0", b"#ROSBAG V"
-_SCHEMAS = ("ros1msg", "ros2msg", "ros2idl")
-_LIBRARIES = ("mcap", "rosbags", "zstandard")
-_BROKEN = (
-    *(AssertionError, EOFError, KeyError, LookupError, OSError, ValueError, struct.error),
-    *(RuntimeError, MemoryError, OverflowError),  # from lz4, and for impossible lengths
-)
-"""Errors that the libraries raise for damaged files, in addition to their own."""
+_ALL = TopicChoice()
 
 
 class Imported(NamedTuple):
@@ -40,141 +46,211 @@ class Imported(NamedTuple):
 
 
 @dataclass(slots=True)
+class ImportReport:
+    """What an import left out or changed."""
+
+    damage: list[str] = field(default_factory=list)  # sentences on what cannot be read
+    left_out: Counter[str] = field(default_factory=Counter)  # messages, by reason
+    # The numbers that became negative, by topic and field, with the first as an example.
+    changed: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    # Fields with other names: of "a_msgs/Item.x_length" this is "x_length_".
+    renamed: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def is_complete(self) -> bool:
+        """True if all messages are there as they were."""
+        return not (self.damage or self.left_out or self.changed)
+
+    def losses(self) -> list[str]:
+        """Return a sentence for each reason why messages were left out."""
+        counts = self.left_out.items()
+        return [*self.damage, *(f"{count} messages are left out: {why}" for why, count in counts)]
+
+    def changes(self) -> list[str]:
+        """Return a sentence for each field with changed numbers."""
+        return [
+            f"{topic}: {name} is too large for LCM {count} times and became negative, "
+            f"for example {example}"
+            for (topic, name), (count, example) in self.changed.items()
+        ]
+
+    def rows(self) -> list[str]:
+        """Return all of it in sentences."""
+        renamed = [f"{name} is called {ours} in LCM" for name, ours in self.renamed.items()]
+        return [*self.losses(), *self.changes(), *renamed]
+
+    def record(self) -> dict[str, object]:
+        """Return all of it for JSON."""
+        return {"left_out": self.losses(), "changed": self.changes(), "renamed": self.renamed}
+
+
+@dataclass(slots=True)
+class _Reader:
+    """Reads the messages of a channel."""
+
+    conversion: Conversion
+    name: str  # of the ROS type
+    cls: type[Message]
+    read: Callable[[bytes, str], object]
+    fault: str = ""  # why the first message that could not be read could not
+
+
+@dataclass(slots=True)
 class RosImport:
-    """Reads bags; collects translated types and the reasons for messages left out."""
+    """Reads bags; collects translated types, and reports what was left out or changed."""
 
     types: dict[str, RecordedType] = field(default_factory=dict)  # the types that were translated
-    # The reasons why messages were left out, with the number of messages.
-    left_out: Counter[str] = field(default_factory=Counter)
+    report: ImportReport = field(default_factory=ImportReport)
     _classes: dict[str, type[Message]] = field(default_factory=dict)
+    _readers: dict[Channel, _Reader | str] = field(default_factory=dict)
 
-    def read(self, path: Path) -> Iterator[Imported]:
+    def read(self, path: Path, topics: TopicChoice = _ALL) -> Iterator[Imported]:
         """Yield the messages of a ROS 1 or 2 bag or an MCAP file, in their order.
 
         Raises:
             MissingExtra: The library is missing.
-            LcmtoolsError: The file is none of these, or damaged.
+            InvalidFile: The file is none of these, or nothing in it can be imported.
+            LcmtoolsError: A chosen topic is not there.
         """
-        start = b"" if path.is_dir() else _start(path)
-        with _readable(path):
-            if start.startswith(_MCAP):
-                yield from self._mcap(path)
-            elif start.startswith(_ROS_1) or (path / "metadata.yaml").is_file():
-                yield from self._bag(path)
-            elif path.suffix == ".db3":
-                raise LcmtoolsError(
-                    f"{path} is part of a ROS 2 bag", f"name its folder: {path.parent}"
-                )
-            else:
-                raise LcmtoolsError(f"{path} is neither a ROS bag nor an MCAP file")
+        count, seen = 0, set[str]()
+        for channel, time, data in bag_messages(path, self.report.damage.append):
+            seen.add(channel.topic)
+            if topics.has(channel.topic) and (message := self._message(channel, data)):
+                count += 1
+                yield Imported(channel.topic, message, time)
+        if seen:
+            topics.check(seen, f"its topics: {', '.join(sorted(seen))}")
+        if not count:
+            none = "no messages are selected" if seen else f"{path} has no messages"
+            first, *others = self.report.losses() or [none]
+            more = f" (and {len(others)} more reasons)" if others else ""
+            raise InvalidFile(f"nothing is imported: {first}{more}")
 
-    def _bag(self, path: Path) -> Iterator[Imported]:
-        ros_store(None)  # raises MissingExtra if the library is missing
-        from rosbags.highlevel import AnyReader
+    def _message(self, channel: Channel, data: bytes) -> Message | None:
+        """Return a message; None if it is left out."""
+        if channel not in self._readers:
+            self._readers[channel] = self._reader(channel, data)
+        reader = self._readers[channel]
+        if isinstance(reader, str):
+            self.report.left_out[reader] += 1
+            return None
+        reader.conversion.changes.clear()
+        try:
+            ros = reader.read(data, reader.name)
+            message = reader.conversion.to_lcm(reader.cls, reader.name, ros)
+        except Exception as error:
+            reason = damage_text(error)
+            if reason is None:
+                raise
+            what = f"{channel.topic} has data that are no {lcm_name(reader.name)}: {reason}"
+            reader.fault = reader.fault or what
+            self.report.left_out[reader.fault] += 1
+            return None
+        for name, count, example in reader.conversion.changes:
+            before, first = self.report.changed.get((channel.topic, name), (0, example))
+            self.report.changed[channel.topic, name] = before + count, first
+        return message
 
-        default = None if path.is_file() else ros_store(2)
-        with AnyReader([path], default_typestore=default) as reader:
-            conversion = Conversion(reader.typestore)
-            for connection, time, data in reader.messages():
-                name = connection.msgtype
-                made = reader.deserialize(data, name)
-                yield self._message(connection.topic, conversion, name, made, time)
+    def _reader(self, channel: Channel, data: bytes) -> "_Reader | str":
+        """Return the reader of a channel; if it cannot be read, the reason."""
+        if channel.encoding not in ("ros1", "cdr"):
+            kind = channel.encoding or "an unknown encoding"
+            return f"{channel.topic} is encoded as {kind}, not in a format of ROS"
+        try:
+            return self._made_reader(channel, data)
+        except MissingExtra:
+            raise
+        except LcmtoolsError as error:
+            reason: str | None = str(error)
+        except Exception as error:  # for a strange definition
+            reason = damage_text(error)
+            if reason is None:
+                raise
+        return f"{channel.topic} has the type {channel.type or '(unknown)'}: {reason}"
 
-    def _mcap(self, path: Path) -> Iterator[Imported]:
-        with needing_extra("mcap", "MCAP needs"):
-            from mcap.reader import make_reader
-        stores: dict[int, tuple[Conversion, str, Callable[..., Any]] | None] = {}
-        with path.open("rb") as file:
-            for schema, channel, message in make_reader(file).iter_messages():
-                if channel.id not in stores:
-                    stores[channel.id] = _reader(schema, channel)
-                reader = stores[channel.id]
-                if reader is None:
-                    kind = channel.message_encoding or "an unknown encoding"
-                    self.left_out[
-                        f"{channel.topic} is encoded as {kind}, not in a format of ROS"
-                    ] += 1
-                    continue
-                conversion, name, read = reader
-                made = read(message.data, name)
-                yield self._message(channel.topic, conversion, name, made, message.log_time)
-
-    def _message(
-        self, topic: str, conversion: Conversion, name: str, made: object, time: int
-    ) -> Imported:
+    def _made_reader(self, channel: Channel, data: bytes) -> _Reader:
+        store, name = _types_of(channel, data)
+        conversion = Conversion(store)
         cls = self._classes.get(name)
         if cls is None or not conversion.fits(cls, name):
-            cls = self._classes[name] = self._class(conversion, name)
-        return Imported(topic, conversion.to_lcm(cls, name, made), time)
+            cls = self._classes[name] = self._class(conversion, name, ros_version(channel))
+        return _Reader(conversion, name, cls, _reading(store, channel))
 
-    def _class(self, conversion: Conversion, name: str) -> type[Message]:
+    def _class(self, conversion: Conversion, name: str, version: RosVersion) -> type[Message]:
         """Return the LCM class for a ROS type, known or translated."""
-        try:
-            known = message_class(_lcm_name(name))
-        except UnknownType:
-            known = None
-        if known is not None and conversion.fits(known, name):
-            return known
-        types = [*_translated(conversion.store, name)]
+        with suppress(UnknownType):
+            known = message_class(lcm_name(name))
+            if conversion.fits(known, name):
+                return known
+        types = [*_translated(conversion, name, version)]
+        for one in types:
+            if one.name in self.types and self.types[one.name].source != one.source:
+                raise InvalidFile(f"another {one.name} came before, and a log has one of a name")
         source = user_types().compiled_types(types)
         if source.problems:
-            raise source.problems[0].error()
+            raise InvalidFile(source.problems[0].what)
+        found = Registry([source]).message_class(lcm_name(name))
+        if not conversion.fits(found, name):
+            raise InvalidFile("its fields cannot be translated")
         for one in types:
             self.types[one.name] = replace(one, fingerprint=source.fingerprints[one.name])
-        return Registry([source]).message_class(_lcm_name(name))
+            self._note_renamed(one, conversion.store.fielddefs)
+        return found
+
+    def _note_renamed(self, one: RecordedType, known: Definitions) -> None:
+        names = renamed_fields(known[one.path.removesuffix(".msg")][1])
+        self.report.renamed |= {f"{one.name}.{theirs}": ours for theirs, ours in names.items()}
 
 
-def _reader(
-    schema: Any,  # noqa: ANN401 - from a library that is imported when needed
-    channel: Any,  # noqa: ANN401 - likewise
-) -> tuple[Conversion, str, Callable[..., Any]] | None:
-    """Return an MCAP channel's types, its type's name, and the function that reads messages."""
-    if schema is None or schema.encoding not in _SCHEMAS:
-        return None
-    store = ros_store(None)
-    from rosbags.typesys import get_types_from_idl, get_types_from_msg
+def _types_of(channel: Channel, data: bytes) -> tuple["Typestore", str]:
+    """Return the types of a channel, and the name of its own.
 
-    package, _, short = schema.name.rpartition("/")
-    name = f"{package.removesuffix('/msg')}/msg/{short}"
-    text = schema.data.decode()
-    if schema.encoding == "ros2idl":
-        store.register(get_types_from_idl(text))
-    else:
-        version: RosVersion = 1 if schema.encoding == "ros1msg" else 2
-        known, found = ros_store(version).fielddefs, get_types_from_msg(text, name)
-        times = [one for one in known if one.startswith("builtin_interfaces/")]
-        store.register({**{one: known[one] for one in times}, **found})
-    read = store.deserialize_ros1 if channel.message_encoding == "ros1" else store.deserialize_cdr
-    return Conversion(store), name, read
+    Without a definition it is the type of the newest distribution of ROS that the message fits.
+    """
+    found = None
+    for known in ros_distributions(ros_version(channel)):
+        if found and found[1] not in known:
+            continue
+        name, definitions = read_definition(channel, known)
+        store = ros_store(None)
+        there = store.fielddefs  # times, which the library takes from ROS 2
+        store.register({one: new for one, new in definitions.items() if one not in there})
+        store.fielddefs.update(definitions)
+        found = found or (store, name)
+        if channel.definition.strip() or _can_read(store, channel, name, data):
+            return store, name
+    assert found
+    return found
 
 
-def _translated(store: "Typestore", name: str) -> Iterator[RecordedType]:
-    """Yield a ROS type and the types of its fields as equivalent .msg files."""
-    for one in dict.fromkeys(parts(name, store.fielddefs)):
-        if not one.startswith("builtin_interfaces/") and one != "std_msgs/msg/Header":
-            text, _ = store.gendefhash(one, {}, 1)  # with ROS 1's names for times
-            yield RecordedType(_lcm_name(one), 0, f"{one}.msg", text)
-
-
-def _lcm_name(name: str) -> str:
-    return name.replace("/msg/", "/")
-
-
-def _start(path: Path) -> bytes:
-    with os_errors_as(f"cannot read {path}"), path.open("rb") as file:
-        return file.read(16)
-
-
-@contextmanager
-def _readable(path: Path) -> Iterator[None]:
-    """Turn the libraries' errors for damaged files into one-line errors."""
+def _can_read(store: "Typestore", channel: Channel, name: str, data: bytes) -> bool:
     try:
-        yield
-    except LcmtoolsError:
-        raise
+        _reading(store, channel)(data, name)
     except Exception as error:
-        is_of_library = type(error).__module__.partition(".")[0] in _LIBRARIES
-        if not (is_of_library or isinstance(error, _BROKEN)):
+        if damage_text(error) is None:
             raise
-        reason = str(error).partition("\n")[0] or type(error).__name__
-        raise LcmtoolsError(f"{path} is damaged, or of an unknown kind: {reason}") from error
+        return False
+    return True
+
+
+def _reading(store: "Typestore", channel: Channel) -> Callable[[bytes, str], object]:
+    return store.deserialize_ros1 if channel.encoding == "ros1" else store.deserialize_cdr
+
+
+def _translated(conversion: Conversion, name: str, version: RosVersion) -> Iterator[RecordedType]:
+    """Yield a ROS type, and the types of its fields that are not shipped, as .msg files."""
+    known, waiting = conversion.store.fielddefs, [name]
+    for one in waiting:
+        yield RecordedType(lcm_name(one), 0, f"{one}.msg", translated(one, known, version))
+        nested = dict.fromkeys(nested_types(known[one]))
+        waiting += [each for each in nested if each not in waiting and not _ships(conversion, each)]
+
+
+def _ships(conversion: Conversion, name: str) -> bool:
+    """Return whether lcmtools ships a type that fits a ROS type."""
+    shipped = shipped_types()
+    if name.startswith("builtin_interfaces/"):
+        return True
+    return lcm_name(name) in shipped.fingerprints and conversion.fits(
+        Registry([shipped]).message_class(lcm_name(name)), name
+    )

@@ -1,35 +1,51 @@
 """The ROS types for LCM types, and conversion of messages in both directions.
 
 If ROS has a type with the same name and fields, ROS's own is used, so that its tools know it; all
-others are described by their fields. The differences are length fields, which ROS does not have;
-the sign of numbers, which LCM always has; and three spellings: ``nsec`` for ``nanosec``, upper case
-in ROS 1's CameraInfo, and ``seq`` in a header, which ROS 2 does not have.
+others are described by their fields, or as in the bag from which they were imported. The
+differences are length fields, which ROS does not have; the sign of numbers, which LCM always has;
+names that lcm-gen needs; and three spellings: ``nsec`` for ``nanosec``, upper case in ROS 1's
+CameraInfo, and ``seq`` in a header, which ROS 2 does not have.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from lcmtools.bag.ros_definitions import (
+    FILLER,
+    Definitions,
+    RosVersion,
+    nested_types,
+    original_text,
+    parts,
+    renamed_fields,
+)
+from lcmtools.bag.ros_numbers import (
+    Change,
+    Conversions,
+    array_conversions,
+    flat,
+    holds,
+    number_conversions,
+)
 from lcmtools.errors import DecodeError, needing_extra
 from lcmtools.messages.fields import Field, fields, holds_itself, is_time, length_values
-from lcmtools.messages.registry import Message, type_name
+from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.wire.log_index import RecordedType
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-RosVersion: TypeAlias = Literal[1, 2]
+RecordedTypes: TypeAlias = Mapping[str, RecordedType]  # by name
+NO_TYPES: RecordedTypes = MappingProxyType({})
 _Convert: TypeAlias = Callable[[Any], Any]
-_Definitions: TypeAlias = Mapping[str, Any]  # as in rosbags: fields by a type's name
 _Described: TypeAlias = Any  # as in rosbags: a kind, and its content
 
-_BITS = {
-    **dict.fromkeys(("byte", "char", "octet", "int8", "uint8"), 8),
-    **{f"{sign}int{bits}": bits for sign in ("", "u") for bits in (16, 32, 64)},
-}
-_SIGNED = ("int8", "int16", "int32", "int64")
+_HOLD_TIMES = ("std_msgs/msg/Time", "std_msgs/msg/Duration")
+_TIME = "builtin_interfaces/msg/Time"
 _SAME = {"bool": "bool", "float32": "float32", "float64": "float64", "string": "string"}
-_FILLER = "structure_needs_at_least_one_member"  # rosbags' field in a type without fields
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,25 +89,57 @@ def ros_store(version: RosVersion | None) -> "Typestore":
     return get_typestore(known[version])
 
 
+def ros_distributions(version: RosVersion) -> Iterator[Definitions]:
+    """Yield the types of the distributions of a version of ROS, the newest first.
+
+    Raises:
+        MissingExtra: The library for ROS's formats is missing.
+    """
+    known = ros_store(version).fielddefs
+    if version == 1:
+        from rosbags.interfaces import Nodetype
+
+        unsigned = Nodetype.BASE, ("uint32", 0)  # in the library, seconds are those of ROS 2
+        yield {**known, _TIME: ([], [("sec", unsigned), known[_TIME][1][1]])}
+        return
+    yield known
+    from rosbags.typesys import Stores, get_typestore
+
+    for older in (Stores.ROS2_JAZZY, Stores.ROS2_HUMBLE, Stores.ROS2_FOXY, Stores.ROS2_DASHING):
+        yield get_typestore(older).fielddefs
+
+
 class Conversion:
-    """Conversion between messages of LCM classes and of the types in a store."""
+    """Conversion between messages of LCM classes and of the types in a store.
+
+    ``changes`` collects the numbers that conversion to LCM has changed.
+    """
 
     def __init__(self, store: "Typestore") -> None:
         self.store = store
+        self.changes: list[Change] = []
         self._pairs: dict[tuple[type[Message], str], tuple[_Pair, ...]] = {}
 
     def fits(self, cls: type[Message], name: str) -> bool:
         """Return whether a ROS type has the fields of a class."""
-        return name in self.store.fielddefs and self._find(cls, name) is not None
+        if name not in self.store.fielddefs:
+            return False
+        inner = self._inner(cls, name)
+        return self.fits(cls, inner) if inner else self._find(cls, name) is not None
 
     def to_ros(self, cls: type[Message], name: str, message: Message) -> object:
         """Convert a message to a ROS type that fits its class."""
+        if inner := self._inner(cls, name):
+            held: Any = self.to_ros(cls, inner, message)
+            return self.store.types[name](held)
         pairs = self._find(cls, name) or ()
         values = {pair.ros_name: pair.to_ros(getattr(message, pair.lcm_name)) for pair in pairs}
         return self.store.types[name](**values or self._filler(name))
 
     def to_lcm(self, cls: type[Message], name: str, message: object) -> Message:
         """Convert a message of a ROS type that fits a class to that class."""
+        if inner := self._inner(cls, name):
+            return self.to_lcm(cls, inner, message.data)  # type: ignore[attr-defined] # see there
         made = cls()
         for pair in self._find(cls, name) or ():
             value = pair.to_lcm(getattr(message, pair.ros_name))
@@ -99,6 +147,12 @@ class Conversion:
                 value = _shaped(value, length_values(made, pair.array))
             setattr(made, pair.lcm_name, value)
         return made
+
+    def _inner(self, cls: type[Message], name: str) -> str | None:
+        """Return the time in ROS 1's std_msgs/Time, which LCM's is itself; None for other types."""
+        if not is_time(cls) or name not in _HOLD_TIMES:
+            return None
+        return next((one for one in nested_types(self.store.fielddefs[name])), None)
 
     def _filler(self, name: str) -> dict[str, Any]:
         return dict.fromkeys((field for field, _ in self.store.fielddefs[name][1]), 0)
@@ -117,11 +171,15 @@ class Conversion:
         from rosbags.typesys.base import normalize_fieldname
 
         theirs = {
-            spelled: one for spelled, one in self.store.fielddefs[name][1] if spelled != _FILLER
+            spelled: one for spelled, one in self.store.fielddefs[name][1] if spelled != FILLER
         }
+        names = {part.name for part in fields(cls)}
+        renamed = {ours: one for one, ours in renamed_fields(theirs.items()).items()}
+        renamed = {ours: one for ours, one in renamed.items() if ours in names}
         pairs: list[_Pair] = []
         for part in fields(cls):
-            spelled = _spelling(cls, part.name, theirs)
+            known = [one for one in theirs if one not in renamed.values()]
+            spelled = renamed.get(part.name) or _spelling(cls, part.name, known)
             is_optional = part.name == "seq" and type_name(cls) == "std_msgs/Header"
             if spelled is None and (part.is_length or is_optional):
                 continue
@@ -132,7 +190,7 @@ class Conversion:
             pairs.append(_Pair(part.attribute, normalize_fieldname(spelled), *converts, array))
         return None if theirs else tuple(pairs)
 
-    def _converts(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+    def _converts(self, part: Field, described: _Described) -> Conversions | None:
         """Return the conversions of a field's values; None if the field is not the same."""
         from rosbags.interfaces import Nodetype
 
@@ -146,30 +204,33 @@ class Conversion:
             return None
         return self._array(part, of[0])
 
-    def _scalar(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+    def _scalar(self, part: Field, described: _Described) -> Conversions | None:
         from rosbags.interfaces import Nodetype
 
         kind, of = described
         if kind == Nodetype.NAME:
             return self._nested(part, of)
         name = of[0] if kind == Nodetype.BASE else ""
-        if name in _BITS and _BITS.get(part.type) == _BITS[name]:
-            bits = _BITS[name]
-            return _wrap(bits, is_signed=name in _SIGNED), _wrap(
-                bits, is_signed=part.type in _SIGNED
-            )
-        return (_as_it_is, _as_it_is) if _SAME.get(part.type) == name else None
+        if not holds(part.type, name):
+            return (_as_it_is, _as_it_is) if _SAME.get(part.type) == name else None
+        return number_conversions(part, name, self.changes)
 
-    def _nested(self, part: Field, name: str) -> "tuple[_Convert, _Convert] | None":
+    def _nested(self, part: Field, name: str) -> Conversions | None:
         cls = part.message_class
         if cls is None or not self.fits(cls, name):
             return None
-        return (
-            lambda value: self.to_ros(cls, name, value),
-            lambda value: self.to_lcm(cls, name, value),
-        )
 
-    def _array(self, part: Field, element: _Described) -> "tuple[_Convert, _Convert] | None":
+        def to_lcm(value: Any) -> Message:  # noqa: ANN401 - a message of the library
+            first = len(self.changes)
+            made = self.to_lcm(cls, name, value)
+            for number in range(first, len(self.changes)):
+                change = self.changes[number]
+                self.changes[number] = change._replace(field=f"{part.name}.{change.field}")
+            return made
+
+        return (lambda value: self.to_ros(cls, name, value)), to_lcm
+
+    def _array(self, part: Field, element: _Described) -> Conversions | None:
         """Return the conversions of an array; ROS has it in one dimension, row by row."""
         one = self._scalar(part, element)
         if one is None:
@@ -177,39 +238,25 @@ class Conversion:
         if part.message_class or part.type == "string":
             to_ros, to_lcm = one
             return (
-                lambda values: [to_ros(value) for value in _flat(values, part.depth)],
+                lambda values: [to_ros(value) for value in flat(values, part.depth)],
                 lambda values: [to_lcm(value) for value in values],
             )
-        import numpy as np
-
-        name = element[1][0]
-        ours = np.dtype(part.type)
-        theirs = np.dtype("uint8" if name in ("byte", "char", "octet") else name)
-
-        def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - any value in messages
-            if part.depth > 1:
-                values = list(_flat(values, part.depth))
-            elif isinstance(values, (bytes, bytearray)):
-                return np.frombuffer(values, theirs)
-            return np.asarray(values, ours).view(theirs)
-
-        def array_to_lcm(values: Any) -> Any:  # noqa: ANN401 - likewise
-            found = np.ascontiguousarray(values, theirs).view(ours)
-            return found.tobytes() if part.is_bytes and part.depth == 1 else found.tolist()
-
-        return array_to_ros, array_to_lcm
+        return array_conversions(part, element[1][0], self.changes)
 
 
 class RosTypes(Conversion):
     """A ROS version's types for LCM types, found or described as they are needed.
 
+    ``recorded`` are the types that a log keeps, by name; those that come from a bag are as there.
+
     Raises:
         MissingExtra: The library for ROS's formats is missing.
     """
 
-    def __init__(self, version: RosVersion) -> None:
+    def __init__(self, version: RosVersion, recorded: RecordedTypes = NO_TYPES) -> None:
         super().__init__(ros_store(None))
         self.version = version
+        self._recorded = recorded
         self._known = Conversion(ros_store(version))
         self._names: dict[type[Message], str] = {}
 
@@ -261,14 +308,33 @@ class RosTypes(Conversion):
             if self._known.fits(cls, name):
                 self.store.register({one: known[one] for one in parts(name, known)})
             else:
-                self.store.register({name: ([], [*self._described(cls)])})
+                self.store.register({name: self._original(cls, name) or self._described(cls)})
         except TypesysError as error:
             reason = f"another {type_name(cls)} came before, and ROS has one type of a name"
             raise DecodeError(reason) from error
         self._names[cls] = name
         return name
 
-    def _described(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":
+    def _original(self, cls: type[Message], name: str) -> _Described:
+        """Return the definition of a type in the bag that it comes from; None if there is none."""
+        one = self._recorded.get(type_name(cls))
+        if one is None or one.fingerprint != fingerprint(cls) or one.path != f"{name}.msg":
+            return None
+        from rosbags.typesys import get_types_from_msg
+
+        found = get_types_from_msg(original_text(one.source), name)
+        for part in fields(cls):
+            if part.message_class:
+                self._add(part.message_class)
+        trial = ros_store(None)
+        trial.register({**self.store.fielddefs, **found})
+        return found[name] if Conversion(trial).fits(cls, name) else None
+
+    def _described(self, cls: type[Message]) -> _Described:
+        """Return a type with the fields of a class."""
+        return [], [*self._described_fields(cls)]
+
+    def _described_fields(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":
         """Yield the fields of a class in ROS's form; length fields only for several dimensions."""
         from rosbags.interfaces import Nodetype
 
@@ -294,18 +360,7 @@ def ros_name(cls: type[Message]) -> str:
     return f"{package.replace('/', '_') or 'lcm'}/msg/{short}"
 
 
-def parts(name: str, known: _Definitions) -> Iterator[str]:
-    """Yield a type and the types of its fields."""
-    from rosbags.interfaces import Nodetype
-
-    yield name
-    for _, (kind, of) in known[name][1]:
-        nested_kind, nested = of[0] if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (kind, of)
-        if nested_kind == Nodetype.NAME:
-            yield from parts(nested, known)
-
-
-def _spelling(cls: type[Message], name: str, theirs: Mapping[str, _Described]) -> str | None:
+def _spelling(cls: type[Message], name: str, theirs: Sequence[str]) -> str | None:
     """Return a field's name in ROS; None if it has none."""
     spellings = [name, name.lower()]
     if is_time(cls):
@@ -319,24 +374,8 @@ def _fixed_size(part: Field) -> int | None:
     return prod(sizes) if len(sizes) == part.depth else None
 
 
-def _wrap(bits: int, *, is_signed: bool) -> _Convert:
-    """Return a conversion of integers of this many bits to signed or unsigned ones."""
-    half, mask = 1 << (bits - 1), (1 << bits) - 1
-    if is_signed:
-        return lambda value: ((int(value) + half) & mask) - half
-    return lambda value: int(value) & mask
-
-
 def _as_it_is(value: Any) -> Any:  # noqa: ANN401 - a value of any type
     return value
-
-
-def _flat(values: Sequence[Any], depth: int) -> Iterator[Any]:
-    if depth == 1:
-        yield from values
-    else:
-        for row in values:
-            yield from _flat(row, depth - 1)
 
 
 def _shaped(values: Sequence[Any], sizes: Sequence[int]) -> Any:  # noqa: ANN401 - nested lists

@@ -20,7 +20,7 @@ from click.core import ParameterSource
 
 from lcmtools.cli.output import write_error, write_note
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.signals import ENDING, Doubles
+from lcmtools.signals import Doubles, ending_signals
 
 INTERRUPTED = 130
 USAGE = UsageError.exit_code
@@ -56,7 +56,7 @@ def interrupting_signals() -> Iterator[list[int]]:
     because it comes while an object is finalized, comes again. The interrupts carry the exit code.
     """
     signals: list[int] = []
-    asking, doubles = _ending_signals(), Doubles()
+    asking, doubles = ending_signals(), Doubles()
 
     def interrupt(number: int, _frame: FrameType | None) -> None:
         if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
@@ -82,12 +82,6 @@ def interrupting_signals() -> Iterator[list[int]]:
         sys.unraisablehook = show
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _ending_signals() -> list[int]:
-    """Return the signals that end a command; under nohup, SIGHUP is not one."""
-    hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
-    return [number for number in ENDING if number != signal.SIGHUP or hangs_up]
 
 
 def end_with_reader() -> None:
@@ -119,7 +113,7 @@ def exit_code(number: int) -> int:
 
 def end_at_once() -> None:
     """Let a signal that arrives after all output end the process silently."""
-    for number in _ending_signals():
+    for number in ending_signals():
         signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
 
 

@@ -2,6 +2,7 @@
 
 import atexit
 import inspect
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.finding import find_node, own_answer
+from lcmtools.packages.ros_packages import ros_program
 from lcmtools.packages.runnable_nodes import OWN, NodeProgram, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
@@ -71,7 +73,7 @@ def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> N
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     is_doubled = words[0] in words[1:2] and words[0] not in {node.package for node in known}
     words = words[is_doubled:]  # rosrun image_view image_view: the package has the node's name
-    node, arguments = find_node(words, known, Path.cwd())
+    node, arguments = _find(words, known)
     others = [one.package for one in known if one.name == node.name and one.package != OWN]
     if node.package == OWN and words[0] == node.name and others:
         what = f"this is lcmtools' own {node.name}; {others[0]} has one too"
@@ -100,6 +102,21 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         return 1
     finally:
         lcmtools.shutdown()  # unless the node has done so
+
+
+def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
+    """Return the node and its arguments; a program of a ROS package replaces this process."""
+    try:
+        return find_node(words, known, Path.cwd())
+    except UsageError:
+        if not (program := ros_program(words, Path.cwd())):
+            raise
+    bus = bus_choice()
+    chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
+    try:
+        os.execv(program, [program, *words[2:], *chosen.words()])  # noqa: S606 - the user's own
+    except OSError as error:
+        raise LcmtoolsError(f"cannot start {program}: {error.strerror}") from None
 
 
 def _call(program: NodeProgram, words: Sequence[str]) -> int | None:

@@ -9,7 +9,7 @@ import ast
 import re
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from keyword import kwlist
 from typing import ClassVar, Protocol, cast
 
@@ -77,6 +77,8 @@ class Language:
     functions: Mapping[str, Function]  # in addition to those of every expression
     has_fields: bool = False  # values have fields, and arrays have elements: m.x, a[0]
     has_choices: bool = False  # "a if b else c", and + joins text
+    methods: Mapping[str, Function] = field(default_factory=dict)  # of text: x.lower(), x[0]
+    counts: Mapping[str, tuple[int, int]] = field(default_factory=dict)  # of arguments, if not one
 
 
 class Expression:
@@ -143,11 +145,15 @@ class Expression:
     def _check_call(self, call: ast.Call) -> None:
         name = call.func.id if isinstance(call.func, ast.Name) else ""
         place = self.place(call)
-        if name not in self._functions:
+        if isinstance(call.func, ast.Attribute) and call.func.attr in self._language.methods:
+            name = call.func.attr
+        elif name not in self._functions:
             known = f"functions: {', '.join(sorted(self._functions))}"
             raise self._bad(f"no such function in '{place}'", known)
         takes_one = name in OF_ONE_LIST or name in self._language.functions
-        if call.keywords or not call.args or (takes_one and len(call.args) > 1):
+        most = 1 if takes_one else len(call.args)
+        least, most = self._language.counts.get(name, (name not in self._language.methods, most))
+        if call.keywords or not least <= len(call.args) <= most:
             raise self._bad(f"wrong arguments in '{place}'", f"write {name}(VALUE)")
 
     def _is_allowed(self, node: ast.AST) -> bool:
@@ -160,6 +166,8 @@ class Expression:
             return all(type(comparison) in COMPARISONS for comparison in node.ops)
         if isinstance(node, ast.Attribute) and node.attr.startswith("__"):
             return False
+        if isinstance(node, (ast.Subscript, ast.Slice)) and self._language.methods:
+            return True
         fields = _FIELD_NODES if self._language.has_fields else ()
         choices = (ast.IfExp,) if self._language.has_choices else ()
         return isinstance(node, (*_PLAIN_NODES, *fields, *choices))
@@ -198,6 +206,11 @@ class Expression:
 
     def _call(self, node: ast.Call, scope: NameLookup) -> object:
         values = [self._value(argument, scope) for argument in node.args]
+        if isinstance(node.func, ast.Attribute):
+            owner = self._value(node.func.value, scope)
+            if not isinstance(owner, str):
+                raise TypeError(f"{owner} is no text")
+            return comparable(self._language.methods[node.func.attr](owner, *values))
         return bounded(self._functions[cast("ast.Name", node.func).id](*values))
 
     def _choice(self, node: ast.IfExp, scope: NameLookup) -> object:
@@ -265,9 +278,10 @@ def _has_names(node: ast.AST) -> bool:
 
 
 def operands(node: ast.AST) -> list[ast.expr]:
-    """Return a node's subexpressions, without operators and function names."""
+    """Return a node's subexpressions, without operators and names of functions and methods."""
     if isinstance(node, ast.Call):
-        return list(node.args)
+        owner = [node.func.value] if isinstance(node.func, ast.Attribute) else []
+        return [*owner, *node.args]
     return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
 
 

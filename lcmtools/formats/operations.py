@@ -59,6 +59,10 @@ FUNCTIONS: Mapping[str, Function] = {
     **{name: getattr(math, name) for name in ("isnan", "isinf", "isfinite", "degrees", "radians")},
 }
 """The functions of every expression."""
+_METHODS = (
+    *("capitalize", "count", "endswith", "find", "isalpha", "isdigit", "join", "lower", "lstrip"),
+    *("rsplit", "rstrip", "split", "startswith", "strip", "title", "upper"),
+)
 
 
 def comparable(value: object) -> object:
@@ -86,6 +90,19 @@ def joined(left: str, right: str) -> str:
     if len(left) + len(right) > _LONGEST_TEXT:
         raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
     return left + right
+
+
+def _replaced(text: str, old: str, new: str) -> str:
+    if text.count(old) * len(new) > _LONGEST_TEXT:
+        raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
+    return text.replace(old, new)
+
+
+TEXT_METHODS: Mapping[str, Function] = {
+    **{name: getattr(str, name) for name in _METHODS},
+    "replace": _replaced,
+}
+"""Python's methods of text whose results are not much longer than the text."""
 
 
 def _rounded(value: object, digits: object) -> float:

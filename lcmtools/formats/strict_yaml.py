@@ -74,7 +74,9 @@ def read_values(text: str) -> Iterator[tuple[PlainNode, int]]:
             yield _bare(root), root.line
 
 
-def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | None]:
+def read_documents(
+    text: str, *, keeps_places: bool = True, merges_keys: bool = False
+) -> Iterator[Node | None]:
     """Yield the documents in a text; None for an empty one.
 
     If ``keeps_places`` is False, only the root is a Node: in a large text the garbage collector
@@ -84,23 +86,27 @@ def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | N
     import yaml
 
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
-    tree = _Tree(keeps_places=keeps_places)
+    tree = _Tree(keeps_places=keeps_places, merges_keys=merges_keys)
     try:
         for event in yaml.parse(text, Loader=loader):
             tree.add_event(event)
             if isinstance(event, yaml.DocumentEndEvent):
                 yield tree.root
-                tree = _Tree(keeps_places=keeps_places)
+                tree = _Tree(keeps_places=keeps_places, merges_keys=merges_keys)
     except yaml.MarkedYAMLError as error:
         raise explained(error, text) from None
     except (yaml.reader.ReaderError, UnicodeEncodeError):
         raise forbidden_character(text) from None
 
 
-def read_file(text: str, source: str) -> Node | None:
-    """Return a file's only document, None if it is empty; raise InvalidFile with the line."""
+def read_file(text: str, source: str, *, merges_keys: bool = False) -> Node | None:
+    """Return a file's only document, None if it is empty; raise InvalidFile with the line.
+
+    With ``merges_keys``, "<<" merges mappings and the last of several equal keys counts, as in
+    PyYAML.
+    """
     try:
-        found = [node for node in read_documents(text) if node]
+        found = [node for node in read_documents(text, merges_keys=merges_keys) if node]
     except BadYaml as bad:
         raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
     if len(found) > 1:
@@ -111,19 +117,22 @@ def read_file(text: str, source: str) -> Node | None:
 
 _Key: TypeAlias = "tuple[str, int]"
 _NO_KEY: _Key = ("", 0)  # for the root and the values in a list
+_MERGE_KEY: _Key = ("<<", 0)  # for mappings whose keys are merged into the one around them
 
 
 class _Tree:
     """Builds the nodes of one document from its events."""
 
-    def __init__(self, *, keeps_places: bool) -> None:
+    def __init__(self, *, keeps_places: bool, merges_keys: bool) -> None:
         import yaml
 
         self._yaml = yaml
         self._keeps_places = keeps_places
+        self._merges_keys = merges_keys
         self.root: Node | None = None
         self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
         self._keys: list[_Key | None] = [_NO_KEY]  # of the next value; None: a key is next
+        self._merged: list[dict[str, Node]] = []  # of each open collection
         self._anchors: dict[str, Node] = {}
         self._repeated = 0
 
@@ -139,7 +148,10 @@ class _Tree:
             self._start(event, is_list=isinstance(event, yaml.SequenceStartEvent))
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
-            self._add(*self._open.pop())
+            node, anchor = self._open.pop()
+            if merged := self._merged.pop():
+                node.value = {**merged, **cast("dict[str, Node]", node.value)}
+            self._add(node, anchor)
         elif isinstance(event, yaml.AliasEvent):
             self._add_alias(event)
 
@@ -152,6 +164,7 @@ class _Tree:
             raise _unknown_tag(event)
         self._open.append((Node([] if is_list else {}, _line(event)), event.anchor))
         self._keys.append(_NO_KEY if is_list else None)
+        self._merged.append({})
 
     def _add_alias(self, event: "yaml.AliasEvent") -> None:
         known = self._anchors.get(event.anchor or "")
@@ -170,11 +183,12 @@ class _Tree:
             raise _bad(event, "a key must be a word")
         mapping = self._open[-1][0].value
         assert isinstance(mapping, dict)
-        if key in mapping:
+        if key in mapping and not self._merges_keys:
             raise _bad(event, f"'{key}' is given twice", "leave one of them out")
-        if key == "<<":
+        if key == "<<" and not self._merges_keys:
             raise _bad(event, "'<<' cannot merge other keys here", "write them out")
-        self._keys[-1] = (key, _line(event))
+        is_merge = key == "<<" and getattr(event, "implicit", (False,))[0]
+        self._keys[-1] = _MERGE_KEY if is_merge else (key, _line(event))
 
     def _add(self, node: Node, anchor: str | None) -> None:
         if anchor:
@@ -186,9 +200,21 @@ class _Tree:
         part = node if self._keeps_places else cast("Node", _bare(node))
         if isinstance(value, list):
             value.append(part)
+        elif key is _MERGE_KEY:
+            self._merge(node)
+            self._keys[-1] = None
         elif key and isinstance(value, dict):
             value[key[0]], node.key_line = part, key[1]
             self._keys[-1] = None
+
+    def _merge(self, node: Node) -> None:
+        """Merge a mapping, or a list of them of which the first ones take precedence."""
+        parts = node.value if isinstance(node.value, list) else [node]
+        for part in reversed(parts):
+            if not isinstance(part.value, dict):
+                problem = "'<<' merges mappings only"
+                raise BadYaml(problem, node.line, hint="write  <<: *NAME  for one with &NAME")
+            self._merged[-1].update(part.value)
 
 
 def _bare(node: Node) -> PlainNode:

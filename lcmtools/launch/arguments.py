@@ -50,6 +50,13 @@ def names_in(element: Element) -> set[str]:
     return {child.attributes.get("name", "") for child in _declarations(element)}
 
 
+def passes_all(element: Element) -> bool:
+    """Return True if a file may pass arguments on that it does not declare itself."""
+    is_include = element.tag == "include"
+    given = element.attributes.get("pass_all_args", "false") if is_include else "false"
+    return given.lower() not in ("false", "0") or any(map(passes_all, element.children))
+
+
 def _declarations(element: Element) -> Iterator[Element]:
     for child in element.children:
         if child.tag == "group":

@@ -15,9 +15,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.packages import files_below, is_there, lab_packages, package_folder, path_from
+from lcmtools.launch.packages import is_there, lab_packages, package_folder, path_from
 from lcmtools.names import did_you_mean
 from lcmtools.packages.finding import find_node, own_answer, undeclared
+from lcmtools.packages.ros_packages import program_in
 from lcmtools.packages.runnable_nodes import OWN, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
@@ -163,11 +164,8 @@ def _as_lcmtools() -> set[str]:
 
 
 def _script(package: str, name: str, folder: Path) -> str:
-    """Return an executable file in a package's folder, as found by rosrun, or ""."""
+    """Return an executable file in a package's folder, or ""."""
     try:
-        files = files_below(package_folder(package, folder))
+        return program_in(package_folder(package, folder), name)
     except UsageError:
         return ""
-    wanted = (name, f"{name}.py")
-    fitting = (path for path in files if path.name in wanted and path.is_file())
-    return next((str(path) for path in fitting if os.access(path, os.X_OK)), "")

@@ -5,7 +5,6 @@ when the whole file is known.
 """
 
 import os
-import shlex
 import sys
 from collections.abc import Iterable, Mapping
 
@@ -19,7 +18,7 @@ from lcmtools.launch.scope import Scope, located
 from lcmtools.names import base_name_of, check_base_name, namespace_of, resolve
 
 _OUTPUTS = tuple(output.value for output in Output)
-_HOMES = ("ROS_HOME", "node")  # values of cwd that roslaunch knows; others are errors
+_HOMES = ("ros_home", "ros-root", "node")  # values of cwd that roslaunch knows, in any case
 
 
 def node_name(element: Element, scope: Scope, program: Executable) -> str:
@@ -42,7 +41,8 @@ def find_node(element: Element, scope: Scope) -> Executable:
         hint = "the program of pkg is named by type" if "pkg" in ways else ""
         raise element.error(f"a node has only one of {' and '.join(ways)}", hint)
     if ways in (["exec"], ["run"]):
-        words = _words(element, scope.required(element, ways[0]))
+        scope.required(element, ways[0])
+        words = scope.words(element, ways[0])
         if not words:
             raise element.error(f"'{ways[0]}' is empty in node")
         return located(element, lambda: _of_words(words, scope, ways[0]))
@@ -69,8 +69,8 @@ def plan_node(
     respawn, is_required = scope.flag(element, "respawn"), scope.flag(element, "required")
     if respawn and is_required:
         raise element.error("a node cannot be both required and respawned", "leave one of them out")
-    prefix = _words(element, scope.text(element, "launch-prefix"))
-    words = [*program.arguments, *_words(element, scope.text(element, "args"))]
+    prefix = scope.words(element, "launch-prefix")
+    words = [*program.arguments, *scope.words(element, "args")]
     end = words.index("--") if "--" in words else len(words)  # nodes accept no names after it
     own = [word for word in words[:end] if word.startswith("_") and not word.startswith("__")]
     typed = split_arguments(own)[0].parameters
@@ -99,13 +99,6 @@ def plan_node(
     )
 
 
-def _words(element: Element, text: str) -> list[str]:
-    try:
-        return shlex.split(text)
-    except ValueError:
-        raise element.error(f"a quote is not closed in '{' '.join(text.split())}'") from None
-
-
 def _environment(scope: Scope, program: Executable) -> dict[str, str]:
     """Return the variables that files set; a program that accepts no names may read this one."""
     if program.takes_names or scope.namespace == "/":
@@ -126,7 +119,7 @@ def _check_texts(element: Element, texts: Iterable[str]) -> None:
 
 def _directory(element: Element, scope: Scope) -> str:
     text = scope.text(element, "cwd")
-    if not text or text in _HOMES:
+    if not text or text.lower() in _HOMES:
         return ""
     path = located(element, lambda: path_from(scope.folder, text))
     if not os.path.isdir(path):  # noqa: PTH112 - pathlib raises for a name that is too long

@@ -1,23 +1,24 @@
 """Packages and the launch files in them: from names to folders and files.
 
-A package is one of the workspace, an installed Python package, or one of lcmtools' own, the labs'.
+A package is one of the workspace, also of ROS, an installed one of Python, or one of lcmtools' own,
+the labs'.
 """
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.names import did_you_mean
+from lcmtools.packages.ros_packages import files_below, ros_packages
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
 LABS = Path(__file__).parent / "files"  # packages that the labs' texts name, with launch files
 LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
-_MOST_FILES = 10_000  # of a package that are searched: it may be a home folder
 
 
 def path_from(folder: Path, name: str) -> Path:
@@ -42,15 +43,17 @@ def is_there(path: Path) -> bool:
 
 def package_folder(name: str, *starts: Path) -> Path:
     """Return a package's folder, also from the workspaces of ``starts``; UsageError for none."""
-    space = workspace(Path.cwd(), *starts)
+    places = (Path.cwd(), *starts)
+    space, of_ros = workspace(*places), ros_packages(*places)
     if name.replace("_", "a").replace("-", "a").isalnum():
         own = (package.folder for package in space.packages if package.name == name)
         module = name.replace("-", "_")
         installed = [] if module in sys.stdlib_module_names else module_folders(module)
-        for folder in (*own, *installed, LABS / name):
+        ros = [of_ros[name]] if name in of_ros else []
+        for folder in (*own, *ros, *installed, LABS / name):
             if folder.is_dir():
                 return folder
-    known = [*lab_packages(), *(package.name for package in space.packages)]
+    known = [*lab_packages(), *of_ros, *(package.name for package in space.packages)]
     hint = did_you_mean(name, known) or "it is neither installed nor in this workspace"
     raise UsageError(f"there is no package '{name}'", hint)
 
@@ -80,15 +83,6 @@ def launch_files(package: str) -> list[str]:
         return [path.name for path in _launch_files(package_folder(package))]
     except UsageError:
         return []
-
-
-def files_below(folder: Path) -> Iterator[Path]:
-    """Return a package's files in order, without those in hidden folders."""
-    for count, path in enumerate(sorted(folder.rglob("*"))):
-        if count == _MOST_FILES:
-            return
-        if not any(part.startswith(".") for part in path.relative_to(folder).parts):
-            yield path
 
 
 def find_files(words: Sequence[str]) -> list[Path]:

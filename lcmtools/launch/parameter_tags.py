@@ -6,52 +6,68 @@ LCM: each node gets its parameters on its command line.
 
 from collections.abc import Collection, Iterator, Mapping
 
-from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.errors import InvalidName
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import LARGEST, path_from
+from lcmtools.launch.parameter_yaml import leaves, read_parameters, text_of
 from lcmtools.launch.scope import Scope, located
-from lcmtools.messages.documents import parse
-from lcmtools.messages.fill import Value
-from lcmtools.messages.setting import ANY, read_setting, text_of, write_setting
+from lcmtools.messages.setting import read_setting, write_setting
 from lcmtools.names import check_legal, namespace_of
 
-_KINDS = {"str": "string", "int": "int", "double": "float", "bool": "bool"}
+_KINDS = {
+    "str": "string",
+    "string": "string",
+    "int": "int",
+    "double": "float",
+    "bool": "bool",
+    "boolean": "bool",
+}
 _SOURCES = ("value", "textfile", "command", "binfile")
 _MOST_NAMED = 5
 
 
-def param(element: Element, scope: Scope) -> tuple[str, str] | None:
-    """Return a ``<param>``'s name and text; None for a command's output, which is not supported."""
+def param(element: Element, scope: Scope) -> list[tuple[str, str]] | None:
+    """Return a ``<param>``'s names and texts; None for a command's output, which is not supported.
+
+    It has several names if its value is a mapping.
+    """
     name = scope.required(element, "name")
     located(element, lambda: check_legal(name))
     given = [source for source in _SOURCES if source in element.attributes]
     if len(given) != 1:
         raise element.error(f"param {name} needs one of: {', '.join(_SOURCES)}")
     if given[0] == "value":
-        return name, _typed(element, scope, name)
+        return list(_typed(element, scope, name))
     if given[0] == "textfile":
-        return name, write_setting(_read(element, scope.required(element, "textfile"), scope))
+        text = _read(element, scope.required(element, "textfile"), scope)
+        return [(name, write_setting(text))]
     return None
 
 
-def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
-    """Return the names and texts of a ``<rosparam>``: YAML in it, or in a file."""
+def rosparam(element: Element, scope: Scope, notes: list[str]) -> Iterator[tuple[str, str]]:
+    """Return the names and texts of a ``<rosparam>``: YAML in it, or in a file.
+
+    A name that a node's parameter cannot have is left out, with a note.
+    """
     text, source, line = element.text, element.source, element.line
-    if file := scope.text(element, "file"):
-        text, source, line = _read(element, file, scope), file, 1
+    if "file" in element.attributes:
+        source, line = scope.required(element, "file"), 1
+        text = _read(element, source, scope)
     if scope.flag(element, "subst_value"):
         text = scope.substituted(element, text)
     prefix = [part for part in (scope.text(element, "ns"), scope.text(element, "param")) if part]
-    try:
-        documents = list(parse(text, line))
-    except UsageError as error:
-        raise InvalidFile(f"{source}: {error.what}", error.hint) from None
-    for document in documents:
-        if not isinstance(document.value, dict) and "param" not in element.attributes:
-            raise element.error("rosparam: expected names and values", "for example kp: 0.5")
-        for name, leaf in _leaves(document.value, "/".join(prefix)):
-            located(element, lambda name=name: check_legal(name))  # type: ignore[misc]
-            yield name, text_of(leaf, ANY)
+    root = read_parameters(text, source, line)
+    if root is None:
+        return
+    if not isinstance(root.value, dict) and "param" not in element.attributes:
+        raise element.error("rosparam: expected names and values", "for example kp: 0.5")
+    for name, leaf in leaves(root, "/".join(prefix)):
+        try:
+            check_legal(name)
+        except InvalidName as error:  # noqa: PERF203 - each name fails on its own
+            notes.append(f"{source}:{leaf.key_line}: parameter {error.what}; it is left out")
+        else:
+            yield name, text_of(leaf, source)
 
 
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
@@ -95,20 +111,17 @@ def _read(element: Element, name: str, scope: Scope) -> str:
         raise element.error(f"cannot read {path}: it is not UTF-8 text") from None
 
 
-def _typed(element: Element, scope: Scope, name: str) -> str:
-    kind, text = scope.text(element, "type", "auto"), scope.text(element, "value")
-    if kind in ("auto", "yaml"):
-        return text or write_setting("")  # nodes ignore an empty text
-    if kind not in _KINDS:
+def _typed(element: Element, scope: Scope, name: str) -> Iterator[tuple[str, str]]:
+    """Yield names and texts of a value, checked by its type."""
+    kind, text = scope.text(element, "type", "auto").lower(), scope.text(element, "value").strip()
+    if kind not in (*_KINDS, "auto", "yaml"):
         raise element.error(f"'{kind}' is not a type", f"types: {', '.join(_KINDS)}, yaml, auto")
-    return located(
-        element, lambda: write_setting(read_setting(text, _KINDS[kind], f"param {name}"))
-    )
-
-
-def _leaves(value: Value, name: str) -> Iterator[tuple[str, Value]]:
-    if isinstance(value, dict):
-        for key, part in value.items():
-            yield from _leaves(part, f"{name}/{key}" if name else key)
+    if kind == "yaml" and (root := read_parameters(text, element.source, element.line)):
+        yield from ((path, text_of(leaf, element.source)) for path, leaf in leaves(root, name))
+    elif kind in ("auto", "yaml"):
+        yield name, text or write_setting("")  # nodes ignore an empty text
+    elif _KINDS[kind] == "string":
+        yield name, write_setting(text)
     else:
-        yield name, value
+        value = located(element, lambda: read_setting(text, _KINDS[kind], f"param {name}"))
+        yield name, write_setting(value)

@@ -3,9 +3,11 @@
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from lcmtools.errors import ValueMismatch
 from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
 from lcmtools.launch.packages import lab_files
+from lcmtools.launch.parameter_yaml import read_parameters, value_of
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.messages.setting import ANY, read_setting, write_setting
 
@@ -84,11 +86,22 @@ def _parameters(plan: Plan, _node: str) -> Answer:
     """Return the nodes' parameters in the form of param dump for running nodes."""
     records, rows = [], []
     for node in plan.nodes:
-        values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
-        records.append({"node": node.name, "parameters": values})
+        values = {name: _value(text, name) for name, text in node.parameters.items()}
+        records.append(
+            {"node": node.name, "parameters": {name: value for name, (value, _) in values.items()}}
+        )
         rows += [f"{write_setting(node.name)}:"] if values else []
-        rows += [f"  {write_setting(name)}: {write_setting(v)}" for name, v in values.items()]
+        rows += [f"  {write_setting(name)}: {text}" for name, (_, text) in values.items()]
     return records, rows
+
+
+def _value(text: str, name: str) -> tuple[object, str]:
+    """Return a parameter's value and its text; a node refuses one with a mapping in it."""
+    try:
+        value = read_setting(text, ANY, name)
+    except ValueMismatch:
+        return value_of(read_parameters(text, f"parameter {name}")), text
+    return value, write_setting(value)
 
 
 PLAN_ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {

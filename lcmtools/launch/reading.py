@@ -12,7 +12,14 @@ from pathlib import Path
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import DEEPEST, Element
-from lcmtools.launch.arguments import check_given, check_passed, declare, given_inside, names_in
+from lcmtools.launch.arguments import (
+    check_given,
+    check_passed,
+    declare,
+    given_inside,
+    names_in,
+    passes_all,
+)
 from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
 from lcmtools.launch.node_tag import find_node, node_name, plan_node
@@ -25,6 +32,7 @@ from lcmtools.names import resolve
 from lcmtools.packages.workspace import workspace
 
 _MOST_ELEMENTS = 100_000  # tags of all files together, repeated includes counted each time
+_COMMANDS = ("load", "dump", "delete")  # of a rosparam
 
 
 def make_plan(
@@ -39,15 +47,20 @@ def make_plan(
         InvalidFile: Something in them is wrong.
         UsageError: An argument was given that no file accepts.
     """
-    check_given([file.root for file in files], arguments)
+    roots = [file.root for file in files]
+    if not any(map(passes_all, roots)):
+        check_given(roots, arguments)
     reading = _Reading()
     names: dict[str, str] = {}
     try:
         for file in files:
             taken = names_in(file.root)
+            if passes_all(file.root):
+                taken = set(arguments)
             own = {name: text for name, text in arguments.items() if name in taken}
             scope = Scope(file.folder, namespace, environment, names, passed=own)
             reading.read(file, scope)
+        check_given(reading.roots, arguments)
         return reading.plan()
     except RecursionError:
         source = files[0].root.source
@@ -61,6 +74,7 @@ class _Reading:
     nodes: list[tuple[Element, Scope, Executable]] = field(default_factory=list)
     parameters: dict[str, str] = field(default_factory=dict)
     files: list[str] = field(default_factory=list)
+    roots: list[Element] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     depth: int = 0
     elements: int = 0
@@ -73,6 +87,7 @@ class _Reading:
             note = f"this is lcmtools' own {Path(file.path).name}, of its package {package}"
             self.notes.append("; ".join([note, *map(str, workspace(Path.cwd()).problems)]))
         self.files.append(file.path)
+        self.roots.append(root)
         if "deprecated" in root.attributes:
             self.notes.append(f"{root.place}: deprecated: {root.attributes['deprecated']}")
         self._children(root, scope)
@@ -135,15 +150,17 @@ class _Reading:
     def _param(self, element: Element, scope: Scope) -> Scope:
         found = param(element, scope)
         if found is not None:
-            return self._set(element, scope, [found])
+            return self._set(element, scope, found)
         what = f"{element.place}: a parameter cannot be set by a command or a binary file"
         self.notes.append(f"{what}; it is left out")
         return scope
 
     def _rosparam(self, element: Element, scope: Scope) -> Scope:
-        command = scope.text(element, "command", "load")
+        command = scope.text(element, "command") or "load"
+        if command not in _COMMANDS:
+            raise element.error(f"'command' must be {' or '.join(_COMMANDS)}, not '{command}'")
         if command == "load":
-            return self._set(element, scope, list(rosparam(element, scope)))
+            return self._set(element, scope, list(rosparam(element, scope, self.notes)))
         self.notes.append(f"{element.place}: rosparam {command} has no effect")
         return scope
 
@@ -166,7 +183,7 @@ class _Reading:
         file = read_file(path, element.place)
         if not takes_all:
             check_passed(element, passed, file.root)
-        passed = {**(scope.arguments if takes_all else {}), **passed}
+        passed = {**({**scope.passed, **scope.arguments} if takes_all else {}), **passed}
         inside = replace(inside, folder=file.folder, is_included=True, takes_all=takes_all)
         inside = replace(inside, arguments={}, passed=passed)
         self.depth += 1

@@ -4,6 +4,7 @@ Belongs here: the value, and the attributes of a tag that are read with it. Must
 meaning of tags. A tag that changes the scope after it makes a new one; nothing is changed in place.
 """
 
+import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,7 +15,7 @@ from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import package_folder
 from lcmtools.launch.substitution import Known, substitute
-from lcmtools.launch.tags import unknown_attributes
+from lcmtools.launch.tags import END_OF_WORD, unknown_attributes
 from lcmtools.names import check_legal, resolve
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
@@ -40,12 +41,28 @@ class Scope:
 
     def substituted(self, element: Element, text: str) -> str:
         """Return a text of an element with everything in ``$( )`` replaced."""
+        return self._substituted(element, text, str)
 
+    def words(self, element: Element, name: str) -> list[str]:
+        """Return an attribute's words, split as by a shell; the path of a folder is one word."""
+        folders: dict[str, str] = {}
+
+        def hidden(folder: str) -> str:
+            return folders.setdefault(folder, f"\ufdd0{len(folders)}\ufdd0")
+
+        text = self._substituted(element, element.attributes.get(name, ""), hidden)
+        is_list = text.endswith(END_OF_WORD)
+        words = text.split(END_OF_WORD)[:-1] if is_list else _split(element, text)
+        for folder, mark in folders.items():
+            words = [word.replace(mark, folder) for word in words]
+        return words
+
+    def _substituted(self, element: Element, text: str, shown: Callable[[str], str]) -> str:
         def find(name: str) -> str:
             return str(package_folder(name, self.folder))
 
         known = Known(self.arguments, self.environment, str(self.folder), find, self.names)
-        return located(element, lambda: substitute(text, known))
+        return located(element, lambda: substitute(text, known, shown))
 
     def text(self, element: Element, name: str, default: str = "") -> str:
         """Return an attribute's value; the default if it is not given."""
@@ -113,6 +130,13 @@ class Scope:
         environment = {**self.environment, name: text}
         set_variables = {**self.set_variables, name: text}
         return replace(self, environment=environment, set_variables=set_variables)
+
+
+def _split(element: Element, text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError:
+        raise element.error(f"a quote is not closed in '{' '.join(text.split())}'") from None
 
 
 def located(element: Element, work: Callable[[], T]) -> T:

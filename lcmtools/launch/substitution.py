@@ -5,6 +5,7 @@ a launch file. Must not know tags. https://wiki.ros.org/roslaunch/XML#substituti
 """
 
 import contextlib
+import math
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -12,13 +13,16 @@ from typing import cast
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.expression import Expression, ExpressionFault, Language
-from lcmtools.formats.operations import CONSTANTS, LARGEST, Function
+from lcmtools.formats.operations import CONSTANTS, LARGEST, TEXT_METHODS, Function
 from lcmtools.names import did_you_mean
 
 _QUOTES = "'\""
 _COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
 _LONGEST = 1000  # characters of an expression
-_CONSTANTS: Mapping[str, object] = {**CONSTANTS, "true": True, "false": False}
+_CONSTANTS: Mapping[str, object] = {**CONSTANTS, "e": math.e, "true": True, "false": False}
+_COUNTS = {"dirname": (0, 0), "optenv": (1, 2), "pow": (2, 2), "fmod": (2, 2), "log": (1, 2)}
+"""The numbers of arguments of functions that take more or less than one."""
+_MATH = ("ceil", "exp", "fabs", "floor", "fmod", "log", "log10", "pow")
 _CASTS: Mapping[str, Function] = {
     "str": str,
     "int": lambda value: int(cast("float", value)),
@@ -68,9 +72,14 @@ class Known:
         raise LookupError(f"{owner} has no field '{name}'")
 
 
-def substitute(text: str, known: Known) -> str:
-    """Replace all ``$( )``, but not those in values; UsageError if unknown or not closed."""
-    return "".join(_replaced(part, known) if inside else part for inside, part in _parts(text))
+def substitute(text: str, known: Known, shown: Callable[[str], str] = str) -> str:
+    """Replace all ``$( )``, but not those in values; UsageError if unknown or not closed.
+
+    ``shown`` returns the text for the path of a folder, of ``$(dirname)`` or ``$(find x)``.
+    """
+    return "".join(
+        _replaced(part, known, shown) if inside else part for inside, part in _parts(text)
+    )
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
@@ -101,7 +110,7 @@ def _closed(rest: str, text: str) -> tuple[str, str]:
     raise UsageError(f"'$(' is not closed in '{text}'")
 
 
-def _replaced(inside: str, known: Known) -> str:
+def _replaced(inside: str, known: Known, shown: Callable[[str], str]) -> str:
     command, _, rest = inside.strip().partition(" ")
     rest = rest.strip()
     if command == "eval":
@@ -110,7 +119,7 @@ def _replaced(inside: str, known: Known) -> str:
         name, _, default = rest.partition(" ")
         return known.environment.get(_single_name(command, name), default.strip())
     if command == "dirname":
-        return known.folder
+        return shown(known.folder)
     command = {"var": "arg"}.get(command, command)  # as in ROS 2
     functions = _functions(known)
     if command not in functions:
@@ -118,7 +127,8 @@ def _replaced(inside: str, known: Known) -> str:
         if command in known.arguments:
             hint = f"write $(arg {command})"
         raise UsageError(f"there is no '$({command} ...)'", hint)
-    return functions[command](_single_name(command, rest))
+    value = functions[command](_single_name(command, rest))
+    return shown(value) if command == "find" else value
 
 
 def _single_name(command: str, words: str) -> str:
@@ -146,15 +156,21 @@ def _evaluated(text: str, known: Known) -> str:
         longest=_LONGEST,
         functions={
             **_CASTS,
+            **{name: getattr(math, name) for name in _MATH},
             **_functions(known),
             "arg": lambda name: _typed(known.argument(str(name))),
+            "optenv": lambda name, default="": known.environment.get(str(name), default),
+            "dirname": lambda: known.folder,
         },
         has_choices=True,
+        methods=TEXT_METHODS,
+        counts=_COUNTS,
     )
     try:
-        return str(Expression(" ".join(text.splitlines()), language).value(known))
+        value = Expression(" ".join(text.splitlines()), language).value(known)
     except ExpressionFault as fault:
         raise UsageError(f"eval: cannot work out {fault}", language.example) from None
+    return str(list(value) if isinstance(value, tuple) else value)
 
 
 def _typed(text: str) -> object:
@@ -165,5 +181,6 @@ def _typed(text: str) -> object:
         if abs(number := int(text)) <= LARGEST:
             return number
     with contextlib.suppress(ValueError):
-        return float(text)
+        if math.isfinite(real := float(text)):
+            return real
     return text

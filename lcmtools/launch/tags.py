@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from lcmtools.formats.strict_xml import Element
 from lcmtools.names import did_you_mean
 
+END_OF_WORD = "\0"
+"""Behind each word of an attribute whose words are given one by one, as in a list of YAML."""
 _OF_NODES = {"node", "remap", "param", "rosparam", "env"}
 _EVERYWHERE = {"if", "unless"}
 

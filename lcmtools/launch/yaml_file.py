@@ -19,6 +19,7 @@ from typing import TypeAlias
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import Element
 from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.launch.tags import END_OF_WORD
 from lcmtools.messages.setting import write_setting
 from lcmtools.names import did_you_mean
 from lcmtools.ros_words.launch_keys import KEYS
@@ -171,11 +172,10 @@ class _Reader:
         raise self._error(node.line, f"{what}: expected a list", hint)
 
     def _words(self, node: Node, what: str) -> str:
-        """Return a text, or the elements of a list, as words for a shell."""
+        """Return a text of words, or the elements of a list, each as one word."""
         if not isinstance(node.value, list):
             return self._text(node, what)
-        words = [self._text(word, what) for word in node.value]
-        return " ".join(f"'{word}'" if " " in word else word for word in words)
+        return "".join(f"{self._text(word, what)}{END_OF_WORD}" for word in node.value)
 
     def _text(self, node: Node, what: str) -> str:
         if not isinstance(node.value, str):

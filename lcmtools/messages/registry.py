@@ -262,6 +262,8 @@ class Registry:
         service = _find_service(name, sources)
         if service:
             return f"{service} is a service; its messages are {service}_Request and _Response"
+        if full_name(name) in (enum for source in sources for enum in source.enums):
+            return "it is an enum: msg show lists its values at the fields that hold one"
         known = [one for source in sources for one in source.fingerprints]
         if any(one.startswith(f"{name.strip('/')}/") for one in known):
             return f"it is a package: lcmtools msg package {name.strip('/')} lists its types"

@@ -7,7 +7,7 @@ is.
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TypeAlias
 
@@ -76,8 +76,13 @@ def text_of(value: Value, kind: str) -> str:
     if isinstance(value, (list, tuple)):
         element = kind.removesuffix("[]") if kind.endswith("[]") else ANY
         return f"[{', '.join(text_of(part, element) for part in value)}]"
+    if isinstance(value, Mapping):
+        parts = (f"{write_setting(key)}: {text_of(part, ANY)}" for key, part in value.items())
+        return f"{{{', '.join(parts)}}}"
+    if isinstance(value, bytes):
+        raise ValueMismatch("binary data is not a value that a parameter can have")
     if isinstance(value, str):
-        return write_setting(_guessed(value) if kind in (ANY, LIST) else value)
+        return write_setting(guessed(value) if kind in (ANY, LIST) else value)
     return write_setting(None)
 
 
@@ -120,7 +125,7 @@ def _elements(value: object, kind: str, scalar: Callable[[object, str], Scalar])
 def _scalar_of_text(value: object, kind: str) -> Scalar:
     if not isinstance(value, str):
         raise Misfit(f"expected {_EXPECTED[kind]}, got {given(value)}")
-    return _guessed(value) if kind == ANY else from_text(value, _FIELD_TYPES[kind])
+    return guessed(value) if kind == ANY else from_text(value, _FIELD_TYPES[kind])
 
 
 def _scalar_of_python(value: object, kind: str) -> Scalar:
@@ -142,7 +147,7 @@ _EXPECTED = {
 }
 
 
-def _guessed(text: str) -> Scalar:
+def guessed(text: str) -> Scalar:
     """Return the value of a text without a declared kind."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"

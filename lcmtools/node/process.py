@@ -19,7 +19,7 @@ from lcmtools.node import checks
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
-from lcmtools.signals import ENDING, Doubles
+from lcmtools.signals import Doubles, ending_signals
 
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
@@ -81,9 +81,7 @@ def init(
         _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
-            number: signal.signal(number, _interrupted)
-            for number in ENDING
-            if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN  # nohup
+            number: signal.signal(number, _interrupted) for number in ending_signals()
         }
     atexit.register(shutdown)
     return rest

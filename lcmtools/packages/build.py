@@ -36,6 +36,9 @@ class Build:
         """Add the types of one file."""
         self.problems += output.problems
         for one in output.types:
+            if one.file.package and self._is_own_primitive(one):
+                self.notes[one.name] = f"{one.name} is lcmtools' own, not that of {one.file.path}"
+                continue
             first = self.types.setdefault(one.name, one)
             if (one.tables, one.values) != (first.tables, first.values):
                 where = f"{first.file.path} and in {one.file.path}"
@@ -141,6 +144,10 @@ class Build:
                 if not _is_variable(sizes)
             )
         return counts.get(name, 1)
+
+    def _is_own_primitive(self, one: Generated) -> bool:
+        """Return True for ROS 1's std_msgs/Time and Duration, whose only field is the primitive."""
+        return list(one.nested()) == [one.name] and one.name in self.shipped
 
     def _missing(self, one: Generated) -> tuple[Generated, str] | None:
         missing = (name for name in one.nested() if name not in self.types)

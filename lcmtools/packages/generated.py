@@ -204,11 +204,12 @@ def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
     short = missing.rpartition("/")[2]
     line = line_of(one.file, missing.replace("/", "."), short)
     near = _LCM_NAMES.get(short) or _like(missing, one, known)
-    hint = f"did you mean {near}?" if near else "name the folder of its .lcm file too"
     same = missing.rpartition("/")[0] == one.name.rpartition("/")[0]
     written = short if same else missing.replace("/", ".")
     if one.file.package:
-        written, hint = written.replace(".", "/"), hint.replace(".", "/")
+        written, near = written.replace(".", "/"), near.replace(".", "/")
+    suffix = ".msg" if one.file.package else ".lcm"
+    hint = f"did you mean {near}?" if near else f"name the folder of its {suffix} file too"
     what = f"{one.name}: unknown type '{written}'"
     return Problem(str(one.file.path), line, what, hint, one.name, (one.name,))
 

@@ -16,6 +16,7 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
+from lcmtools.packages.ros_packages import ros_name
 from lcmtools.packages.workspace import ROS_FOLDERS, package_name
 from lcmtools.ros_words.field_types import MEANT, PRIMITIVES
 
@@ -104,10 +105,8 @@ class _Struct:
 def package_of(path: Path) -> str:
     """Return a ROS file's package, whose folder, or e.g. the ``msg`` folder in it, has the file."""
     folder = path.parent.parent if path.parent.name in ROS_FOLDERS else path.parent
-    with suppress(OSError):
-        found = re.search(r"<name>\s*(\w+)\s*</name>", (folder / "package.xml").read_text("utf-8"))
-        if found:
-            return found[1]
+    if name := ros_name(folder):
+        return name
     with suppress(InvalidFile):
         return package_name(folder)
     return folder.name

@@ -120,14 +120,14 @@ def _workspace(start: Path) -> list[Path]:
     """Return the packages of the workspace around a folder."""
     for level in (start, *start.parents)[:_MOST_LEVELS]:
         found = [*_children(level), *_children(level / "src")]
-        if found and _is_meant(level, start, found):
+        if found and is_meant(level, start, found):
             return found
         if _is_package(level) and level not in _children(level.parent):  # too many are next to it
             return [level]
     return []
 
 
-def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
+def is_meant(level: Path, start: Path, found: list[Path]) -> bool:
     """Return True if the packages in a folder are for ``start``, which is it or below it.
 
     In a folder writable by all, such as /tmp, only if ``start`` is it or is in a package.
@@ -138,10 +138,11 @@ def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
 
 def _children(folder: Path) -> list[Path]:
     """Return the packages in a folder."""
-    return sorted(path for path in _folders(folder) if _is_package(path))
+    return sorted(path for path in subfolders(folder) if _is_package(path))
 
 
-def _folders(folder: Path) -> Iterator[Path]:
+def subfolders(folder: Path) -> Iterator[Path]:
+    """Return the folders in a folder, without hidden ones; none if there are too many."""
     try:
         with os.scandir(folder) as entries:
             names = [one.name for one in entries if one.name[0] != "." and one.is_dir()]
@@ -152,17 +153,17 @@ def _folders(folder: Path) -> Iterator[Path]:
 
 
 def _is_package(folder: Path) -> bool:
-    if _text(folder / "package.xml"):  # a folder that must not be searched has none
+    if text_of_own(folder / "package.xml"):  # a folder that must not be searched has none
         return _is_own(folder) or any((folder / name).is_dir() for name in ROS_FOLDERS)
     return _is_own(folder)
 
 
 def _is_own(folder: Path) -> bool:
     """Return True for one of lcmtools' own packages."""
-    return any(line.strip() == MARK for line in _text(folder / "pyproject.toml").splitlines())
+    return any(line.strip() == MARK for line in text_of_own(folder / "pyproject.toml").splitlines())
 
 
-def _text(path: Path) -> str:
+def text_of_own(path: Path) -> str:
     """Return the text of a file if it is this user's and of usual length; else ""."""
     try:
         state = path.stat()

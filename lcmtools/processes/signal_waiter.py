@@ -10,14 +10,15 @@ import socket
 from collections.abc import Sequence
 from types import FrameType
 
-from lcmtools.signals import ENDING, Doubles
+from lcmtools.signals import Doubles, ending_signals
 
 
 class SignalWaiter:
     """A context in which SIGINT, SIGTERM, SIGHUP and the ends of children are events.
 
-    Signals belong to the whole process: inside the context its handlers for these four, and its
-    wake-up descriptor, are replaced, and restored afterwards. Only the main thread may enter it.
+    Under nohup, SIGHUP is not one. Signals belong to the whole process: inside the context its
+    handlers for these four, and its wake-up descriptor, are replaced; afterwards they are restored.
+    Only the main thread may enter it.
     """
 
     def __init__(self) -> None:
@@ -30,7 +31,7 @@ class SignalWaiter:
         """Install the handlers."""
         for end in (self._receiver, self._sender):
             end.setblocking(False)  # noqa: FBT003 - socket's signature
-        self._before = {number: signal.signal(number, self._note) for number in ENDING}
+        self._before = {number: signal.signal(number, self._note) for number in ending_signals()}
         # only a signal with a Python handler wakes up the waiting thread
         self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, lambda *_: None)
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)

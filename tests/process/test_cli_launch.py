@@ -118,6 +118,20 @@ def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
     assert cli("node", "list").out == ""
 
 
+def test_nohup_lets_a_launch_go_on(
+    start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.yaml").write_text(nodes(shell("while sleep 0.05; do echo tick; done")))
+    program = start("nohup", lcmtools_path, "launch", "a.yaml")
+    program.wait_for("tick")
+    program.send_signal(signal.SIGHUP)
+    for _ in range(20):
+        program.wait_for("tick")
+    assert "asking" not in program.output
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+
+
 def test_lines_have_their_nodes_name_and_are_in_its_log(launched: Launched, tmp_path: Path) -> None:
     program = launched(
         nodes(

@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 
 import lcmtools
-from lcmtools.errors import ValueMismatch
+from lcmtools.errors import UnknownType, ValueMismatch
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.definition import definition, prototype
 from lcmtools.messages.fill import fill
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.registry import fingerprint, type_names
+from lcmtools.messages.registry import fingerprint, message_class, type_names
 from lcmtools.messages.supply import set_supply
 from lcmtools.messages.text import Writer, format_message
 from lcmtools.packages import provide_user_types
@@ -103,6 +103,8 @@ def test_messages_are_those_of_lcm_gens_c(tmp_path: Path) -> None:
 def test_a_type_without_a_package_may_have_an_enum() -> None:
     assert to_plain(made("holder_t", {"bare": "SOME"})) == {"bare": "SOME"}
     assert "rover/mode_t" not in type_names(), "an enum is not a message"
+    with pytest.raises(UnknownType, match="it is an enum"):
+        message_class("rover/mode_t")
 
 
 def test_enums_are_shown_by_name() -> None:

@@ -77,10 +77,10 @@ def write(
     *sources: LogFile,
     force: bool,
     as_json: bool,
-    more: Mapping[str, object] | None = None,
+    more: Callable[[], Mapping[str, object]] = dict,
     **change: Any,  # noqa: ANN401 - of write_log
 ) -> None:
-    """Write a log, and print how many messages it has. JSON also has ``more``."""
+    """Write a log, and print how many messages it has. JSON also has what ``more`` returns then."""
     total = sum(source.size for source in sources)
     with progress(f"writing {target}", total) as report:
         messages = write_log(target, packets, sources, force=force, progress=report, **change)
@@ -89,7 +89,7 @@ def write(
         "path": target,
         "messages": messages,
         "bytes": size,
-        **(more or {}),
+        **more(),
     }
     write_result(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from lcmtools.bag import edits
+from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.export import FORMATS, export, format_of
 from lcmtools.bag.ros_bags import Compression
 from lcmtools.bag.ros_import import RosImport
@@ -60,12 +61,12 @@ def export_(
     force: bool,
     as_json: bool,
 ) -> int:
-    """Write a log in another format; the exit code is 1 if something of it is left out.
+    """Write a log in another format.
 
     OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
     (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
     csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
-    them.
+    them. The exit code is 1 if messages cannot be written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
     with LogFile(source) as log:
@@ -74,7 +75,15 @@ def export_(
         if start or end:
             found = edits.between(found, *time_window(log_span(log), start, end))
         decoder = Decoder(known_nodes(log).types_of)
-        done = export(found, decoder, Path(target), meant, compression=compress, force=force)
+        done = export(
+            found,
+            decoder,
+            Path(target),
+            meant,
+            compression=compress,
+            recorded=log.index.types,
+            force=force,
+        )
         if damage := log.damage():
             done.add_omission("damage", damage)
     for text in done.left_out.values():
@@ -85,17 +94,40 @@ def export_(
 
 
 @subcommand("import", made_options)
-@examples("bag import ride.bag ride.lcmlog", "bag import rosbag2_folder ride.lcmlog")
+@examples(
+    "bag import ride.bag ride.lcmlog",
+    "bag import rosbag2_folder ride.lcmlog",
+    "bag import ride.mcap scans.lcmlog -t '/*/scan'",
+)
 @places
-def import_(source: str, target: str, *, force: bool, as_json: bool) -> None:
+@topics_option
+@exclude_option
+def import_(
+    source: str,
+    target: str,
+    *,
+    wanted: tuple[str, ...],
+    excluded: tuple[str, ...],
+    force: bool,
+    as_json: bool,
+) -> int:
     """Convert a ROS 1 or ROS 2 bag or an MCAP file to a log.
 
-    An unknown type is translated from the bag's own definition, which the log keeps.
+    An unknown type is translated from the bag's own definition, which the log keeps. The exit code
+    is 1 if messages are left out or numbers changed, 2 if nothing is imported.
     """
     reading = RosImport()
-    packets = (
-        Packet(one.topic, encode(one.message), one.time) for one in reading.read(Path(source))
+    found = reading.read(Path(source), TopicChoice(wanted, excluded))
+    packets = (Packet(one.topic, encode(one.message), one.time) for one in found)
+    report = reading.report
+    write(
+        target,
+        packets,
+        force=force,
+        as_json=as_json,
+        more=report.record,
+        types=reading.types.values(),
     )
-    write(target, packets, force=force, as_json=as_json, types=reading.types.values())
-    for reason, count in reading.left_out.items():
-        write_note(f"{count} messages are left out: {reason}")
+    for text in report.rows():
+        write_note(text)
+    return 0 if report.is_complete else 1

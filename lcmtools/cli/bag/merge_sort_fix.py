@@ -45,8 +45,8 @@ def fix(source: str, target: str, *, force: bool, as_json: bool) -> int:
     """
     with LogFile(source) as log:
         damage = find_damage(log)
-        record = [part.record() for part in damage]
-        write(target, log.packets(), log, force=force, as_json=as_json, more={"left_out": record})
+        more = {"left_out": [part.record() for part in damage]}
+        write(target, log.packets(), log, force=force, as_json=as_json, more=lambda: more)
     write_lines([] if as_json else damage_rows(damage))
     if not damage:
         write_note("nothing is damaged")

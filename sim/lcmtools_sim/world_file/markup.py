@@ -4,6 +4,7 @@ Every error names the file and the line. Must not know what the elements mean.
 """
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ from lcmtools.formats import strict_xml
 from lcmtools_sim.geometry import Vector
 from lcmtools_sim.shapes import Color
 
+_COMMENT = re.compile("<!--.*?-->", re.DOTALL)
 _LARGEST = 1e6  # largest length, mass and angle
 
 
@@ -105,12 +107,17 @@ class Element(strict_xml.Element):
         return found
 
 
+def _emptied(comment: re.Match[str]) -> str:
+    """Return a comment without its text, which may have "--" for the readers of URDF and SDF."""
+    return "\n" * comment[0].count("\n")
+
+
 def load_markup(text: str, source: str, root: str, hint: str = "") -> Element:
     """Return the root of an XML document, whose tag must be ``root``.
 
     InvalidFile if it is no XML, has a document type, or another tag: then ``hint`` is its hint.
     """
-    found = strict_xml.read_xml(text, source, Element)
+    found = strict_xml.read_xml(_COMMENT.sub(_emptied, text), source, Element)
     if found.tag != root:
         raise found.error(f"the file is about <{found.tag}>, not <{root}>", hint)
     return found

@@ -7,18 +7,21 @@ that of http://sdformat.org/spec.
 """
 
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from lcmtools_sim.geometry import ORIGIN, Frame, Pose
 from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.shapes import Inertial, centre_of_mass
 from lcmtools_sim.world_file.markup import Element, load_markup
-from lcmtools_sim.world_file.sdf_links import SdfLink, read_link, read_pose
+from lcmtools_sim.world_file.sdf_frames import Frames, SavedState, read_state
+from lcmtools_sim.world_file.sdf_links import SdfLink, read_link
 from lcmtools_sim.world_file.values import find_model, read_file
 
 _BUILT_IN = ("model://sun", "model://ground_plane")
-_COUNTED = ("light", "actor", "road", "population")
+_COUNTED = ("light", "actor", "road", "population", "joint")
 _MOST_MODELS = 5000
 _NO_WORLD = "a robot (URDF) goes into the robots of a YAML world file: model: ./FILE"
 _WORLD = "world"
@@ -31,11 +34,15 @@ def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
     elements that were left out.
     """
     root = load_markup(text, source, "sdf", _NO_WORLD)
-    worlds, reader, plain = root.all("world"), _Reader([Path(source).resolve()]), Scene("")
+    worlds, plain = root.all("world"), Scene("")
     if not worlds and not root.all("model"):
         raise root.error("the file contains neither a <world> nor a <model>")
     holder = worlds[0] if worlds else root
-    reader.read(holder, pose.frame)
+    reader = _Reader([Path(source).resolve()], pose.frame, read_state(holder))
+    try:
+        reader.read(holder)
+    except RecursionError:
+        raise holder.error("too many frames are relative to each other") from None
     gravity = _gravity(holder)
     return Scene(
         name=Path(source).stem,
@@ -62,18 +69,30 @@ class _Model:
     """The links and joints of one model, with those of its nested models."""
 
     links: dict[str, SdfLink] = field(default_factory=dict)
-    joints: list[tuple[str, str]] = field(default_factory=list)
+    joints: list[tuple[str, str, str]] = field(default_factory=list)  # name, parent and child
+
+
+class _Outer(NamedTuple):
+    """The model or world around an element: its frame in the simulated world, those in it."""
+
+    frame: Frame
+    frames: Frames
 
 
 class _Reader:
-    """Reads a file and its includes; ``opened`` are the files being read, outermost first."""
+    """Reads a file and its includes; ``opened`` are the files being read, outermost first.
 
-    def __init__(self, opened: list[Path]) -> None:
+    ``origin`` is the frame of the file's world, and ``state`` its saved state.
+    """
+
+    def __init__(self, opened: list[Path], origin: Frame, state: SavedState) -> None:
         self.links: list[SdfLink] = []
         self.objects: list[SceneObject] = []
         self._opened = opened
+        self._origin = origin
+        self._state = state
         self._models = 0
-        self._left_out: Counter[str] = Counter()
+        self._left_out = Counter({"scale in the saved state": state.scaled} if state.scaled else {})
         self._not_found: Counter[str] = Counter()
 
     def notes(self, source: str) -> tuple[str, ...]:
@@ -82,19 +101,32 @@ class _Reader:
         parts += [f"{uri} (not found, {count})" for uri, count in sorted(self._not_found.items())]
         return (f"{source}: left out: {', '.join(parts)}",) if parts else ()
 
-    def read(self, holder: Element, frame: Frame) -> None:
+    def read(self, holder: Element) -> None:
         """Read the models of a world."""
-        for element in holder.children:
+        outer = _Outer(self._origin, Frames(holder))
+        for element in (*holder.children, *self._state.added):
             if element.tag in ("model", "include"):
                 model = _Model()
-                self._member(element, frame, model, "", static=False)
+                self._member(element, outer, model, "", static=False)
                 self.links += model.links.values()
-                self.objects += [found for group in _groups(model) if (found := _object(group))]
+                groups = _groups(model.links, self._known_joints(model))
+                self.objects += [found for group in groups if (found := _object(group))]
             elif element.tag in _COUNTED:
                 self._left_out[element.tag] += 1
 
+    def _known_joints(self, model: _Model) -> list[tuple[str, str]]:
+        """Return the pairs of joined links; as in Gazebo, a joint to any other is left out."""
+        known = []
+        for name, parent, child in model.joints:
+            lost = [end for end in (parent, child) if end not in (*model.links, _WORLD)]
+            if lost:
+                self._left_out[f"joint {name}, as there is no link {lost[0]}"] += 1
+            else:
+                known.append((parent, child))
+        return known
+
     def _member(
-        self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
+        self, element: Element, outer: _Outer, into: _Model, prefix: str, *, static: bool
     ) -> None:
         """Read a model, or an included one with the include's name, pose etc."""
         if element.tag == "model":
@@ -119,13 +151,16 @@ class _Reader:
         self._opened.pop()
 
     def _model(
-        self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
+        self, element: Element, outer: _Outer, into: _Model, prefix: str, *, static: bool
     ) -> None:
         self._models += 1
         if self._models > _MOST_MODELS:
             raise element.error(f"the world has more than {_MOST_MODELS} models")
         name = prefix + element.attribute("name")
-        frame = outer.place(read_pose(element, {_WORLD, "__model__"}))
+        if name in self._state.removed:
+            return
+        frame = self._saved(name) or outer.frame.place(outer.frames.pose(element))
+        inside = _Outer(frame, Frames(element))
         flag = element.child("static")
         static = static or (flag is not None and flag.text.strip().lower() in ("true", "1"))
         for child in element.children:
@@ -133,18 +168,27 @@ class _Reader:
                 link = f"{name}::{child.attribute('name')}"
                 if link in into.links:
                     raise child.error(f"two links of the model are named '{link}'")
-                into.links[link] = read_link(child, frame, link, self._left_out, static=static)
+                place = self._saved(link) or frame.place(inside.frames.pose(child))
+                found = read_link(child, place, inside.frames, self._left_out, static=static)
+                into.links[link] = replace(found, name=link)
             elif child.tag == "joint":
-                self._joint(child, into, name)
+                self._joint(child, into, name, inside.frames)
             elif child.tag in ("model", "include"):
-                self._member(child, frame, into, f"{name}::", static=static)
+                self._member(child, inside, into, f"{name}::", static=static)
 
-    def _joint(self, element: Element, into: _Model, model: str) -> None:
+    def _saved(self, name: str) -> Frame | None:
+        """Return the frame of a model or link in the saved state; None if it is not there."""
+        found = self._state.poses.get(name)
+        return self._origin.place(found) if found else None
+
+    def _joint(self, element: Element, into: _Model, model: str, frames: Frames) -> None:
         parent, child = (element.needed(tag).words() for tag in ("parent", "child"))
         if element.attributes.get("type") != "fixed":
             self._left_out["movement of a joint"] += 1
-        ends = [end if end == _WORLD else f"{model}::{end}" for end in (parent, child)]
-        into.joints.append((ends[0], ends[1]))
+        parent, child = (
+            end if end == _WORLD else f"{model}::{frames.link_of(end)}" for end in (parent, child)
+        )
+        into.joints.append((f"{model}::{element.attributes.get('name', '')}", parent, child))
 
 
 def _overridden(model: Element, include: Element) -> Element:
@@ -153,26 +197,27 @@ def _overridden(model: Element, include: Element) -> Element:
     kept = [child for child in model.children if child.tag not in {one.tag for one in own}]
     name = include.child("name")
     attributes = {**model.attributes, **({"name": name.words()} if name else {})}
+    if placed := include.child("placement_frame"):
+        attributes["placement_frame"] = placed.words()
     return Element(model.tag, model.source, model.line, attributes, [*own, *kept])
 
 
-def _groups(model: _Model) -> list[list[SdfLink]]:
+def _groups(links: Mapping[str, SdfLink], joints: Iterable[tuple[str, str]]) -> list[list[SdfLink]]:
     """Return the links of each body: static ones alone, movable ones with those joined to them.
 
     Links that are joined to the world are static.
     """
-    leader = {name: name for name in (*model.links, _WORLD)}
+    leader = {name: name for name in (*links, _WORLD)}
 
     def top(name: str) -> str:
         while leader[name] != name:
             leader[name] = name = leader[leader[name]]  # halves the path for the next one
         return name
 
-    for parent, child in model.joints:
-        if parent in leader and child in leader:
-            leader[top(child)] = top(parent)
+    for parent, child in joints:
+        leader[top(child)] = top(parent)
     groups: dict[str, list[SdfLink]] = {}
-    for name, link in model.links.items():
+    for name, link in links.items():
         fixed = link.static or top(name) == top(_WORLD)
         groups.setdefault(name if fixed else top(name), []).append(replace(link, static=fixed))
     return list(groups.values())

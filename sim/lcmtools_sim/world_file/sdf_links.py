@@ -6,13 +6,13 @@ http://sdformat.org/spec.
 
 import math
 from collections import Counter
-from collections.abc import Collection
 from dataclasses import dataclass
 
-from lcmtools_sim.geometry import ZERO, Frame, Pose, Vector, axes
+from lcmtools_sim.geometry import ZERO, Frame, Quaternion, Vector, axes, multiply, scaled
 from lcmtools_sim.scene import Ground
 from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.world_file.markup import Element
+from lcmtools_sim.world_file.sdf_frames import Frames, read_pose, relative_to
 
 _FRICTION = 1.0  # the default of SDF
 _MOST_FRICTION = 10.0
@@ -53,20 +53,18 @@ class SdfLink:
 
 
 def read_link(
-    element: Element, outer: Frame, name: str, left_out: Counter[str], *, static: bool
+    element: Element, frame: Frame, frames: Frames, left_out: Counter[str], *, static: bool
 ) -> SdfLink:
-    """Read one link of a model at ``outer`` in the world."""
-    frame = outer.place(read_pose(element, {"__model__"}))
-    own = element.attributes.get("name", "")
+    """Read one link at ``frame`` in the world; ``frames`` are those of its model."""
     parts: list[Part] = []
     ground, friction = None, None
     for collision in element.all("collision"):
-        place = frame.place(read_pose(collision, {own}))
+        place = frame.place(_inside(collision, element, frames))
         color = _color(element, collision)
         mu = collision.path("surface", "friction", "ode", "mu")
         rough = min(_MOST_FRICTION, mu.number(lowest=0.0)) if mu else _FRICTION
-        is_level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
-        if is_level and collision.path("geometry", "plane"):
+        plane = collision.path("geometry", "plane")
+        if plane and abs(place.position[2]) < _NEAR and _is_level(place, plane):
             ground = Ground(rough, color)
             continue
         found = _parts(collision.needed("geometry"), color, left_out)
@@ -74,41 +72,22 @@ def read_link(
         friction = rough if friction is None else friction
     if element.all("visual") and not element.all("collision"):
         left_out["visuals without collisions"] += len(element.all("visual"))
-    mass, centre = _inertial(element)
+    mass, centre = _inertial(element, frames)
     centred = Frame(frame.point(centre), frame.rotation)
     friction = _FRICTION if friction is None else friction
-    return SdfLink(name, centred, tuple(parts), mass, friction, static, ground)
-
-
-def read_pose(element: Element, parents: Collection[str]) -> Frame:
-    """Read the frame of an element in its parent, which may have the names ``parents``."""
-    pose = element.child("pose")
-    if pose is None or not pose.text.strip():
-        return Frame()
-    relative_to = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
-    if relative_to and relative_to not in parents:
-        what = f"the pose of {element} is relative to '{relative_to}'"
-        raise pose.error(what, "only poses relative to the enclosing element are supported")
-    x, y, z, *angles = pose.numbers("", (6, 7))
-    if len(angles) == 4:  # noqa: PLR2004 - a quaternion
-        size = math.hypot(*angles)
-        if not size:
-            raise pose.error("the rotation is all zeros", "0 0 0 1 for none")
-        qx, qy, qz, qw = (value / size for value in angles)
-        return Frame((x, y, z), (qx, qy, qz, qw))
-    if pose.attributes.get("degrees") in ("true", "1"):
-        angles = [math.radians(angle) for angle in angles]
-    return Pose(x, y, z, *angles).frame
+    return SdfLink(element.attribute("name"), centred, tuple(parts), mass, friction, static, ground)
 
 
 def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part]:
     """Return the shapes of one geometry, in its own frame; none unless they are simple."""
     if found := geometry.child("box"):
-        return [Part(Cuboid(found.needed("size").size()), color=color)]
+        size = found.child("size")
+        return [Part(Cuboid(size.size() if size else (1.0, 1.0, 1.0)), color=color)]
     if found := geometry.child("sphere"):
-        return [Part(Sphere(found.needed("radius").length()), color=color)]
+        return [Part(Sphere(_length(found, "radius")), color=color)]
     if found := geometry.child("cylinder") or geometry.child("capsule"):
-        radius, long = found.needed("radius").length(), found.needed("length").length()
+        radius = _length(found, "radius", 0.5 if found.tag == "capsule" else 1.0)
+        long = _length(found, "length")
         parts = [Part(Cylinder(radius, long), color=color)]
         if found.tag == "capsule":
             ends = ((0.0, 0.0, long / 2), (0.0, 0.0, -long / 2))
@@ -117,19 +96,52 @@ def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part
     if found := geometry.child("plane"):
         size = found.child("size")
         x, y = size.numbers("", (2,), lowest=1e-4) if size else (1.0, 1.0)
-        return [Part(Cuboid((x, y, _SLAB)), (0.0, 0.0, -_SLAB / 2), color=color)]
+        slab = Part(Cuboid((x, y, _SLAB)), (0.0, 0.0, -_SLAB / 2), color=color)
+        return [slab.placed(ZERO, _rotation_to(found))]
     left_out[geometry.children[0].tag if geometry.children else "empty geometry"] += 1
     return []
 
 
-def _inertial(link: Element) -> tuple[float, Vector]:
+def _length(shape: Element, name: str, usual: float = 1.0) -> float:
+    """Return a length of a shape [m]; ``usual`` is SDF's default."""
+    found = shape.child(name)
+    return found.length() if found else usual
+
+
+def _rotation_to(plane: Element) -> Quaternion:
+    """Return the shortest rotation of a plane that turns z to its normal."""
+    element = plane.child("normal")
+    normal = element.vector() if element else (0.0, 0.0, 1.0)
+    size = math.hypot(*normal)
+    if element and not size:
+        raise element.error("the normal is all zeros", "0 0 1 for a level plane")
+    x, y, z = scaled(normal, 1 / size)
+    if z < -_LEVEL:
+        return 1.0, 0.0, 0.0, 0.0
+    length = math.hypot(x, y, 1 + z)
+    return -y / length, x / length, 0.0, (1 + z) / length
+
+
+def _is_level(place: Frame, plane: Element) -> bool:
+    return axes(multiply(place.rotation, _rotation_to(plane)))[2][2] > _LEVEL
+
+
+def _inside(element: Element, link: Element, frames: Frames) -> Frame:
+    """Return the frame of a part of a link in the link."""
+    own = link.attribute("name")
+    if relative_to(element) in ("", own):
+        return read_pose(element)
+    return frames.of(own, link).inverse().place(frames.pose(element))
+
+
+def _inertial(link: Element, frames: Frames) -> tuple[float, Vector]:
     """Return the mass [kg], and the centre of mass in the link."""
     inertial = link.child("inertial")
     if inertial is None:
         return 1.0, ZERO
     mass = inertial.child("mass")
     weight = mass.number(lowest=1e-6) if mass else 1.0
-    return weight, read_pose(inertial, {link.attributes.get("name", "")}).position
+    return weight, _inside(inertial, link, frames).position
 
 
 def _color(link: Element, collision: Element) -> Color:

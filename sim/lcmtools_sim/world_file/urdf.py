@@ -53,6 +53,8 @@ def read_urdf(text: str, source: str) -> Urdf:
     _refuse_xacro(text, source)
     root = load_markup(text, source, "robot")
     elements = _by_name(root, "link")
+    if not elements:
+        raise root.error("the robot has no links", "give it a <link name='base_link'>")
     joints = {name: _joint(element) for name, element in _by_name(root, "joint").items()}
     frames = _frames(root, elements, joints)
     colors = _colors(root)

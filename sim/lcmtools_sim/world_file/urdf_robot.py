@@ -5,7 +5,7 @@ assumed above the middle between the wheels, with all links' moments of inertia 
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from lcmtools.names import did_you_mean
@@ -67,7 +67,7 @@ def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
         left_wheels=_names("left", left),
         right_wheels=_names("right", right),
     )
-    return model, (*urdf.notes, *_notes(urdf, middle))
+    return model, (*urdf.notes, *_rigid_joints(urdf, wheels), *_notes(urdf, middle))
 
 
 def _names(side: str, wheels: Sequence[_Wheel]) -> tuple[str, ...]:
@@ -76,6 +76,18 @@ def _names(side: str, wheels: Sequence[_Wheel]) -> tuple[str, ...]:
 
 def _mean(wheels: Sequence[_Wheel], axis: int) -> float:
     return sum(wheel.centre[axis] for wheel in wheels) / len(wheels)
+
+
+def _rigid_joints(urdf: Urdf, wheels: Sequence[_Wheel]) -> Iterator[str]:
+    """Yield a note on the joints that could move, but that nothing drives."""
+    driven = {wheel.joint for wheel in wheels}
+    names = [
+        f"{name} ({'mimic' if joint.element.child('mimic') else joint.kind})"
+        for name, joint in urdf.joints.items()
+        if joint.kind != "fixed" and name not in driven
+    ]
+    if names:
+        yield f"{urdf.root.source}: rigid, as nothing drives them: {', '.join(names)}"
 
 
 def _notes(urdf: Urdf, middle: Vector) -> tuple[str, ...]:

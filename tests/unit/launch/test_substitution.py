@@ -62,7 +62,7 @@ def test_anonymous_name_is_the_same_in_one_launch_and_differs_between_names() ->
         ("$(eval n +)", "eval: cannot read 'n +'"),
         ("$(eval nope)", "there is no 'nope'"),
         ("$(eval __import__('os'))", "no such function in '__import__('os')'"),
-        ("$(eval robot.upper())", "no such function in 'robot.upper()'"),
+        ("$(eval robot.format())", "no such function in 'robot.format()'"),
         ("$(eval robot.x)", "'robot.x' is not allowed"),
         ("$(eval [x for x in robot])", "is not allowed"),
         ("$(eval (lambda: 1)())", "no such function"),

@@ -108,6 +108,15 @@ def test_a_text_of_another_kind_is_refused(text: str, kind: str, line: str) -> N
     assert str(caught.value).startswith(line)
 
 
+def test_a_list_of_mappings_is_refused_and_shown_whole() -> None:
+    text = text_of([{"name": "a", "gains": ["1", "on"]}], "any")
+    assert text == '[{name: a, gains: [1, "on"]}]'
+    with pytest.raises(ValueMismatch, match=r"p\[0\]: expected a number, true, false or text"):
+        read_setting(text, "any", "p")
+    with pytest.raises(ValueMismatch, match="binary data"):
+        text_of([b"\0"], "any")
+
+
 def test_a_python_value_is_not_read_as_text() -> None:
     assert check_setting(2, "float", "p") == 2.0
     with pytest.raises(ValueMismatch, match=r"p: expected a number, got '2\.5'"):

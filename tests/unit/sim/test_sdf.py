@@ -246,12 +246,11 @@ WRONG = [
     ("<size>1 2 3</size>", "<size>1 2 inf</size>",
      ":2: <size> must be between 0.0001 and 1e+06, not inf"),
     ("<size>1 2 3</size>", "<size/>", ":2: <size> is empty"),
-    ("<size>1 2 3</size>", "", ":2: <box> lacks <size>"),
     ("0 0 0 0 0 0", "0 0 0", ":2: <pose> must be 6 or 7 numbers, not '0 0 0'"),
     ("0 0 0 0 0 0", "0 0 0 0 0 nan", ":2: <pose> must be between -1e+06 and 1e+06, not nan"),
     ("0 0 0 0 0 0", "0 0 0 0 0 0 0", ":2: the rotation is all zeros; 0 0 0 1 for none"),
-    ("<pose>", "<pose relative_to='door'>", (":2: the pose of <model name='m'> is relative to"
-     " 'door'; only poses relative to the enclosing element are supported")),
+    ("<pose>", "<pose relative_to='door'>", (":2: there is no frame 'door' in <world name='w'>;"
+     " frames of included files are not read")),
     (" name='m'", "", ":2: <model> lacks the attribute 'name'"),
     ("</link>", "</link><link name='l'/>", ":2: two links of the model are named 'm::l'"),
     ("<model", "<gravity>1 0 0</gravity><model",

@@ -1,0 +1,169 @@
+"""Reading an MCAP file from front to back, as far as it goes; it need not have a summary.
+
+Belongs here: records and chunks. Must not know what messages contain.
+"""
+
+import struct
+from collections.abc import Callable, Iterator
+from heapq import heappop, heappush
+from importlib import import_module
+from io import BytesIO
+from itertools import accumulate
+from typing import Any, BinaryIO, NamedTuple
+from zlib import crc32
+
+from lcmtools.bag.damage import damage_text
+from lcmtools.errors import needing_extra
+
+MAGIC = b"\x89MCAP0\r\n"
+_HEAD = struct.Struct("<BQ")  # a record's kind and length
+_TIME = struct.Struct("<Q")  # [ns since 1970]
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence number, time of recording, of sending
+_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END, _FOOTER = 3, 4, 5, 6, 15, 2
+_READ = (_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END)
+_TIME_AT = {_MESSAGE_KIND: 6, _CHUNK: 0}  # where a record has its (earliest) time [byte]
+_NEVER = 2**64
+
+
+class McapMessage(NamedTuple):
+    """A message; its channel and schema are those of the library, None if the file has none."""
+
+    time: int  # of recording [ns since 1970]
+    number: int  # its position among the messages of the file
+    channel: Any
+    schema: Any
+    data: bytes
+
+
+class _Record(NamedTuple):
+    kind: int
+    start: int  # of its content in the file [byte]
+    length: int  # of its content [byte]
+    time: int  # the earliest of its messages [ns since 1970]
+
+
+class McapFileReader:
+    """The messages of an MCAP file by time; ``on_damage`` is called with what cannot be read.
+
+    Raises:
+        MissingExtra: The library is missing.
+    """
+
+    def __init__(self, file: BinaryIO, on_damage: Callable[[str], object]) -> None:
+        with needing_extra("mcap", "MCAP needs"):
+            from mcap.data_stream import ReadDataStream
+            from mcap.records import Channel, Chunk, Schema
+        self._file = file
+        self._on_damage = on_damage
+        self._size = file.seek(0, 2)
+        self._parsers = {
+            kind: lambda content, parser=parser: parser.read(ReadDataStream(BytesIO(content)))
+            for kind, parser in ((_SCHEMA, Schema), (_CHANNEL, Channel), (_CHUNK, Chunk))
+        }
+        self._schemas: dict[int, Any] = {}
+        self._channels: dict[int, Any] = {}
+        self._count = 0
+
+    def messages(self) -> Iterator[McapMessage]:
+        """Yield the messages by time; those of one time in the order of the file."""
+        found = [*self._records()]
+        end = next((n for n, one in enumerate(found) if one.kind == _DATA_END), len(found))
+        records = found[:end]
+        for record in found[end:]:  # the summary, for channels in a chunk that is damaged
+            for _ in self._read(record):
+                pass
+        earliest = [*accumulate((one.time for one in reversed(records)), min, initial=_NEVER)]
+        waiting: list[McapMessage] = []
+        for record, later in zip(records, earliest[-2::-1], strict=True):
+            for message in self._read(record):
+                heappush(waiting, message)
+            while waiting and waiting[0].time <= later:
+                yield heappop(waiting)
+
+    def _records(self) -> Iterator[_Record]:
+        """Yield the records before the footer, the last one perhaps incomplete."""
+        at, file = len(MAGIC), self._file
+        while at + _HEAD.size <= self._size:
+            file.seek(at)
+            kind, length = _HEAD.unpack(file.read(_HEAD.size))
+            if kind == _FOOTER:
+                return
+            start = at + _HEAD.size
+            if kind in _READ:
+                yield _Record(kind, start, length, self._time(kind, start))
+            at = start + length
+        self._on_damage(f"it is cut off at byte {self._size}")
+
+    def _time(self, kind: int, start: int) -> int:
+        """Return the earliest time of a record's messages."""
+        if kind not in _TIME_AT:
+            return _NEVER
+        self._file.seek(start + _TIME_AT[kind])
+        time = self._file.read(_TIME.size)
+        return int(_TIME.unpack(time)[0]) if len(time) == _TIME.size else _NEVER
+
+    def _read(self, record: _Record) -> Iterator[McapMessage]:
+        """Yield a record's messages; of one that is cut off, those that can be read."""
+        is_whole = record.start + record.length <= self._size
+        self._file.seek(record.start)
+        content = self._file.read(min(record.length, self._size - record.start))
+        try:
+            if record.kind == _CHUNK:
+                yield from self._chunk(content, is_whole=is_whole)
+            elif is_whole:
+                yield from self._plain(record.kind, content)
+        except Exception as error:
+            reason = damage_text(error)
+            if reason is None:
+                raise
+            if is_whole:  # else what is missing explains it
+                self._on_damage(f"at byte {record.start - _HEAD.size} it is damaged: {reason}")
+
+    def _chunk(self, content: bytes, *, is_whole: bool) -> Iterator[McapMessage]:
+        chunk = self._parsers[_CHUNK](content)
+        plain = _decompressed(chunk.compression, chunk.data)
+        if is_whole:
+            _check(plain, chunk)
+        at = 0
+        while at + _HEAD.size <= len(plain):
+            kind, length = _HEAD.unpack_from(plain, at)
+            start = at + _HEAD.size
+            at = start + length
+            if at <= len(plain):
+                yield from self._plain(kind, plain[start:at])
+
+    def _plain(self, kind: int, content: bytes) -> Iterator[McapMessage]:
+        if kind == _SCHEMA:
+            schema = self._parsers[kind](content)
+            self._schemas[schema.id] = schema
+        elif kind == _CHANNEL:
+            channel = self._parsers[kind](content)
+            if channel != self._channels.get(channel.id):  # chunks repeat their channels
+                self._channels[channel.id] = channel
+        elif kind == _MESSAGE_KIND:
+            number, _, time, _ = _MESSAGE.unpack_from(content)
+            channel = self._channels.get(number)
+            schema = self._schemas.get(channel.schema_id) if channel else None
+            self._count += 1
+            yield McapMessage(time, self._count, channel, schema, content[_MESSAGE.size :])
+
+
+def _decompressed(kind: str, data: bytes) -> bytes:
+    """Return the content of a chunk, as far as it is there."""
+    if kind == "zstd":
+        from zstandard import ZstdDecompressor
+
+        return ZstdDecompressor().decompressobj().decompress(data)
+    if kind == "lz4":
+        lz4: Any = import_module("lz4.frame")  # without types
+        return bytes(lz4.LZ4FrameDecompressor().decompress(data))
+    if kind:
+        raise ValueError(f"its compression {kind} is unknown")
+    return data
+
+
+def _check(plain: bytes, chunk: Any) -> None:  # noqa: ANN401 - of the library
+    if len(plain) != chunk.uncompressed_size:
+        raise ValueError(f"it has {len(plain)} bytes instead of {chunk.uncompressed_size}")
+    if chunk.uncompressed_crc and crc32(plain) != chunk.uncompressed_crc:
+        raise ValueError("its checksum is wrong")

@@ -1,0 +1,233 @@
+"""Reading the messages of ROS bags and MCAP files as bytes, as far as the files go.
+
+Belongs here: files, folders and their formats. Must not know message types.
+"""
+
+import re
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple, TypeAlias
+from urllib.parse import quote
+
+from lcmtools.bag.damage import damage_text
+from lcmtools.bag.mcap_reading import MAGIC as _MCAP
+from lcmtools.bag.mcap_reading import McapFileReader
+from lcmtools.bag.ros1_records import unindexed_messages
+from lcmtools.errors import InvalidFile, LcmtoolsError, needing_extra, os_errors_as
+from lcmtools.formats.strict_yaml import read_file
+
+_ROS_1, _SQLITE, _ZSTD = b"#ROSBAG V", b"SQLite format 3\0", b"\x28\xb5\x2f\xfd"
+_LFS = b"version https://git-lfs.github.com/spec/"
+_METADATA = "metadata.yaml"
+_ROS_1_FORM = "ros1", "ros1msg"
+_STORAGE = re.compile(r"\.(?:db3|mcap)(?:\.zstd)?$")
+_UNKNOWN = "(a topic that the file does not name)"
+_DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+_TOPICS = "SELECT id, name, type, serialization_format FROM topics"
+_MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
+
+OnDamage: TypeAlias = Callable[[str], object]  # called with a sentence on what cannot be read
+
+
+class Channel(NamedTuple):
+    """A topic with its type, as a bag describes it; "" for what it does not tell."""
+
+    topic: str
+    type: str
+    encoding: str  # of its messages: "ros1" or "cdr", else not in a format of ROS
+    form: str = ""  # of the type's definition: "ros1msg", "ros2msg", "ros2idl" or another
+    definition: str = ""
+
+
+class BagMessage(NamedTuple):
+    """A message as it is in a bag."""
+
+    channel: Channel
+    time: int  # of recording [ns since 1970]
+    data: bytes
+
+
+def bag_messages(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
+    """Yield the messages of a ROS 1 or 2 bag or an MCAP file, by time in each of its files.
+
+    Raises:
+        MissingExtra: The library is missing.
+        InvalidFile: It is none of these, or cannot be read.
+    """
+    if path.is_dir():
+        for file in _storage_files(path, on_damage):
+            yield from _as_far_as_it_goes(file, _storage(file, on_damage), on_damage)
+        return
+    start = _start(path)
+    if start.startswith(_MCAP):
+        yield from _as_far_as_it_goes(path, _mcap(path, on_damage), on_damage)
+    elif start.startswith(_ROS_1):
+        yield from _as_far_as_it_goes(path, _ros_1(path, on_damage), on_damage)
+    elif path.suffix == ".db3" or path.name == _METADATA:
+        raise InvalidFile(f"{path} is part of a ROS 2 bag", f"name its folder: {path.parent}")
+    else:
+        raise InvalidFile(f"{path} is neither a ROS bag nor an MCAP file")
+
+
+def _as_far_as_it_goes(
+    path: Path, messages: Iterator[BagMessage], on_damage: OnDamage
+) -> Iterator[BagMessage]:
+    """Yield messages up to the first error for a damaged file."""
+    try:
+        yield from messages
+    except InvalidFile as error:
+        on_damage(str(error))
+    except LcmtoolsError:
+        raise
+    except Exception as error:
+        reason = damage_text(error)
+        if reason is None:
+            raise
+        on_damage(f"{path} is damaged, or of an unknown kind: {reason}")
+
+
+def _start(path: Path) -> bytes:
+    """Return the first bytes of a file; raise InvalidFile for a pointer to one."""
+    with os_errors_as(f"cannot read {path}", kind=InvalidFile), path.open("rb") as file:
+        start = file.read(len(_LFS))
+    if start == _LFS:
+        what = f"{path} is a pointer of Git LFS, not the file itself"
+        raise InvalidFile(what, "fetch the file: git lfs pull")
+    return start
+
+
+def _mcap(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
+    known: dict[int, tuple[object, Channel]] = {}  # by identity, which an object kept here keeps
+    with path.open("rb") as file:
+        reader = McapFileReader(file, lambda text: on_damage(f"{path}: {text}"))
+        for time, _, channel, schema, data in reader.messages():
+            if id(channel) not in known:
+                known[id(channel)] = channel, _mcap_channel(channel, schema)
+            yield BagMessage(known[id(channel)][1], time, data)
+
+
+def _mcap_channel(
+    channel: Any,  # noqa: ANN401 - from a library that is imported when needed
+    schema: Any,  # noqa: ANN401 - likewise
+) -> Channel:
+    if channel is None:
+        return Channel(_UNKNOWN, "", "")
+    if schema is None:
+        return Channel(channel.topic, "", channel.message_encoding)
+    text = schema.data.decode("utf-8", "replace")  # those of other encodings are binary
+    return Channel(channel.topic, schema.name, channel.message_encoding, schema.encoding, text)
+
+
+def _ros_1(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
+    with needing_extra("mcap", "ROS's formats need"):
+        from rosbags.rosbag1 import Reader, ReaderError
+    reader = Reader(path)
+    try:
+        reader.open()
+    except ReaderError as error:
+        on_damage(f"{path} is read without its index: {error}")
+        with path.open("rb") as file:
+            for topic, time, data in unindexed_messages(file):
+                name, kind, text = topic or (_UNKNOWN, "", "")
+                yield BagMessage(Channel(name, kind, *_ROS_1_FORM, text), time, data)
+        return
+    with closing(reader):
+        channels = {
+            one.id: Channel(one.topic, one.msgtype, *_ROS_1_FORM, one.msgdef.data)
+            for one in reader.connections
+        }
+        for connection, time, data in reader.messages():
+            yield BagMessage(channels[connection.id], time, data)
+
+
+def _storage_files(folder: Path, on_damage: OnDamage) -> list[Path]:
+    """Return the files of a ROS 2 bag in order: those of its metadata, else those that are there.
+
+    The rest of the metadata repeats what the files say, and need not agree with them.
+    """
+    metadata = folder / _METADATA
+    listed = [folder / name for name in _listed(metadata)] if metadata.is_file() else []
+    for file in listed:
+        if not file.is_file():
+            on_damage(f"{file} is missing, which {metadata} lists")
+    there = [file for file in listed if file.is_file()] or sorted(
+        (one for one in folder.iterdir() if _STORAGE.search(one.name)), key=_number
+    )
+    if not there:
+        raise InvalidFile(f"{folder} is not a ROS 2 bag", "it has no .db3 or .mcap file")
+    return there
+
+
+def _listed(metadata: Path) -> list[str]:
+    """Return the names of the files that a bag's metadata lists, none if it cannot be read."""
+    _start(metadata)
+    with suppress(InvalidFile, OSError, UnicodeDecodeError):
+        root: Any = read_file(metadata.read_text("utf-8"), str(metadata))
+        with suppress(LookupError, TypeError, AttributeError):
+            names = root.plain()["rosbag2_bagfile_information"]["relative_file_paths"]
+            return [PurePath(name).name for name in names]
+    return []
+
+
+def _number(file: Path) -> tuple[int, str]:
+    """Return the number by which ROS 2 names a bag's files: bag_0.db3, bag_1.db3."""
+    number = re.search(r"_(\d+)\.", file.name)
+    return int(number[1]) if number else 0, file.name
+
+
+def _storage(file: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
+    """Yield the messages of a file of a ROS 2 bag, which ROS 2 may have compressed."""
+    with _plain_file(file) as (plain, start):
+        if start.startswith(_MCAP):
+            found = _mcap(plain, on_damage)
+        elif start.startswith(_SQLITE):
+            found = _sqlite(plain)
+        else:
+            raise ValueError("neither SQLite nor MCAP")
+        for one in found:
+            data = _decompressed(one.data) if one.data.startswith(_ZSTD) else one.data
+            yield one._replace(data=data)
+
+
+@contextmanager
+def _plain_file(file: Path) -> Iterator[tuple[Path, bytes]]:
+    """Give a file without compression, and its first bytes."""
+    start = _start(file)
+    if not start.startswith(_ZSTD):
+        yield file, start
+        return
+    with needing_extra("mcap", "compressed bags need"):
+        from zstandard import ZstdDecompressor
+    with TemporaryDirectory() as folder:
+        plain = Path(folder, file.stem)
+        with file.open("rb") as source, plain.open("wb") as target:
+            ZstdDecompressor().copy_stream(source, target)
+        yield plain, _start(plain)
+
+
+def _decompressed(data: bytes) -> bytes:
+    from zstandard import ZstdDecompressor
+
+    return ZstdDecompressor().decompressobj().decompress(data)
+
+
+def _sqlite(file: Path) -> Iterator[BagMessage]:
+    # Without a log of changes beside it, the file is complete and read without a lock.
+    is_complete = not file.with_name(f"{file.name}-wal").exists()
+    address = f"file:{quote(str(file))}?mode=ro{'&immutable=1' * is_complete}"
+    with closing(sqlite3.connect(address, uri=True)) as base:
+        tables = {name for (name,) in base.execute("SELECT name FROM sqlite_master")}
+        definitions = (
+            {name: (form, text) for name, form, text in base.execute(_DEFINITIONS)}
+            if "message_definitions" in tables
+            else {}
+        )
+        channels = {
+            number: Channel(topic, kind, encoding, *definitions.get(kind, ()))
+            for number, topic, kind, encoding in base.execute(_TOPICS)
+        }
+        for number, time, data in base.execute(_MESSAGES):
+            yield BagMessage(channels.get(number, Channel(_UNKNOWN, "", "")), time, data)
