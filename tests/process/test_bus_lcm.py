@@ -11,6 +11,7 @@ from lcmtools.bus.kernel import IS_LINUX, SUBSCRIBED, marked_sockets
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 
@@ -147,13 +148,18 @@ def test_a_channel_that_lcm_cannot_carry_is_refused(bus: LcmBus, channel: str) -
             bus.publish(channel, payload)
 
 
-def test_a_channel_that_is_not_utf8_is_refused_and_the_bus_goes_on(
+def test_a_channel_that_is_not_utf8_is_sent_by_udp_only_and_not_heard(
     bus: LcmBus, wait_until: WaitUntil
 ) -> None:
     with pytest.raises(InvalidName, match="UTF-8"):
         bus.subscribe("\udcff", lambda _payload, _time: None)
+    with Tap(bus.url, whole=True) as tap:
+        bus.publish("\udcff", b"x")
+        wait_until(lambda: any(one.channel == "\udcff" for one in tap.receive(0.1)))
+    memory = LcmBus(parse_url("memq://"))
     with pytest.raises(InvalidName, match="UTF-8"):
-        bus.publish("\udcff", b"")
+        memory.publish("\udcff", b"")
+    memory.close()
     heard: list[bytes] = []
     bus.subscribe("a", lambda payload, _: heard.append(payload))
     bus.publish("a", b"x")
