@@ -37,7 +37,7 @@ from lcmtools.wire.log_events import Event
 from lcmtools.wire.log_index import Block, disorder
 
 _STEP = NANOSECONDS  # times that go back by more are a step, after which playing goes on at once
-_MOST_PARTS = 8  # between which the times of a log may change to and fro
+_MOST_PARTS = 8  # that times may belong to, one message to this and the next to that
 _SLOW_BYTES = 200_000_000  # of a log without an index, which take long to read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements of nodes that no longer run
 
