@@ -1,7 +1,7 @@
 """A command line, a node library and robot labs for LCM.
 
-The public names of the node API, ``observe`` and ``publish`` are available here. Each is imported
-on first use, so that the command line starts without them.
+The public names of the node API, ``bag``, ``observe`` and ``publish`` are available here. Each is
+imported on first use, so that the command line starts without them.
 """
 
 from typing import TYPE_CHECKING
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from lcmtools import bag as bag
     from lcmtools import observe as observe
     from lcmtools import publish as publish
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
@@ -38,6 +39,7 @@ __all__ = [
     "Parameter",
     "SetParametersResult",
     "__version__",
+    "bag",
     "init",
     "message_class",
     "observe",
@@ -53,7 +55,7 @@ def __getattr__(name: str) -> object:
     """Import a public name on first use (PEP 562)."""
     from importlib import import_module
 
-    if name in ("observe", "publish"):
+    if name in ("bag", "observe", "publish"):
         return import_module(f"lcmtools.{name}")
     if name not in _HOMES:
         from lcmtools.ros_words.python_names import FUNCTIONS

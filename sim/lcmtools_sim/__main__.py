@@ -16,13 +16,12 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         with needing_extra("sim", "the simulator needs"):
             from lcmtools_sim.main import run
-        run(list(sys.argv[1:] if args is None else args))
+        return run(list(sys.argv[1:] if args is None else args))
     except LcmtoolsError as error:
         print(f"lcmtools run sim: {error}", file=sys.stderr)  # noqa: T201 - the command's edge
         return error.exit_code
     except KeyboardInterrupt:
         return 0
-    return 0
 
 
 if __name__ == "__main__":

@@ -20,12 +20,17 @@ from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import describe, find_world, world_names
 
 
-def run(arguments: Sequence[str]) -> None:
-    """Execute the command with these arguments; LcmtoolsError if that is impossible."""
+def run(arguments: Sequence[str]) -> int:
+    """Execute the command with these arguments; return its exit code.
+
+    It is 1 if a world that is checked has parts that are left out. LcmtoolsError if the command is
+    impossible.
+    """
     _, own = split_arguments(arguments)
     options = parse_options(own)
-    if _inform(options):
-        return
+    code = _inform(options)
+    if code is not None:
+        return code
     scene, options = overridden(read_scene(*find_world(options.world)), options)
     if threading.current_thread() is threading.main_thread():
         # Until the bus takes over, SIGTERM ends the program as quietly as Ctrl-C.
@@ -33,10 +38,12 @@ def run(arguments: Sequence[str]) -> None:
     from lcmtools_sim.session import simulate
 
     simulate(scene, options, arguments)
+    return 0
 
 
-def _inform(options: Options) -> bool:
-    """Answer a request for information; return whether it was one."""
+def _inform(options: Options) -> int | None:
+    """Answer a request for information, and return the exit code; None if it is none."""
+    code = 0
     if options.version:
         text = f"lcmtools {__version__}, {engine_version(chosen_engine(options.engine))}"
     elif options.list_worlds:
@@ -49,11 +56,12 @@ def _inform(options: Options) -> bool:
         for note in scene.notes:
             _warn(note)
         _check_starts(scene, options.engine)
-        text = f"{options.check}: ok, {contents(scene)}"
+        code = 1 if scene.notes else 0
+        text = f"{options.check}: {'read in part' if code else 'ok'}, {contents(scene)}"
     else:
-        return False
+        return None
     print(text)  # noqa: T201 - the command's edge
-    return True
+    return code
 
 
 def _warn(text: str) -> None:

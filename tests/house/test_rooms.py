@@ -245,3 +245,12 @@ def test_a_command_file_only_parses_asks_and_prints(path: Path) -> None:
     found = {type(node).__name__ for node in ast.walk(ast.parse(text))}
     assert not found & {"ClassDef", "While"}, "a class or a loop without end belongs elsewhere"
     assert "threading" not in text
+
+
+@pytest.mark.parametrize("name", ["bag.open", "observe.messages", "publish.publish"])
+def test_a_public_package_is_found_without_an_import_of_its_own(name: str) -> None:
+    program = f"import lcmtools; print(lcmtools.{name}.__name__)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip()

@@ -185,8 +185,8 @@ def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(
     file = tmp_path / "park.world"
     file.write_text("<sdf><world name='w'><light name='a'/><light name='b'/></world></sdf>")
 
-    assert main(["--check", str(file)]) == 0
+    assert main(["--check", str(file)]) == 1
 
     captured = capsys.readouterr()
-    assert captured.out == f"{file}: ok, no robot; 0 objects\n"
+    assert captured.out == f"{file}: read in part, no robot; 0 objects\n"
     assert captured.err == f"lcmtools run sim: {file}: left out: light (2)\n"
