@@ -54,7 +54,7 @@ def test_messages_of_a_c_program_are_recorded_shown_and_played_to_another_one(
     (topic,) = record["topics"]
     assert (topic["topic"], topic["types"], topic["messages"]) == (
         "C_DRIVE",
-        ["geometry_msgs/Twist"],
+        ["geometry_msgs/Twist", "geometry_msgs/Accel"],
         20,
     )
     (name,) = topic["senders"]
