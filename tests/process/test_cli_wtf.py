@@ -322,8 +322,8 @@ def test_the_damaged_bytes_of_a_log_are_left_out(
     result = cli("wtf", "--bag", "a ride.lcm", "--rule", "damaged-log", "--json")
     assert result.code == 1
     (found,) = json.loads(result.out)
-    damaged = len(one) + 1 + len(cut) - 5  # the first too: no message begins at its end
+    damaged = 1 + len(cut) - 5
     assert found["text"] == f"{damaged} bytes of a ride.lcm do not belong to any message"
     (command,) = found["actions"][0]["commands"]
-    assert cli(*shlex.split(command)[1:]).code == 0
+    assert cli(*shlex.split(command)[1:]).code == 1  # some bytes are left out
     assert cli("wtf", "--bag", "fixed.lcmlog", "--rule", "damaged-log").code == 0
