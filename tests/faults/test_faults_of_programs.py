@@ -82,7 +82,8 @@ def test_a_stopped_listener(world: Any) -> None:
 def test_a_stopped_listener_is_ended(world: Any) -> None:
     world.node("talker")
     listener = world.node("listener")
-    listener.wait_for("I heard")  # then its record has its topics
+    listener.wait_for("I heard")
+    world.is_silent()  # it is announced, and so its record has its topics
     listener.send_signal(signal.SIGSTOP)
     found = world.finds("stale-nodes", f"/listener (pid {listener.pid})")
     world.type(found.commands[1])
