@@ -47,7 +47,7 @@ class Imported(NamedTuple):
 
 @dataclass(slots=True)
 class ImportReport:
-    """What an import left out or changed."""
+    """The omissions and changes of an import."""
 
     damage: list[str] = field(default_factory=list)  # sentences on what cannot be read
     left_out: Counter[str] = field(default_factory=Counter)  # messages, by reason
