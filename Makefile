@@ -1,7 +1,7 @@
 # make demo       a virtual environment, the installation, and the Husky lab as a script
 # make test       the same environment, and the tests that a change should pass at once
 # make test-slow  the faults suite, the labs, every block of the documents, several hosts, programs of others
-# make docs       docs/wtf.md, from the rules of wtf
+# make docs       docs/wtf.md and docs/commands.md, from the rules of wtf and the commands
 # make man        the man pages, into build/man; a built wheel has them
 # make bench      what is measured, beside its anchor and its goal, in one table
 # make check      types fresh, ruff, mypy, import rules, spelling
@@ -18,13 +18,18 @@ SLOW_JOBS ?= 3
 EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit files types house cli physics process)
-SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
-SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py
+SLOW := $(addprefix tests/,faults labs docs hosts interop gui cpp endure)
+SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py docs/commands_page.py
 
 .PHONY: demo test test-slow check javascript commands types docs man format bench clean
 
 demo: $(VENV)/.installed
+	@echo "Running the Husky lab as a script, without a window: about a minute"
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
+	@echo
+	@echo "To see the robot live, in the browser, type:"
+	@echo "    . $(BIN)/activate"
+	@echo "    lcmtools lab start husky"
 
 # What depends on the processor (the mark timing) comes last, one after the other.
 test: $(VENV)/.installed-dev
@@ -65,6 +70,7 @@ types: $(VENV)/.installed-dev
 
 docs: $(VENV)/.installed-dev
 	$(BIN)/python docs/wtf_page.py
+	$(BIN)/python docs/commands_page.py
 
 man: $(VENV)/.installed-dev
 	$(BIN)/python docs/man_pages.py build/man
@@ -77,6 +83,7 @@ bench: $(VENV)/.installed-dev
 	$(BIN)/python bench/goals.py $(ARGS)
 
 $(VENV)/.venv:
+	@echo "Creating a virtual environment in $(VENV)"
 	@if [ -n "$(PYTHON)" ]; then \
 	  $(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { \
 	    echo "lcmtools needs Python 3.10 or newer, and $(PYTHON) is $$($(PYTHON) --version)" >&2; exit 1; }; \
@@ -87,10 +94,11 @@ $(VENV)/.venv:
 	  echo "lcmtools needs Python 3.10 or newer: install one, or uv (https://docs.astral.sh/uv/)" >&2; \
 	  exit 1; \
 	fi
-	touch $@
+	@touch $@
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/.venv
-	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[plot,sim,tui,view,web]'
+	@echo "Installing lcmtools with the simulator, the window and the plots: about 500 MB, a few minutes"
+	$(BIN)/pip install --disable-pip-version-check $(EDITABLE) '.[plot,sim,tui,view,web]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/.venv

@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 from common import Child, bus, child, isolate, parser, show
 
 import lcmtools
-from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
@@ -57,7 +57,7 @@ def node(connection: Connection, asks: str, url: str) -> None:
 
 def announce(connection: Connection, url: str, nodes: int) -> None:
     """Child: announce so many nodes once a second."""
-    bus_of_nodes = LcmBus(parse_url(url))
+    bus_of_nodes = UdpBus(parse_url(url))
     connection.send(None)
     start = time.monotonic()
     for number, announced in enumerate(announcements(nodes)):

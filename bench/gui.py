@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from multiprocessing.connection import Connection
+from urllib.parse import urlsplit
 
 import lcm
 from common import bus, child, every, isolate, parser, processor_time, show
@@ -30,7 +31,8 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Image, LaserScan
 from lcmtools.types.tf2_msgs import TFMessage
 
-_URL = bus(7803)
+PORT = 7803
+_URL = bus(PORT)
 _RATE, _WIDTH, _HEIGHT, _BEAMS = 30.0, 320, 240, 640
 _SECONDS = 5.0
 _STREAMS = (
@@ -99,10 +101,10 @@ class Viewer:
 @contextmanager
 def view(address: str, streams: Streams) -> Iterator[Viewer]:
     """A page at a window's address, for a moment already."""
-    target = address.replace("http", "ws", 1) + "socket"
+    parts = urlsplit(address)
     with connect(
-        target,
-        origin=address.rstrip("/"),  # type: ignore[arg-type] # a str by another name
+        f"ws://{parts.netloc}/socket?{parts.query}",
+        origin=f"http://{parts.netloc}",  # type: ignore[arg-type] # a str by another name
         subprotocols=["lcmtools.1"],  # type: ignore[list-item]
         compression=None,
         max_size=None,
@@ -116,12 +118,12 @@ def view(address: str, streams: Streams) -> Iterator[Viewer]:
 @contextmanager
 def server() -> Iterator[tuple[int, str]]:
     """The window's process, and its address."""
-    with _running("gui", "--port", "0", "--no-open", "--json", until="}") as (pid, text):
+    with running("gui", "--port", "0", "--no-open", "--json", until="}") as (pid, text):
         yield pid, json.loads(text)["command"]
 
 
 @contextmanager
-def _running(*words: str, until: str) -> Iterator[tuple[int, str]]:
+def running(*words: str, until: str) -> Iterator[tuple[int, str]]:
     """A command on the bus, and what it has written until it is ready."""
     command = (sys.executable, "-m", "lcmtools", *words, "--lcm-url", _URL)
     piped, errors = subprocess.PIPE, subprocess.STDOUT
@@ -155,7 +157,7 @@ def with_a_page() -> tuple[float, float]:
 
 def simulated() -> tuple[float, float]:
     """The simulator's share while a page shows its world, and without [%]."""
-    with _running("run", "sim", until="simulating") as (pid, _), server() as (_, address):
+    with running("run", "sim", until="simulating") as (pid, _), server() as (_, address):
         alone = share(pid)
         with view(address, _WORLD):
             return share(pid), alone

@@ -1,12 +1,12 @@
 """Latency and throughput: lcmtools' nodes beside the plain ``lcm`` package with lcm-gen's code.
 
 Each stream goes from one process to another, timed from before a message is encoded until after it
-is decoded: at a fixed rate (share that arrived, one-way latency), then as fast as it can be
-published. All sides keep up to 1000 messages waiting, and open the bus as they do by themselves
-(lcmtools asks for a larger receive buffer). The sides take turns; figures are medians of the
-rounds, ratios are lcmtools' figure by the plain package's, and that on Zenoh by that on udpm. Flat
-out, a node shares the processors with its own ear: it listens to its bus, while a plain publisher
-does not.
+is decoded: at a fixed rate (share that arrived, one-way latency, processor time for a message on
+each side), then as fast as it can be published. All sides keep up to 1000 messages waiting, and
+open the bus as they do by themselves (lcmtools asks for a larger receive buffer). The sides take
+turns; figures are medians of the rounds, ratios are lcmtools' figure by the plain package's, and
+that on Zenoh by that on udpm. Flat out, a node shares the processors with its own ear: it listens
+to its bus, while a plain publisher does not.
 """
 
 import time
@@ -56,11 +56,13 @@ class Stream:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The outcome of a stream: messages a second as published, share arrived, latencies [s]."""
+    """The outcome of a stream: messages a second as published, share arrived, costs [s]."""
 
     rate: float
     arrived: float
     latencies: list[float]
+    sent_in: float  # processor time of the sender for a message, without the loop's own [s]
+    received_in: float  # processor time of the receiver for a message [s]
 
 
 class Ear:
@@ -69,14 +71,20 @@ class Ear:
     def __init__(self) -> None:
         self.latencies: list[float] = []
         self.ended = False
+        self._began = 0.0
 
     def hear(self, message: Sample) -> None:
         """Note how old a message is."""
         sent = time_in(message)
         if sent:
+            self._began = self._began or time.process_time()
             self.latencies.append(time.monotonic() - sent)
         else:
             self.ended = True
+
+    def result(self) -> tuple[list[float], float]:
+        """The latencies, and the processor time for each message but the first."""
+        return self.latencies, (time.process_time() - self._began) / max(1, len(self.latencies) - 1)
 
 
 def set_time(message: Sample, now: int) -> None:
@@ -104,7 +112,7 @@ def receive_as_node(connection: Connection, kind: type[Sample], url: str = _URL)
     connection.send(None)
     while not ear.ended:
         lcmtools.spin_once(node, 1.0)
-    connection.send(ear.latencies)
+    connection.send(ear.result())
     lcmtools.shutdown()
 
 
@@ -117,7 +125,7 @@ def receive_plainly(connection: Connection, kind: type[Sample]) -> None:
     connection.send(None)
     while not ear.ended:
         instance.handle_timeout(1000)
-    connection.send(ear.latencies)
+    connection.send(ear.result())
 
 
 def receive_on_zenoh(connection: Connection, kind: type[Sample]) -> None:
@@ -144,21 +152,29 @@ def send_plainly(connection: Connection, stream: Stream) -> None:
     connection.send(publish(stream, lambda message: instance.publish(_TOPIC, message.encode())))
 
 
-def publish(stream: Stream, send: Callable[[Sample], None]) -> float:
-    """Publish a stream and the message that ends it; return the messages a second."""
+def publish(stream: Stream, send: Callable[[Sample], None]) -> tuple[float, float]:
+    """Publish a stream and the message that ends it.
+
+    Returns the messages a second, and the processor time for each, without that of waiting [s].
+    """
     message = stream.kind()
     if isinstance(message, LaserScan):
         message.ranges, message.ranges_length = [1.0] * 360, 360  # lcm-gen's encoder needs both
+    loop = time.process_time()
+    for _ in stream.turns() if stream.rate else ():
+        set_time(message, time.monotonic_ns())
+    begun = time.process_time()
     start = time.monotonic()
     for _ in stream.turns():
         set_time(message, time.monotonic_ns())
         send(message)
     rate = stream.messages / (time.monotonic() - start)
+    cost = (time.process_time() - begun - (begun - loop)) / stream.messages
     set_time(message, 0)
     for _ in range(3):  # one may be lost
         time.sleep(_GAP)
         send(message)
-    return rate
+    return rate, cost
 
 
 _SIDES = {
@@ -174,10 +190,11 @@ def run(side: str, stream: Stream) -> Result:
     with child(receiver, stream.kind) as receiving:
         receiving.wait()
         with child(sender, stream) as sending:
-            rate, latencies = sending.wait(), receiving.wait()
-    assert isinstance(rate, float)
-    assert isinstance(latencies, list)
-    return Result(rate, len(latencies) / stream.messages, latencies)
+            sent, received = sending.wait(), receiving.wait()
+    assert isinstance(sent, tuple)
+    assert isinstance(received, tuple)
+    (rate, sent_in), (latencies, received_in) = sent, received
+    return Result(rate, len(latencies) / stream.messages, latencies, sent_in, received_in)
 
 
 def rows(stream: Stream, rounds: int) -> list[list[object]]:
@@ -201,13 +218,14 @@ def ratios(one: list[float], other: list[float]) -> list[float]:
 
 
 def summary(stream: Stream, results: list[Result]) -> list[float]:
-    """Medians: published a second, percent arrived, latencies [us] where the rate is fixed."""
+    """Medians: published a second, percent arrived; latencies and CPU [us] at a fixed rate."""
     values = [[result.rate, 100 * result.arrived] for result in results]
     if stream.rate is not None:
         for result, row in zip(results, values, strict=True):
             row += [1e6 * quantile(result.latencies, share) for share in (0.5, 0.99)]
+            row += [1e6 * result.sent_in, 1e6 * result.received_in]
     medians = [median(column) for column in zip(*values, strict=True)]
-    return medians + [float("nan")] * (4 - len(medians))
+    return medians + [float("nan")] * (6 - len(medians))
 
 
 def streams(*, fast: bool) -> list[Stream]:
@@ -224,7 +242,15 @@ def main() -> None:
     fast = isolate()
     show(
         f"From process to process, medians of {rounds} rounds",
-        ["stream", "published/s", "arrived %", "median us", "p99 us"],
+        [
+            "stream",
+            "published/s",
+            "arrived %",
+            "median us",
+            "p99 us",
+            "sender us",
+            "receiver us",
+        ],
         [row for stream in streams(fast=fast) for row in rows(stream, rounds)],
     )
 

@@ -13,15 +13,13 @@ import click
 from lcmtools import __version__
 from lcmtools.cli.lazy import LazyGroup
 from lcmtools.cli.main import EXIT_CODES, root
-from lcmtools.settings import SETTINGS
+from lcmtools.settings import SETTINGS, VARIABLES
 
 Words = tuple[str, ...]
 
 _ENVIRONMENT = {
-    **{setting.variable: setting.option for setting in SETTINGS.values()},
-    "LCMTOOLS_DEBUG": "--debug",
-    "NO_COLOR": "--color=never",
-    "FORCE_COLOR": "--color=always",
+    **{one.variable: f"As {one.option}; an option wins over it." for one in SETTINGS.values()},
+    **{name: f"{text[0].upper()}{text[1:]}." for name, text in VARIABLES.items()},
 }
 
 
@@ -38,7 +36,7 @@ def commands(command: click.Command = root, words: Words = ("lcmtools",)) -> Ite
 
 def page(words: Words) -> str:
     """Return the man page of a command, in roff's man macros."""
-    context = _context(words)
+    context = context_of(words)
     command, name = context.command, _escaped("-".join(words))
     summary = _summary(context)
     rows = [
@@ -54,8 +52,8 @@ def page(words: Words) -> str:
         for below, text in command.help_lines():
             rows += [".TP", f".BR {_escaped('-'.join((*words, below)))} (1)", _escaped(text)]
     rows += [".SH EXIT STATUS", _escaped(" ".join(EXIT_CODES.split())), ".SH ENVIRONMENT"]
-    for variable, option in _ENVIRONMENT.items():
-        rows += [".TP", f".B {variable}", f"As {_escaped(option)}; an option wins over it."]
+    for variable, text in _ENVIRONMENT.items():
+        rows += [".TP", f".B {variable}", _escaped(text)]
     above = "lcmtools-config" if len(words) == 1 else "-".join(words[:-1])
     rows += [
         *(".SH FILES", ".TP", ".I $XDG_CONFIG_HOME/lcmtools/config.yaml"),
@@ -72,8 +70,8 @@ def write_pages(folder: Path) -> None:
         (folder / f"{'-'.join(words)}.1").write_text(page(words), "utf-8")
 
 
-def _context(words: Words) -> click.Context:
-    """The click context that these words lead to."""
+def context_of(words: Words) -> click.Context:
+    """Return the click context that these words lead to."""
     context = click.Context(root, info_name=words[0])
     for word in words[1:]:
         assert isinstance(context.command, click.Group)
@@ -105,8 +103,14 @@ def _description(command: click.Command) -> Iterator[str]:
 
 
 def _synopsis(command: click.Command) -> Iterator[str]:
-    """As "[OPTIONS] TOPIC", "[TYPE]" or "NODE...", whatever click's version makes of it."""
     yield "[OPTIONS]"
+    yield from arguments(command)
+    if isinstance(command, click.Group):
+        yield "COMMAND [ARGS...]"
+
+
+def arguments(command: click.Command) -> Iterator[str]:
+    """Yield arguments as "TOPIC", "[TYPE]" or "NODE...", whatever click's version makes of them."""
     for one in command.params:
         if isinstance(one, click.Argument):
             name = one.metavar or str(one.name).upper()
@@ -114,8 +118,6 @@ def _synopsis(command: click.Command) -> Iterator[str]:
             many = "..." if one.nargs == -1 and not is_all and "..." not in name else ""
             is_whole = one.required or is_all or name.startswith("[")
             yield f"{name}{many}" if is_whole else f"[{name}{many}]"
-    if isinstance(command, click.Group):
-        yield "COMMAND [ARGS...]"
 
 
 def _options(command: click.Command) -> Iterator[str]:

@@ -1,8 +1,8 @@
-"""Draw the pictures of the simulator's worlds in docs again.
+"""Draw the pictures of the simulator's worlds, and of the window that shows one, in docs again.
 
-    python docs/pictures.py [LAB...]
+    python docs/pictures.py [LAB... or window]
 
-It starts each lab's simulator, opens ``lcmtools gui world`` in Chromium without a display, lets the
+It starts each lab's simulator, opens ``lcmtools gui`` in Chromium without a display, lets the
 robot drive, and takes a picture of what is drawn. It needs Chromium and the extra
 ``dev``; without a graphics card it draws by software.
 """
@@ -29,6 +29,7 @@ _BUS = {**os.environ, "LCM_DEFAULT_URL": "udpm://239.255.76.67:7799?ttl=0"}
 _ARGUMENTS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 _SIZE = {"width": 1280, "height": 800}
 _LOOK = 0.05  # [s] between two at the clock
+_LONG = 120_000  # [ms] for a picture of a page that is drawn by software
 _SETTLING = 5.0  # [s] until nothing is said any more
 _COLORS = 256  # of a picture's palette: a third of the size
 
@@ -38,56 +39,89 @@ class Picture:
     """A picture of one lab.
 
     Attributes:
+        world: That is simulated.
         topic: That drives the robot.
         speeds: Forward [m/s] and turning [rad/s].
         seconds: Simulated ones of driving before the picture.
         settings: Of the panel.
+        beside: A column of other panels, which the picture then shows too.
     """
 
+    world: str
     topic: str
     speeds: tuple[float, float]
     seconds: float
     settings: dict[str, object] = field(default_factory=dict)
+    beside: tuple[dict[str, object], ...] = ()
+
+    def view(self) -> dict[str, object]:
+        """Return the layout of the page."""
+        world = {"panel": "world", "settings": {"side": False, **self.settings}}
+        if not self.beside:
+            return world
+        column = {"split": "column", "parts": list(self.beside), "sizes": [1, 1]}
+        return {"split": "row", "parts": [column, world], "sizes": [2, 3]}
 
 
 PICTURES = {
-    "husky": Picture("/husky0/cmd_vel", (0.5, 0.3), 8.0),
+    "husky": Picture("husky", "/husky0/cmd_vel", (0.5, 0.3), 8.0),
     "pioneer": Picture(
+        "pioneer",
         "/RosAria/cmd_vel",
         (0.12, 0.05),
         6.0,
         {"shown": {"/camera/depth/points": True}, "colors": {"/camera/depth/points": "#3b8fe0"}},
     ),
-    "dolly": Picture("/dolly/cmd_vel", (0.5, 0.3), 18.0),
+    "dolly": Picture("dolly", "/dolly/cmd_vel", (0.5, 0.3), 18.0),
+    "window": Picture(
+        "husky",
+        "/husky0/cmd_vel",
+        (0.5, 0.3),
+        10.0,
+        {"follow": "husky0"},
+        (
+            {"panel": "topics", "settings": {}},
+            {
+                "panel": "plot",
+                "settings": {
+                    "fields": [
+                        "/husky0/odometry/pose.pose.position.x",
+                        "/husky0/odometry/pose.pose.position.y",
+                    ]
+                },
+            },
+        ),
+    ),
 }
 
 
 def main(names: Sequence[str]) -> None:
-    """Draw the pictures of these labs, or of all."""
+    """Draw these pictures, or all."""
     for name in names or PICTURES:
-        _draw(PICTURES[name], name, _FOLDER / f"{name}.png")
+        _draw(PICTURES[name], _FOLDER / f"{name}.png")
 
 
-def _draw(picture: Picture, world: str, file: Path) -> None:
+def _draw(picture: Picture, file: Path) -> None:
     forward, turning = picture.speeds
     twist = f"{{linear: {{x: {forward}}}, angular: {{z: {turning}}}}}"
     with ExitStack() as stack:
         enter = stack.enter_context
-        enter(_started("run", "sim", world))
-        window = enter(_started("gui", "world", "--port", "0", "--no-open"))
-        address = next(line for line in window if "http://" in line).split()[-1]
+        enter(_started("run", "sim", picture.world))
+        window = enter(_started("gui", "--port", "0", "--no-open"))
+        address = next(line for line in window if "http://" in line).split()[1]
         page = enter(_opened_page())
-        view = {"panel": "world", "settings": {"side": False, **picture.settings}}
-        page.goto(f"{address}#{quote(json.dumps(view))}")
+        page.goto(f"{address}#{quote(json.dumps(picture.view()))}")
         page.locator("[data-pose]").first.wait_for(state="attached")
         enter(_started("pub", "-r", "5", picture.topic, "geometry_msgs/Twist", twist))
         began = _time(page)
         while _time(page) < began + picture.seconds:
             time.sleep(_LOOK)
-        page.get_by_role("button", name="Pause").click()
+        if not picture.beside:  # panels that show rates need a running simulator
+            page.get_by_role("button", name="Pause", exact=True).click()
         page.get_by_role("button", name="Reset view").click()
         time.sleep(_SETTLING)
-        page.locator(".world-stage").screenshot(path=file)
+        part = page if picture.beside else page.locator(".world-stage")
+        part.screenshot(path=file, timeout=_LONG)
     _make_small(file)
 
 

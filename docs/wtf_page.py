@@ -18,8 +18,8 @@ _INTRODUCTION = """\
 
 This page lists each rule of `lcmtools wtf`: what should be true, what `wtf` prints if it is not,
 its greatest severity, and the evidence that it needs. Of what `wtf` prints, the titles of findings
-come first, then, after `*`, the single cases, and after `->` the remedies; words in capitals stand
-for names and values. `lcmtools wtf --explain RULE` explains a rule, too; [finding
+come first, then, after `*`, the single cases, and after `->` the remedies; names and values are
+examples. `lcmtools wtf --explain RULE` explains a rule, too; [finding
 faults](finding-faults.md) shows how to use them.
 
 Some evidence is not available:
@@ -34,19 +34,114 @@ Some evidence is not available:
 _OPTIONAL = ("advice", "brackets", "count", "kills", "not", "wait", "with")
 """Formats of parts that are left out where there is nothing to say."""
 _SHOWN = {
-    "at": "{0} at ADDRESS",
-    "call": "callback of {0}",
-    "called": "{0} (ADDRESS)",
-    "command": "COMMAND",
+    "at": "{0} at 192.168.1.7",
+    "call": "the callback of {0}",
+    "called": "{0} (192.168.1.7)",
     "holds": "holds {0} bytes",
     "namespaces": "__ns:={0}",
     "repr": "'{0}'",
-    "time": "TIME",
     "times": "{0} times",
-    "use": "use",
+    "run": "runs",
+    "use": "uses",
     "work": "the callback of {0}",
 }
-"""The formats of parts that are not shown by their names alone."""
+"""The formats of parts that are not shown by their examples alone."""
+_EXAMPLES = {
+    "address": "192.168.1.7",
+    "argument": "cmd_vel:=/husky/cmd_vel",
+    "bridge": "br0",
+    "buffer_bytes": "212992",
+    "bus": "udpm://239.255.76.67:7667",
+    "busiest": "/husky0/scan",
+    "bytes": "6220800",
+    "callback": "/husky0/odometry",
+    "callback_time": "30 ms",
+    "chain": "INPUT",
+    "channel": "POSE",
+    "command": "python simple_controller.py",
+    "container": "Docker container",
+    "count": "3",
+    "datagrams": "12",
+    "depth": "10",
+    "domain": "3",
+    "drops": "250 datagrams dropped",
+    "exception": "KeyError",
+    "expected": "geometry_msgs/Twist",
+    "fault": "its URL 'udpm://239.255.76.67': the port is missing",
+    "fields": "frame_id",
+    "firewall": "ufw",
+    "frame": "base_link",
+    "frames": "odom -> base_link",
+    "hint": "sudo ip link set lo multicast on",
+    "host": "office",
+    "hosts": "office",
+    "interface": "eth0",
+    "interfaces": "wlan0",
+    "interval": "20 ms",
+    "level": "WARN",
+    "limit": "4",
+    "line": "192.168.1.7",
+    "listened": "1",
+    "listener": "lcm-sink (pid 4242)",
+    "log": "ride.lcmlog",
+    "longest": "1.25",
+    "lost": "40",
+    "megabytes_per_second": "18.4",
+    "message": "'goal'",
+    "messages": "120",
+    "most_files": "1024",
+    "name": "/husky0/driver",
+    "namespace": "/husky0",
+    "new": "/husky0/cmd_vel",
+    "newer": "lab_msgs/Goal of /planner",
+    "node": "/husky0/driver",
+    "nodes": "/husky0/driver",
+    "old": "/cmd_vel",
+    "older": "lab_msgs/Goal of /driver",
+    "open_files": "1020",
+    "other": "/teleop",
+    "other_sender": "/teleop",
+    "other_topic": "/CMD_VEL",
+    "own": "1",
+    "passing": "5",
+    "parents": "/odom and /map",
+    "pattern": "/*/odometry",
+    "percent": "94",
+    "pid": "4711",
+    "place": "simple_controller.py:35",
+    "problem": "Network is unreachable",
+    "process": "python my_driver.py",
+    "program": "/husky0/driver",
+    "programs": "python my_driver.py",
+    "publisher": "/husky0/driver",
+    "queued_bytes": "180000",
+    "rate": "12",
+    "ratio": "0.45",
+    "reason": "it is not LCM's format",
+    "options": "--rate /camera/image=4",
+    "relay": "/relay",
+    "seconds": "2.5 s",
+    "sender": "/husky0/camera",
+    "senders": "/husky0/camera",
+    "sent": "1000",
+    "service": "/husky0/reset",
+    "software": "lcmtools 0.1.0",
+    "text": "/husky0/scan: 12 of 50 ranges are nan",
+    "topic": "/husky0/odometry",
+    "topics": "/husky0/cmd_vel",
+    "trouble": "the other bus cannot be reached",
+    "ttl": "0",
+    "type": "nav_msgs/Odometry",
+    "types": "geometry_msgs/Twist",
+    "url": "udpm://239.255.76.67:7667?ttl=1",
+    "user": "alice",
+    "usual": "50",
+    "value": "udpm://239.255.76.67:7667?ttl=1",
+    "variable": "LCM_DEFAULT_URL",
+    "version": "2",
+    "why": "it runs but does not answer",
+}
+"""Examples of the names and values in sentences."""
 
 
 def page(rules: tuple[Rule, ...] = RULES) -> str:
@@ -86,7 +181,7 @@ def _lines(mark: str, sentences: Mapping[str, str]) -> list[str]:
 
 
 def shown(sentence: str) -> str:
-    """Return a sentence with the names of its parts in capitals, and without what is optional."""
+    """Return a sentence with examples of its parts, and without what is optional."""
     return "".join(
         text + (_part(name, spec or "") if name else "")
         for text, name, spec, _ in Formatter().parse(sentence.replace("`", ""))
@@ -96,7 +191,10 @@ def shown(sentence: str) -> str:
 def _part(name: str, spec: str) -> str:
     if spec in _OPTIONAL:
         return ""
-    return _SHOWN.get(spec, "{0}").format(name.rpartition(".")[2].upper())
+    example = _EXAMPLES[name.rpartition(".")[2]]
+    # a sentence with a unit of its own takes the number alone
+    number = example.partition(" ")[0] if spec[:1] == "." else example
+    return _SHOWN.get(spec, "{0}").format(number)
 
 
 def _escaped(text: str) -> str:

@@ -24,7 +24,7 @@ work=$(mktemp -d)    # scratch: what programs print, what the lab makes
 logs=$work/logs
 mkdir "$logs"
 cd "$work" || exit 1
-export XDG_STATE_HOME=$work/state
+export XDG_STATE_HOME=$work/state XDG_CONFIG_HOME=$work/config # the person's own are left alone
 checks=()
 failed=0
 code=0

@@ -16,6 +16,8 @@ from pathlib import Path
 
 import lcm
 
+from lcmtools.packages.python_code import as_values
+
 SOURCES = Path(__file__).resolve().parent
 ROOT = SOURCES.parent
 OUTPUT = ROOT / "lcmtools" / "types"
@@ -52,7 +54,8 @@ def generate() -> Files:
         folder = Path(name)
         run_lcm_gen(folder)
         run_companions(folder)
-        return read_files(folder / "lcmtools" / "types")
+        files = read_files(folder / "lcmtools" / "types")
+        return {path: as_value_file(path, content) for path, content in files.items()}
 
 
 def run_lcm_gen(folder: Path) -> None:
@@ -75,6 +78,11 @@ def run_companions(folder: Path) -> None:
     subprocess.run(  # noqa: S603 - our own script with our own interpreter
         [sys.executable, "-I", "-S", "-B", "-W", "error", str(script), str(folder)], check=True
     )
+
+
+def as_value_file(path: Path, content: bytes) -> bytes:
+    """Return a file's content; a message class is derived from ``lcmtools.message_value``."""
+    return as_values(content.decode()).encode() if path.suffix == ".py" else content
 
 
 def read_files(folder: Path) -> Files:

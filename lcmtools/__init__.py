@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from lcmtools import observe as observe
     from lcmtools import publish as publish
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
+    from lcmtools.messages.dicts import from_dict as from_dict
+    from lcmtools.messages.dicts import to_dict as to_dict
     from lcmtools.node.node import Node as Node
     from lcmtools.node.parameters import Parameter as Parameter
     from lcmtools.node.parameters import SetParametersResult as SetParametersResult
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from lcmtools.node.process import ok as ok
     from lcmtools.node.process import shutdown as shutdown
     from lcmtools.node.spinning import spin as spin
+    from lcmtools.node.spinning import spin_in_background as spin_in_background
     from lcmtools.node.spinning import spin_once as spin_once
     from lcmtools.packages import message_class as message_class
 
@@ -29,8 +32,9 @@ _HOMES = {
     "Parameter": "lcmtools.node.parameters",
     "SetParametersResult": "lcmtools.node.parameters",
     "message_class": "lcmtools.packages",
+    **dict.fromkeys(("from_dict", "to_dict"), "lcmtools.messages.dicts"),
     **dict.fromkeys(("init", "ok", "shutdown"), "lcmtools.node.process"),
-    **dict.fromkeys(("spin", "spin_once"), "lcmtools.node.spinning"),
+    **dict.fromkeys(("spin", "spin_in_background", "spin_once"), "lcmtools.node.spinning"),
 }
 
 __all__ = [
@@ -40,6 +44,7 @@ __all__ = [
     "SetParametersResult",
     "__version__",
     "bag",
+    "from_dict",
     "init",
     "message_class",
     "observe",
@@ -47,7 +52,9 @@ __all__ = [
     "publish",
     "shutdown",
     "spin",
+    "spin_in_background",
     "spin_once",
+    "to_dict",
 ]
 
 

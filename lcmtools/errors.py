@@ -9,6 +9,7 @@
     |   +-- InvalidFile      a world, YAML or other input file is wrong
     +-- DecodeError      a payload is damaged or has another type
     +-- BusError         the bus cannot be reached or used
+    |   +-- BusOfParent      it belongs to the parent of a forked process
     +-- ServiceError     a service call failed or was not answered
     |   +-- ServiceTimeout   a service call was not answered in time  exit code 4
     +-- MissingExtra     an optional dependency is not installed      exit code 3
@@ -92,6 +93,10 @@ class DecodeError(LcmtoolsError):
 
 class BusError(LcmtoolsError):
     """The bus cannot be reached or used."""
+
+
+class BusOfParent(BusError):  # noqa: N818
+    """The bus, or a node on it, belongs to the parent of this forked process."""
 
 
 class ServiceError(LcmtoolsError):

@@ -1,11 +1,17 @@
-"""The user's folders (XDG Base Directory Specification), and atomic writing of files."""
+"""The user's folders (XDG Base Directory Specification), bounded reading and atomic writing."""
 
 import contextlib
 import os
-from collections.abc import Mapping
+import stat
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import BinaryIO
 
-from lcmtools.errors import os_errors_as
+from lcmtools.errors import InvalidFile, LcmtoolsError, os_errors_as
+
+LARGEST = 1_000_000
+"""Bytes of a file that people write; a longer one is something else."""
+_PIPES = ("/dev/stdin", "/dev/fd/")  # as shells name those that they make
 
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
@@ -33,6 +39,53 @@ def runtime_folder(environment: Mapping[str, str]) -> Path | None:
     if named.startswith("/") and os.access(named, os.W_OK):
         return Path(named) / "lcmtools"
     return cache_folder(environment)
+
+
+@contextlib.contextmanager
+def opened(
+    path: Path, what: str = "", kind: type[LcmtoolsError] = InvalidFile
+) -> Iterator[BinaryIO]:
+    """Open a file that a user named, to read it; a device or a pipe without an end is refused.
+
+    Args:
+        path: The file, or a pipe that a shell has made: <(command).
+        what: The beginning of an error, "cannot read a.txt" by default.
+        kind: The class of errors.
+    """
+    what = what or f"cannot read {path}"
+    with os_errors_as(what, kind=kind):
+        try:  # a pipe that nobody writes to does not block
+            descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        except ValueError as error:  # a name that cannot be
+            raise kind(f"{what}: {error}") from None
+        with os.fdopen(descriptor, "rb") as file:
+            mode = os.fstat(descriptor).st_mode
+            if stat.S_ISFIFO(mode) and str(path).startswith(_PIPES):
+                os.set_blocking(descriptor, True)
+            elif not stat.S_ISREG(mode):
+                raise kind(f"{what}: it is not a file")
+            yield file
+
+
+def read_bytes(
+    path: Path, most: int = LARGEST, what: str = "", kind: type[LcmtoolsError] = InvalidFile
+) -> bytes:
+    """Read a file of at most so many bytes; otherwise like ``opened``."""
+    what = what or f"cannot read {path}"
+    with opened(path, what, kind) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise kind(f"{what}: it has more than {most} bytes")
+    return content
+
+
+def read_text(
+    path: Path, most: int = LARGEST, what: str = "", kind: type[LcmtoolsError] = InvalidFile
+) -> str:
+    """Read a file of UTF-8 text; otherwise like ``read_bytes``."""
+    content = read_bytes(path, most, what, kind)
+    with os_errors_as(what or f"cannot read {path}", kind=kind):
+        return content.decode("utf-8")
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

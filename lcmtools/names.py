@@ -17,6 +17,7 @@ MAX_CHANNEL_BYTES = 63
 """LCM's limit for a channel name, in UTF-8 bytes (LCM_MAX_CHANNEL_NAME_LENGTH)."""
 
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
+_TYPOGRAPHIC = re.compile("[\u2018-\u201f]")  # a shell does not take them for quotation marks
 _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
 # as commands print control characters and bytes that are not UTF-8
@@ -89,6 +90,9 @@ def resolve_namespace(namespace: str) -> str:
 
 def check_legal(name: str) -> None:
     """Raise InvalidName unless it is a graph resource name, or empty for the namespace."""
+    if name and _TYPOGRAPHIC.search(name):
+        what = f"'{name}' has quotation marks as a printed text has them"
+        raise InvalidName(what, """leave them out, or type " in their place""")
     if name and not _LEGAL_NAME.fullmatch(name):
         rule = "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'"
         raise InvalidName(f"'{name}' is not a legal name", rule)
@@ -255,14 +259,17 @@ def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
 
     A shared namespace does not make names more similar.
     """
-    from difflib import get_close_matches
+    from difflib import SequenceMatcher, get_close_matches
 
     namespace, slash, last = name.lower().rpartition("/")
+    by_last, by_all = SequenceMatcher(None, "", last), SequenceMatcher(None, "", name.lower())
 
     def is_near(candidate: str) -> bool:
         rest = candidate.removeprefix(namespace + slash)
-        whole = last if rest != candidate else name.lower()
-        return bool(get_close_matches(whole, [rest], 1, _NEAR))
+        matcher = by_last if rest != candidate else by_all
+        matcher.set_seq1(rest)
+        ratios = matcher.real_quick_ratio, matcher.quick_ratio, matcher.ratio
+        return all(ratio() >= _NEAR for ratio in ratios)  # the first two are quick upper bounds
 
     by_lower = {candidate.lower(): candidate for candidate in known}
     near = get_close_matches(name.lower(), filter(is_near, by_lower), count, _NEAR)

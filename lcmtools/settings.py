@@ -12,8 +12,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
-from lcmtools.folders import home_folder
+from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.folders import home_folder, read_text
 from lcmtools.names import check_legal, did_you_mean
 
 if TYPE_CHECKING:
@@ -70,6 +70,21 @@ SETTINGS = {
         Setting("timeout", "LCMTOOLS_TIMEOUT", "--timeout", "", parse_duration),
     )
 }
+
+VARIABLES: Mapping[str, str] = {
+    "LCMTOOLS_PACKAGE_PATH": "workspaces, in place of those that pkg create has noted",
+    "ROS_PACKAGE_PATH": "folders with packages of ROS, each with a package.xml",
+    "LCMTOOLS_TYPE_PATH": "folders with .lcm files",
+    "LCMTOOLS_ENGINE": "the simulator's engine: bullet or mujoco",
+    "LCMTOOLS_DEBUG": "1: errors with tracebacks",
+    "NO_COLOR": "1: as --color=never",
+    "FORCE_COLOR": "1: as --color=always",
+    "CLICOLOR_FORCE": "1: as --color=always",
+    "GAZEBO_MODEL_PATH": "folders of models for the simulator",
+    "GZ_SIM_RESOURCE_PATH": "folders of models for the simulator",
+    "IGN_GAZEBO_RESOURCE_PATH": "folders of models for the simulator",
+}
+"""The other environment variables, except those of the system such as HOME, with their meaning."""
 
 
 class UserFile(NamedTuple):
@@ -144,8 +159,7 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
 
     if size > _MOST_BYTES:
         raise InvalidFile(f"{path}: {size} bytes are too many for a settings file")
-    with os_errors_as(f"cannot read {path}", kind=InvalidFile):
-        root = read_file(path.read_text("utf-8"), str(path))
+    root = read_file(read_text(path, _MOST_BYTES), str(path))
     nodes = root.value if root else {}
     if not isinstance(nodes, dict):
         line = root.line if root else 1

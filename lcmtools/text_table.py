@@ -6,9 +6,9 @@ _GAP_OF_ROSTOPIC = "   "
 
 
 def text_table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> list[str]:
-    """Return the lines of a table, its columns aligned and two blanks apart.
+    """Return the lines of a table, its columns aligned and two spaces apart.
 
-    A heading is centred above a rule, and the columns are three blanks apart, as in rostopic hz.
+    A heading is centred above a rule, and the columns are three spaces apart, as in rostopic hz.
     """
     cells = [heading, *rows] if heading else rows
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]

@@ -30,12 +30,29 @@ _INHERITED = (
     *("LCM_DEFAULT_URL", "LCM_DBG", "NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE"),
     *(
         f"LCMTOOLS_{name}"
-        for name in ("DOMAIN", "NAMESPACE", "COLOR", "TIMEOUT", "DEBUG", "TYPE_PATH")
+        for name in (
+            "DOMAIN",
+            "NAMESPACE",
+            "COLOR",
+            "TIMEOUT",
+            "DEBUG",
+            "TYPE_PATH",
+            "PACKAGE_PATH",
+        )
     ),
 )
 
 
-_SECONDS = {"labs": 15, "docs": 15, "faults": 5, "hosts": 4, "gui": 3, "process": 1, "physics": 0.3}
+_SECONDS = {
+    "labs": 15,
+    "docs": 15,
+    "faults": 5,
+    "endure": 10,
+    "hosts": 4,
+    "gui": 3,
+    "process": 1,
+    "physics": 0.3,
+}
 """About how long a test takes, by its folder; of others it is no matter."""
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
 
@@ -46,9 +63,11 @@ def pytest_configure(config: pytest.Config) -> None:
     A shell lets what runs behind & ignore Ctrl-C, and nohup what it runs the end of the terminal:
     children inherit that. They inherit too that Python keeps nothing of what it compiles, and then
     each of thousands compiles the same again; or that it buffers nothing, as it does for nobody.
+    No test opens a window on the developer's screen.
     """
-    for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
+    for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED", "DISPLAY", "WAYLAND_DISPLAY"):
         os.environ.pop(name, None)
+    os.environ["BROWSER"] = "true"  # for systems that always have a display
     hypothesis.settings.register_profile("no deadline", deadline=None)
     hypothesis.settings.load_profile("no deadline")  # how long an example takes is no matter
     if config.getoption("numprocesses", None):
@@ -113,7 +132,7 @@ def _clean_environment(monkeypatch: pytest.MonkeyPatch, _own_folders: Path) -> N
     for name in _INHERITED:
         monkeypatch.delenv(name, raising=False)
     own = _own_folders / str(next(_FOLDERS))  # mktemp looks at all folders each time
-    for variable in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
+    for variable in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_STATE_HOME"):
         folder = own / variable
         folder.mkdir(0o700, parents=True)
         monkeypatch.setenv(variable, str(folder))
@@ -332,6 +351,7 @@ def module_start(
         "XDG_RUNTIME_DIR": module_runtime,
         "LCMTOOLS_NAMESPACE": "",
         "XDG_CONFIG_HOME": str(tmp_path_factory.getbasetemp()),
+        "XDG_STATE_HOME": str(tmp_path_factory.getbasetemp()),
     }
 
     def run(*command: str, popen: Any = subprocess.Popen, **environment: str) -> Program:

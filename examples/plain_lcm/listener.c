@@ -1,4 +1,5 @@
 /* Subscribes to /cmd_vel and prints each velocity, with plain LCM in C.
+ * Three lines tell lcmtools its name and what it listens to.
  *
  *     ./listener                   and in another terminal:
  *     lcmtools pub /cmd_vel geometry_msgs/Twist "linear: [0.5, 0, 0]"
@@ -7,6 +8,7 @@
 #include <stdio.h>
 
 #include <lcm/lcm.h>
+#include <lcmtools.h>
 
 #include "geometry_msgs_Twist.h"
 
@@ -27,10 +29,13 @@ int main(void)
         return 1;
     }
     geometry_msgs_Twist_subscribe(bus, "/cmd_vel", print_velocity, NULL);
+    lcmtools_announcer *announcer = lcmtools_announcer_create(bus, "listener", NULL);
+    lcmtools_subscribes(announcer, "/cmd_vel", LCMTOOLS_TYPE(geometry_msgs, Twist));
     printf("listening\n");
     fflush(stdout);
     while (lcm_handle(bus) == 0) {
     }
+    lcmtools_announcer_destroy(announcer);
     lcm_destroy(bus);
     return 0;
 }

@@ -31,14 +31,14 @@ heard = [int(n) for n in re.findall(r"hello world (\d+)", open(sys.argv[1]).read
 sys.exit(heard != list(range(heard[0], heard[0] + len(heard))))' "$logs/listener"
 
 chapter 'An empty world'
-simulate /gazebo lcmtools launch gazebo_ros empty_world.launch
+simulate /gazebo lcmtools launch gazebo_ros empty_world.launch gui:=false
 show lcmtools node list
 check 'the simulator is a node' shown /gazebo
 end sim
 check 'Ctrl-C ends it' no_nodes
 
 chapter 'Walls, tables, and a Pioneer with a Kinect'
-simulate /gazebo lcmtools launch pre_assignment2 pre_assignment2.launch
+simulate /gazebo lcmtools launch pre_assignment2 pre_assignment2.launch gui:=false
 show lcmtools node list
 show lcmtools list
 check 'the camera and the robot are listed' \

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from lcmtools.bounded import BoundedDict
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.graph.model import Graph, Role
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
@@ -33,8 +35,8 @@ class RecordedTopics:
         self._unwanted = self._read(exclude, hidden=True)
         self._nodes = {node: Pattern(node, names.namespace, hidden=True) for node in nodes}
         self._of_nodes: set[str] = set()
-        self._cache: dict[str, bool] = {}
-        self._heard: set[str] = set()
+        self._cache = BoundedDict[str, bool](MOST_FLOWS)
+        self._heard: set[str] = set()  # of the named topics' channels
         self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
         """The topics, if all are named individually; empty if there may be any number."""
 
@@ -53,10 +55,11 @@ class RecordedTopics:
 
     def includes(self, channel: str) -> bool:
         """Return whether the channel of a message is wanted."""
-        known = self._cache.get(channel)
+        known = self._cache.use(channel)
         if known is None:
-            self._heard.add(channel)
             known = self._cache[channel] = self._is_wanted(channel)
+            if known and self.named:
+                self._heard.add(channel)
         return known
 
     def silent(self, graph: Graph) -> list[str]:

@@ -7,11 +7,10 @@ to.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from shlex import quote
 from typing import NamedTuple
 
-from lcmtools.arguments import is_assignment
 from lcmtools.bag.playlist import Track
 from lcmtools.errors import LcmtoolsError
 from lcmtools.formats.strict_json import write_json
@@ -21,7 +20,7 @@ from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import cells, to_plain
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic
-from lcmtools.observe.reports.describe import node_text, program_text
+from lcmtools.observe.reports.describe import node_text, program_texts
 from lcmtools.observe.simulators import is_simulator
 
 _JOINTS = "sensor_msgs/JointState"
@@ -34,14 +33,24 @@ _NO_MOTION = re.compile(
 _CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")  # in robotId
 _INDEX = re.compile(r"\d+\b")
 _MOST_VALUES = 3  # values of a command that are shown
+_MOST_LINES = 2  # programs that are named as reasons
+_MOST_NAMES = 3  # topics of each
+_MOST_LEFT_OUT = 2  # topics that a command line leaves out one by one
 
 
 class Conflict(NamedTuple):
-    """A reason not to play a topic."""
+    """A reason not to play a topic: a program that publishes it too, or that would obey it."""
 
     topic: str
-    reason: str
-    remedy: str  # what to type for this topic
+    channel: str  # its name in the log
+    program: str  # "/robot (laptop, pid 12)"
+    obeys: bool
+
+    @property
+    def reason(self) -> str:
+        """The reason, as a sentence."""
+        verb = "commands" if self.obeys else "is published by"
+        return f"{self.topic} {verb} {self.program}"
 
 
 def is_command(track: Track) -> bool:
@@ -69,20 +78,39 @@ def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conf
     for track in tracks:
         where = graph.topic(track.topic)
         live = [node for node, _ in where.publishers if not node.stale and node.name != own]
-        publishers = [*map(node_text, live), *map(program_text, where.foreign)]
-        is_shared = track.topic == _SHARED
-        reasons = [f"{track.topic} is published by {who}" for who in publishers if not is_shared]
-        reasons += [f"{track.topic} commands {node_text(node)}" for node in obeying(graph, track)]
-        remedy = _remedy(track.channel)
-        found += [Conflict(track.topic, reason, remedy) for reason in dict.fromkeys(reasons)]
+        publishers = [*map(node_text, live), *program_texts(where.foreign)]
+        if track.topic == _SHARED:
+            publishers = []
+        by_program = [(who, False) for who in publishers]
+        by_program += [(node_text(node), True) for node in obeying(graph, track)]
+        found += [Conflict(track.topic, track.channel, *one) for one in dict.fromkeys(by_program)]
     return found
 
 
-def _remedy(channel: str) -> str:
-    """Return the options for a channel; a remap cannot begin with every plain channel's name."""
-    remap = f"{channel}:=/other"
-    moves = f", {remap} moves it" if is_assignment(remap) else ""
-    return f"-x {quote(channel)} leaves it out{moves}"
+def reasons(found: Iterable[Conflict]) -> list[str]:
+    """Return a line or two about conflicts, those of robots that would obey first."""
+    topics: dict[tuple[bool, str], list[str]] = {}
+    for one in sorted(found, key=lambda one: not one.obeys):
+        topics.setdefault((one.obeys, one.program), []).append(one.topic)
+    lines = [
+        f"{program} {'would obey' if obeys else 'publishes'} {_listed(names)}"
+        for (obeys, program), names in topics.items()
+    ]
+    return [*lines[:_MOST_LINES], "other programs use topics of the log, too"][: len(lines)]
+
+
+def way_out(found: Iterable[Conflict], tracks: Sequence[Track]) -> str:
+    """Return the options with which a log is played without conflicts."""
+    channels = dict.fromkeys(one.channel for one in found)
+    if len(channels) > _MOST_LEFT_OUT or len(channels) == len(tracks):
+        return "--ns /replay"
+    return " ".join(f"-x {quote(channel)}" for channel in channels)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return "/a, /b, /c and 5 more"."""
+    more = len(names) - _MOST_NAMES
+    return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 class StandingCommand(NamedTuple):

@@ -20,7 +20,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.errors import InvalidFile, os_errors_as
+from lcmtools.errors import InvalidFile, LcmtoolsError
+from lcmtools.folders import read_bytes
 from lcmtools.formats.strict_yaml import Node, read_file
 from lcmtools.names import Pattern, did_you_mean, is_hidden
 
@@ -74,8 +75,7 @@ def read_contract(path: str | Path) -> Contract:
         InvalidFile: It is not a contract; the error has the line.
         LcmtoolsError: It cannot be read.
     """
-    with os_errors_as(f"cannot read {path}"):
-        text = Path(path).read_text("utf-8", "replace")
+    text = read_bytes(Path(path), kind=LcmtoolsError).decode("utf-8", "replace")
     source = str(path)
     keys = _mapping(read_file(text, source), source, _OF_LOG)
     topics = keys.pop("topics", None)

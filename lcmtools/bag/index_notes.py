@@ -9,6 +9,8 @@ from concurrent.futures import Executor, Future
 
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.writer import LogWriter
+from lcmtools.bounded import BoundedDict
+from lcmtools.graph.builder import MOST_FINGERPRINTS, MOST_FLOWS, MOST_NODES
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import decode_announcement, head_of
 from lcmtools.observe.reading.decoding import Decoder
@@ -21,6 +23,10 @@ from lcmtools.wire.packet import Packet, Sender
 _AGAIN = 5.0  # [s] until a sender without a name is looked up again
 _NOTE_PERIOD = 2.0  # [s] between records of sent messages if none are lost
 _FINGERPRINT_BYTES = 8
+_MOST_KEPT_BYTES = 64 << 20  # of the last messages of latched topics
+_MOST_NODE_BYTES = 2 << 20  # of announcements: a thousand nodes
+_MOST_UNKNOWN, _MOST_NEW = 1000, 4000
+"""Channels whose types are looked up at a time, and those with types that are new."""
 
 
 class IndexNotes:
@@ -31,27 +37,33 @@ class IndexNotes:
         # The losses since the beginning by sender's name, for senders with losses.
         self.losses: Mapping[str, Loss] = {}
         self._names = SenderNames()
-        self._announced: dict[str, tuple[str, ...]] = {}
-        self._decoder = Decoder(self._announced.__getitem__)
-        self._numbers: dict[Sender | None, int] = {}  # senders' numbers in the current file
-        self._named: dict[Sender, str] = {}  # senders' names in the current file
-        self._nodes: dict[str, Packet] = {}  # the last announcement of each node by its id
-        self._left: dict[str, Node] = {}  # the nodes that have ended, by id
-        self._revisions: dict[bytes, bytes] = {}
+        self._announced: dict[str, tuple[str, ...]] = {}  # the types of channels in a look-up
+        self._decoder = Decoder(lambda channel: self._announced[channel])
+        # Senders' numbers and names in the current file.
+        self._numbers = BoundedDict[Sender | None, int](MOST_FLOWS)
+        self._named = BoundedDict[Sender, str](MOST_FLOWS)
+        # The last announcement of each node by its id, and the nodes that have ended.
+        self._nodes = BoundedDict[str, Packet](MOST_NODES, _MOST_NODE_BYTES)
+        self._left = BoundedDict[str, Node](MOST_NODES, _MOST_NODE_BYTES)
+        self._revisions = BoundedDict[bytes, bytes](MOST_NODES, _MOST_NODE_BYTES)
         self._types: dict[tuple[str, int], RecordedType] = {}
-        self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints that have occurred
+        # The fingerprints that have occurred, on each channel and in all.
+        self._seen = BoundedDict[str, tuple[bytes, ...]](MOST_FLOWS)
+        self._known = BoundedDict[bytes, bool](MOST_FLOWS)
         self._unknown: list[Packet] = []
         self._latched: frozenset[str] = frozenset()
-        self._held: dict[str, Packet] = {}  # the last message of each latched topic
+        # The last message of each latched topic.
+        self._held = BoundedDict[str, Packet](MOST_FLOWS, _MOST_KEPT_BYTES)
         self._lookup: Future[list[RecordedType]] | None = None
         self._next_lookup = 0.0
         self._noted: Losses = {}  # losses recorded in the file's index
+        self._lost = BoundedDict[Sender, Loss](MOST_FLOWS)  # since the beginning
         self._next_note = 0.0
         self._last_time = 0  # of the latest added message [ns since 1970], which reveals a loss
 
     def begin(self, writer: LogWriter, *, is_split: bool = False) -> None:
         """Begin a file with the current types and nodes and, after a split, latched messages."""
-        self._numbers = {}
+        self._numbers.clear()
         writer.add_types(self._types.values())
         for packet in self._nodes.values():
             self._add_node(packet, writer)
@@ -65,41 +77,52 @@ class IndexNotes:
         """Add messages to a file, with their senders."""
         numbers, seen, latched, add = self._numbers, self._seen, self._latched, writer.add
         for packet in packets:
-            number = numbers.get(packet.sender)
+            number = numbers.use(packet.sender)
             if number is None:
                 number = self._number(packet.sender, writer)
-            key = packet.channel, packet.payload[:_FINGERPRINT_BYTES]
-            if key not in seen:
-                seen.add(key)
-                self._unknown.append(packet._replace(payload=key[1]))
-                self._next_lookup = 0.0
+            head = packet.payload[:_FINGERPRINT_BYTES]
+            heads = seen.use(packet.channel) or ()
+            if head not in heads and len(heads) < MOST_FINGERPRINTS:
+                seen[packet.channel] = (*heads, head)
+                self._note_unknown(packet._replace(payload=head))
             if latched and packet.channel in latched:
-                self._held[packet.channel] = packet
+                self._held.put(packet.channel, packet, len(packet.payload))
             add(packet, number)
             self._last_time = packet.time
 
     def add_announcement(self, packet: Packet, writer: LogWriter | None) -> bool:
         """Keep an announcement; return whether it differs from the node's last one."""
         identity, revision = head_of(packet.payload)
-        if self._revisions.get(identity) == revision:
+        if self._revisions.use(identity) == revision:
             return False
-        self._revisions[identity] = revision
+        self._revisions.put(identity, revision, len(identity) + len(revision))
         announcement = decode_announcement(packet.payload)
         if announcement is None:
             return False
+        size, node = len(packet.payload), announcement.node
         if announcement.leaving:
-            self._left[announcement.node.id] = announcement.node._replace(sender=packet.sender)
+            named = node._replace(
+                sender=packet.sender, endpoints=(), errors=(), command="", path=()
+            )
+            self._left.put(node.id, named, len(node.name) + len(node.host))
             self._next_lookup = 0.0
-        ends = announcement.node.endpoints
-        if announcement.node.tool and not any(end.role is Role.PUBLISHER for end in ends):
+        if node.tool and not any(end.role is Role.PUBLISHER for end in node.endpoints):
             return True  # it only observes, as this recorder does
         if announcement.leaving:
-            self._nodes.pop(announcement.node.id, None)
+            self._nodes.pop(node.id, None)
         else:
-            self._nodes[announcement.node.id] = packet
+            self._nodes.put(node.id, packet, size)
         if writer is not None:
             self._add_node(packet, writer)
         return True
+
+    def _note_unknown(self, packet: Packet) -> None:
+        """Note a message whose type is to be looked up; if there are many, one of each type."""
+        is_known, count = self._known.use(packet.payload), len(self._unknown)
+        self._known[packet.payload] = True
+        if count < (_MOST_UNKNOWN if is_known else _MOST_NEW):
+            self._unknown.append(packet)
+            self._next_lookup = 0.0
 
     def update(self, graph: Graph) -> None:
         """Update the latched topics from a changed graph."""
@@ -123,18 +146,21 @@ class IndexNotes:
         counts: dict[int, tuple[int, int]] = {}
         for sender, loss in found.items():
             before = self._noted.get(sender, Loss())
-            if sender in numbers and loss != before:
-                counts[numbers[sender]] = loss.lost - before.lost, loss.sent - before.sent
+            number = numbers.get(sender)
+            if number is not None and loss != before:
+                counts[number] = loss.lost - before.lost, loss.sent - before.sent
         now, is_news = time.monotonic(), any(lost for lost, _ in counts.values())
         if counts and (in_full or is_news or now >= self._next_note):
             self._next_note = now + _NOTE_PERIOD
-            self._noted = {**self._noted, **{one: found[one] for one in found if one in numbers}}
+            self._noted = {one: loss for one, loss in found.items() if one in numbers}
             writer.add_lost(LostMessages(self._last_time // 1000 * 1000, counts))
-        total: dict[str, Loss] = {}
         for sender, loss in found.items():
             if loss.lost and sender in self._named:
-                name = self._named[sender]
-                total[name] = total.get(name, Loss()) + loss
+                self._lost[sender] = loss
+        total: dict[str, Loss] = {}
+        for sender, loss in self._lost.items():
+            name = self._named.get(sender) or str(sender)
+            total[name] = total.get(name, Loss()) + loss
         self.losses = total
 
     def _number(self, sender: Sender | None, writer: LogWriter) -> int:
@@ -146,7 +172,7 @@ class IndexNotes:
         return number
 
     def _add_node(self, packet: Packet, writer: LogWriter) -> None:
-        number = self._numbers.get(packet.sender)
+        number = self._numbers.use(packet.sender)
         if number is None:
             number = self._number(packet.sender, writer)
         writer.add_node(RecordedNode(packet.time, number, packet.payload))
@@ -154,8 +180,8 @@ class IndexNotes:
     def _begin_lookup(self) -> None:
         self._next_lookup = time.monotonic() + _AGAIN
         packets, self._unknown = self._unknown, []
-        for packet in packets:
-            self._announced[packet.channel] = self._monitor.types_of(packet.channel)
+        types_of = self._monitor.types_of
+        self._announced = {packet.channel: types_of(packet.channel) for packet in packets}
         nodes = (*self._left.values(), *self._monitor.graph().nodes)
         self._lookup = self._worker.submit(self._identify, list(self._numbers), nodes, packets)
 
@@ -165,7 +191,7 @@ class IndexNotes:
         writer.add_types(self._types.values())
         for sender, number in self._numbers.items():
             name = self._names.name(sender)
-            if sender is not None and name != self._named[sender]:
+            if sender is not None and name != self._named.get(sender):
                 self._named[sender] = name  # later files have the name from the beginning
                 writer.rename_sender(number, sender, name)
 

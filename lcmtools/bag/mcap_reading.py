@@ -6,14 +6,14 @@ Belongs here: records and chunks. Must not know what messages contain.
 import struct
 from collections.abc import Callable, Iterator
 from heapq import heappop, heappush
-from importlib import import_module
 from io import BytesIO
 from itertools import accumulate
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO, Literal, NamedTuple
 from zlib import crc32
 
 from lcmtools.bag.damage import damage_text
 from lcmtools.errors import needing_extra
+from lcmtools.wire.log_compression import Compression, decompressed_bytes
 
 MAGIC = b"\x89MCAP0\r\n"
 _HEAD = struct.Struct("<BQ")  # a record's kind and length
@@ -23,6 +23,13 @@ _SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END, _FOOTER = 3, 4, 5, 6, 15, 2
 _READ = (_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END)
 _TIME_AT = {_MESSAGE_KIND: 6, _CHUNK: 0}  # where a record has its (earliest) time [byte]
 _NEVER = 2**64
+_MOST_OF_CHUNK = 1 << 28  # bytes, when unpacked
+_COMPRESSIONS: dict[str, Compression | Literal["bz2"]] = {
+    "zstd": "zstd",
+    "lz4": "lz4",
+    "bz2": "bz2",
+}
+"""Compressions of chunks, bz2 in ROS 1 bags only."""
 
 
 class McapMessage(NamedTuple):
@@ -121,7 +128,7 @@ class McapFileReader:
 
     def _chunk(self, content: bytes, *, is_whole: bool) -> Iterator[McapMessage]:
         chunk = self._parsers[_CHUNK](content)
-        plain = _decompressed(chunk.compression, chunk.data)
+        plain = decompressed_chunk(chunk.compression, chunk.data)
         if is_whole:
             _check(plain, chunk)
         at = 0
@@ -148,18 +155,13 @@ class McapFileReader:
             yield McapMessage(time, self._count, channel, schema, content[_MESSAGE.size :])
 
 
-def _decompressed(kind: str, data: bytes) -> bytes:
-    """Return the content of a chunk, as far as it is there."""
-    if kind == "zstd":
-        from zstandard import ZstdDecompressor
-
-        return ZstdDecompressor().decompressobj().decompress(data)
-    if kind == "lz4":
-        lz4: Any = import_module("lz4.frame")  # without types
-        return bytes(lz4.LZ4FrameDecompressor().decompress(data))
-    if kind:
+def decompressed_chunk(kind: str, data: bytes) -> bytes:
+    """Return the content of a chunk, as far as it is there; ValueError if it is too large."""
+    if kind in ("", "none"):
+        return data
+    if kind not in _COMPRESSIONS:
         raise ValueError(f"its compression {kind} is unknown")
-    return data
+    return decompressed_bytes(_COMPRESSIONS[kind], data, _MOST_OF_CHUNK)
 
 
 def _check(plain: bytes, chunk: Any) -> None:  # noqa: ANN401 - of the library

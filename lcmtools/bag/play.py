@@ -4,8 +4,10 @@ Belongs here: the checks before the first message, the loop that sends, and mess
 about commands at a pause and at the end. The meaning of keys is in ``keys``.
 """
 
+import math
 import os
 import queue
+import shlex
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -14,10 +16,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from lcmtools.bag.commands import Conflict, LastCommands, conflicts
+from lcmtools.bag.commands import Conflict, LastCommands, conflicts, reasons, way_out
 from lcmtools.bag.player import Player, Position
 from lcmtools.bag.player_keys import press
 from lcmtools.bag.playlist import Choice, Played, Playlist, Track
+from lcmtools.bag.summary_report import span_text
 from lcmtools.bag.times import LogTime, time_window
 from lcmtools.bus.url import BusUrl
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
@@ -40,6 +43,7 @@ _WATCH_PERIOD = 2.0  # [s] between two checks for new publishers
 _WATCH_TIME = 0.3  # [s] of a check, for programs that are not nodes
 _ASLEEP = NANOSECONDS  # [ns] without a turn means that the computer slept, or Ctrl-Z
 _ANSWERED = 0.3  # [s] after which existing nodes have announced themselves
+_LONG_GAP = 30.0  # [s] until the next message, of which the user is told
 _STOPS = 3  # times that a stop is sent, because each may be lost
 _STOP_GAP = 0.01  # [s]
 
@@ -98,7 +102,7 @@ def play(
             raise LcmtoolsError(
                 "the log has no messages between these times", "leave out --start or --end"
             )
-        known, graph = _check(url, playlist.tracks, notify, force=manner.force)
+        known, graph = _check(paths, url, playlist.tracks, notify, force=manner.force)
         with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
             session = _Session(node, playlist, manner, notify, watch)
             session.find(graph)
@@ -108,21 +112,22 @@ def play(
 
 
 def _check(
-    url: BusUrl, tracks: Sequence[Track], notify: Notify, *, force: bool
+    paths: Sequence[str | Path],
+    url: BusUrl,
+    tracks: Sequence[Track],
+    notify: Notify,
+    *,
+    force: bool,
 ) -> tuple[frozenset[Conflict], Graph]:
     """Refuse topics that are in use on the bus; return overridden reasons, and the graph."""
     with BusMonitor(url, "play", os.environ) as monitor:
         graph = monitor.settle()
     found = conflicts(graph, tracks)
-    for one in found:
-        notify(one.reason if force else f"{one.reason}; {one.remedy}")
+    for line in reasons(found):
+        notify(line)
     if found and not force:
-        count = len({one.topic for one in found})
-        topics = "a topic is" if count == 1 else f"{count} topics are"
-        raise LcmtoolsError(
-            f"nothing is played: {topics} in use on this bus",
-            "--ns /replay moves all, --domain 9 is another bus, --force plays anyway",
-        )
+        typed = f"lcmtools bag play {shlex.join(map(str, paths))} {way_out(found, tracks)}"
+        raise LcmtoolsError("nothing is played", f"{typed} goes ahead, --force plays anyway")
     return frozenset(found), graph
 
 
@@ -144,6 +149,7 @@ class _Session:
         ticks = manner.clock and CLOCK_TOPIC not in self._publishers
         self._clock = node.create_publisher(Clock, CLOCK_TOPIC) if ticks else None
         self._count = 0
+        self._is_gap_told = False
 
     def find(self, graph: Graph) -> None:
         """Learn the nodes of a graph, and follow them from now on."""
@@ -187,7 +193,9 @@ class _Session:
             if message := None if now >= due else player.pop_due(now):
                 self._publish(message)
                 continue
-            left = min(player.wait(now), max(0, due - now) / NANOSECONDS)
+            gap = player.wait(now)
+            self._tell_gap(gap)
+            left = min(gap, max(0, due - now) / NANOSECONDS)
             if not all(self._press(player, key) for key in wait(left)):
                 return
             if now >= due:
@@ -209,7 +217,15 @@ class _Session:
             self._settle("paused")
         return goes_on
 
+    def _tell_gap(self, seconds: float) -> None:
+        """Notify, once before each message, of a long wait for it; a pause waits without end."""
+        if _LONG_GAP < seconds < math.inf and not self._is_gap_told:
+            self._is_gap_told = True
+            wait = span_text(seconds)
+            self._notify(f"the next message is due in {wait}; --end leaves it out")
+
     def _publish(self, message: Played) -> None:
+        self._is_gap_told = False
         self._publishers[message.topic].publish_payload(message.payload)
         self._commands.add(message.topic, message.payload)
         self._count += 1

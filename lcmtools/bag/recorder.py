@@ -16,6 +16,7 @@ from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.ring import Ring, SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.writer import LogWriter
+from lcmtools.bus.processes import buffer_overflows
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.clock import NANOSECONDS
@@ -33,7 +34,7 @@ _WRITE_BYTES = 4 << 20  # are written at a time
 _MOST_WAITING = 256 << 20  # bytes, after which reading waits for the disk
 _LOOK_PERIOD = 0.25  # [s] between updates of nodes, names and losses
 _LONGEST_NAP = 0.004  # [s] that messages wait to be read together; buffers have room for more
-_DRAIN = 0.5  # [s] at most at the end, for messages that have arrived
+_DRAIN = 0.5  # [s] at the end, for messages whose times of arrival the bus does not know
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +56,13 @@ class Progress:
     bytes: int  # of all files
     files: int
     losses: Mapping[str, Loss]  # by the sender's name; only senders with losses
+    overflows: int = 0  # datagrams that full receive buffers dropped, at most
     trouble: str = ""  # problem with the bus; "" for none
     is_paused: bool = False
     is_writing: bool = True  # False while messages are only kept for a snapshot
     kept_messages: int = 0  # number of messages kept for a snapshot
     kept_bytes: int = 0
+    losses_are_known: bool = True  # False on a bus that does not number messages
 
 
 _NO_LIMITS = Limits()
@@ -117,6 +120,8 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         self._written: Future[None] | None = None
         self._counts: dict[str, int] = {}
         self._messages = self._closed_bytes = 0
+        self._overflows = self._dropped = 0
+        self._overflows_of_others = buffer_overflows()
         self._is_new_graph = True
         self._silence: list[str] | None = None
         self._began = self._file_began = self._next_look = self._next_write = 0.0
@@ -192,18 +197,25 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
 
     def progress(self) -> Progress:
         """Return the state of the recording."""
-        writer, ring = self._writer, self._ring
+        ring = self._ring
         return Progress(
             self._messages,
-            self._closed_bytes + (writer.size if writer else 0),
+            self._all_bytes,
             self._series.count,
             self._notes.losses,
+            self._overflows,
             self._monitor.trouble or self._monitor.send_trouble,
             self.is_paused,
-            writer is not None,
+            self._writer is not None,
             len(ring.packets) if ring else 0,
             ring.bytes if ring else 0,
+            self._monitor.knows_losses,
         )
+
+    @property
+    def _all_bytes(self) -> int:
+        writer = self._writer
+        return self._closed_bytes + (writer.size if writer else 0)
 
     def _run(self) -> None:
         try:
@@ -222,10 +234,18 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         while not self._stops.is_set() and not self._is_complete():
             self._add_wanted(self._monitor.receive(_WRITE_PERIOD))
             self._do_due_work(time.monotonic())
-        deadline = time.monotonic() + _DRAIN
-        while (packets := self._monitor.receive(0.0)) and time.monotonic() < deadline:
-            self._add_wanted(packets)
+        self._drain(time.time_ns())
         self._note_silence()
+
+    def _drain(self, end: int) -> None:
+        """Read the messages that have arrived by the end [ns since 1970]."""
+        self._count_overflows()
+        deadline, has_times = time.monotonic() + _DRAIN, self._monitor.tap is not None
+        while packets := self._monitor.receive(0.0):
+            self._add_wanted(packets)
+            if packets[-1].time > end if has_times else time.monotonic() > deadline:
+                break
+        self._count_overflows()
 
     def _note_silence(self) -> None:
         if self._silence is None:
@@ -235,7 +255,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         limits = self._limits
         if limits.duration is not None and time.monotonic() - self._began >= limits.duration:
             return True
-        if limits.bytes is not None and self.progress().bytes >= limits.bytes:
+        if limits.bytes is not None and self._all_bytes >= limits.bytes:
             return True
         named = self._choice.named if limits.messages is not None else ()
         full = [channel for channel, count in self._counts.items() if count == limits.messages]
@@ -293,9 +313,23 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         if self._writer is not None and now >= self._saves_until:
             self._close(self._writer)
 
+    def _count_overflows(self, *, look_at_others: bool = False) -> None:
+        """Count what full buffers dropped; at most that in all of this network meanwhile."""
+        if (tap := self._monitor.tap) is None:
+            return
+        of_all = buffer_overflows() if look_at_others else 0  # ahead of those of the tap
+        if (dropped := tap.overflows()) != self._dropped:
+            is_exact = tap.drops() is not None
+            most = dropped if is_exact else buffer_overflows() - self._overflows_of_others
+            self._overflows, self._dropped = min(dropped, most), dropped
+        elif look_at_others:
+            self._overflows_of_others = of_all - self._overflows
+
     def _do_due_work(self, now: float) -> None:
         """Do the work that is due."""
-        if now >= self._next_look:
+        is_time = now >= self._next_look
+        self._count_overflows(look_at_others=is_time)
+        if is_time:
             self._update_graph(now)
         if now >= self._began + PATIENCE:
             self._note_silence()

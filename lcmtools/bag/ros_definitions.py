@@ -13,12 +13,15 @@ from typing import Any, Literal, TypeAlias
 
 from lcmtools.bag.ros_reading import Channel
 from lcmtools.errors import InvalidFile
+from lcmtools.folders import LARGEST
 from lcmtools.packages.ros_files import to_lcm
 
 RosVersion: TypeAlias = Literal[1, 2]
 Definitions: TypeAlias = Mapping[str, Any]  # as in rosbags: constants and fields by type's name
 FILLER = "structure_needs_at_least_one_member"  # rosbags' field in a type without fields
 
+_MOST_VALUES = 5000  # of a type: rosbags takes seconds for so many
+_DEEPEST = 100
 _MARK = "  # ROS: "
 _LARGER = {"uint16": "int32", "uint32": "int64", "uint64": "int64", "octet": "uint8"}
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
@@ -47,6 +50,8 @@ def read_definition(channel: Channel, known: Definitions) -> tuple[str, Definiti
         return name, _with_known(name, {}, known)
     if channel.form in _NONE:
         raise InvalidFile("the bag has no definition of it")
+    if len(channel.definition) > LARGEST:
+        raise InvalidFile(f"its definition has more than {LARGEST} characters")
     try:
         found = _parsed(channel)
     except Exception as error:  # the library's parser may raise any
@@ -130,7 +135,37 @@ def _with_known(name: str, found: Definitions, known: Definitions) -> Definition
             raise InvalidFile(f"the bag has no definition of {lcm_name(one)}, which it contains")
         total.setdefault(one, known.get(one))
         waiting += [nested for nested in nested_types(total[one]) if nested not in waiting]
+    check_size(name, total)
     return total
+
+
+def check_size(name: str, known: Definitions) -> None:
+    """Raise InvalidFile for a type for which rosbags would write too much code.
+
+    It writes a few lines for each field, and for each element of an array of fixed size.
+    """
+    if _size(name, known, {}, ()) > _MOST_VALUES:
+        what = f"{lcm_name(name)} has more than {_MOST_VALUES} fields and elements of fixed arrays"
+        raise InvalidFile(what)
+
+
+def _size(name: str, known: Definitions, sizes: dict[str, int], above: tuple[str, ...]) -> int:
+    from rosbags.interfaces import Nodetype
+
+    if name in above or len(above) > _DEEPEST:
+        raise InvalidFile(f"{lcm_name(name)} contains itself, or types nested too deeply")
+    if name not in sizes:
+        total = 0
+        for _, (kind, of) in known[name][1]:
+            is_array = kind in (Nodetype.ARRAY, Nodetype.SEQUENCE)
+            element, base = of[0] if is_array else (kind, of)
+            one = 1
+            if element == Nodetype.NAME:
+                one += _size(base, known, sizes, (*above, name))
+            is_copied = element == Nodetype.BASE and base[0] != "string"  # numbers, at once
+            total += one * of[1] if kind == Nodetype.ARRAY and not is_copied else one
+        sizes[name] = total
+    return sizes[name]
 
 
 def nested_types(definition: tuple[Any, Any]) -> Iterator[str]:

@@ -15,13 +15,18 @@ from urllib.parse import quote
 from lcmtools.bag.damage import damage_text
 from lcmtools.bag.mcap_reading import MAGIC as _MCAP
 from lcmtools.bag.mcap_reading import McapFileReader
-from lcmtools.bag.ros1_records import unindexed_messages
+from lcmtools.bag.ros1_records import bound_chunks, unindexed_messages
 from lcmtools.errors import InvalidFile, LcmtoolsError, needing_extra, os_errors_as
+from lcmtools.folders import read_text
 from lcmtools.formats.strict_yaml import read_file
+from lcmtools.observe.reading.unpacking import fitting
+from lcmtools.wire.datagram import MESSAGE_MAX
+from lcmtools.wire.log_compression import decompressed, decompressed_bytes
 
 _ROS_1, _SQLITE, _ZSTD = b"#ROSBAG V", b"SQLite format 3\0", b"\x28\xb5\x2f\xfd"
 _LFS = b"version https://git-lfs.github.com/spec/"
 _METADATA = "metadata.yaml"
+_MOST_METADATA = 20_000_000  # bytes; it lists topics and files
 _ROS_1_FORM = "ros1", "ros1msg"
 _STORAGE = re.compile(r"\.(?:db3|mcap)(?:\.zstd)?$")
 _UNKNOWN = "(a topic that the file does not name)"
@@ -91,6 +96,8 @@ def _as_far_as_it_goes(
 
 def _start(path: Path) -> bytes:
     """Return the first bytes of a file; raise InvalidFile for a pointer to one."""
+    if path.exists() and not path.is_file():
+        raise InvalidFile(f"{path} is not a file")
     with os_errors_as(f"cannot read {path}", kind=InvalidFile), path.open("rb") as file:
         start = file.read(len(_LFS))
     if start == _LFS:
@@ -135,6 +142,7 @@ def _ros_1(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
                 yield BagMessage(Channel(name, kind, *_ROS_1_FORM, text), time, data)
         return
     with closing(reader):
+        bound_chunks(reader)
         channels = {
             one.id: Channel(one.topic, one.msgtype, *_ROS_1_FORM, one.msgdef.data)
             for one in reader.connections
@@ -165,7 +173,7 @@ def _listed(metadata: Path) -> list[str]:
     """Return the names of the files that a bag's metadata lists, none if it cannot be read."""
     _start(metadata)
     with suppress(InvalidFile, OSError, UnicodeDecodeError):
-        root: Any = read_file(metadata.read_text("utf-8"), str(metadata))
+        root: Any = read_file(read_text(metadata, _MOST_METADATA), str(metadata))
         with suppress(LookupError, TypeError, AttributeError):
             names = root.plain()["rosbag2_bagfile_information"]["relative_file_paths"]
             return [PurePath(name).name for name in names]
@@ -188,7 +196,8 @@ def _storage(file: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
         else:
             raise ValueError("neither SQLite nor MCAP")
         for one in found:
-            data = _decompressed(one.data) if one.data.startswith(_ZSTD) else one.data
+            is_plain = not one.data.startswith(_ZSTD)
+            data = one.data if is_plain else decompressed_bytes("zstd", one.data, MESSAGE_MAX)
             yield one._replace(data=data)
 
 
@@ -199,19 +208,11 @@ def _plain_file(file: Path) -> Iterator[tuple[Path, bytes]]:
     if not start.startswith(_ZSTD):
         yield file, start
         return
-    with needing_extra("mcap", "compressed bags need"):
-        from zstandard import ZstdDecompressor
     with TemporaryDirectory() as folder:
         plain = Path(folder, file.stem)
         with file.open("rb") as source, plain.open("wb") as target:
-            ZstdDecompressor().copy_stream(source, target)
+            target.writelines(fitting(decompressed("zstd", source), file))
         yield plain, _start(plain)
-
-
-def _decompressed(data: bytes) -> bytes:
-    from zstandard import ZstdDecompressor
-
-    return ZstdDecompressor().decompressobj().decompress(data)
 
 
 def _sqlite(file: Path) -> Iterator[BagMessage]:

@@ -17,6 +17,7 @@ from lcmtools.bag.ros_definitions import (
     FILLER,
     Definitions,
     RosVersion,
+    check_size,
     nested_types,
     original_text,
     parts,
@@ -30,7 +31,7 @@ from lcmtools.bag.ros_numbers import (
     holds,
     number_conversions,
 )
-from lcmtools.errors import DecodeError, needing_extra
+from lcmtools.errors import DecodeError, InvalidFile, needing_extra
 from lcmtools.messages.fields import Field, fields, holds_itself, is_time, length_values
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.wire.log_index import RecordedType
@@ -308,7 +309,11 @@ class RosTypes(Conversion):
             if self._known.fits(cls, name):
                 self.store.register({one: known[one] for one in parts(name, known)})
             else:
-                self.store.register({name: self._original(cls, name) or self._described(cls)})
+                described = self._original(cls, name) or self._described(cls)
+                check_size(name, {**self.store.fielddefs, name: described})
+                self.store.register({name: described})
+        except InvalidFile as error:
+            raise DecodeError(error.what) from error
         except TypesysError as error:
             reason = f"another {type_name(cls)} came before, and ROS has one type of a name"
             raise DecodeError(reason) from error

@@ -10,7 +10,9 @@ from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.observe.reading.log_file import index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log_compression import Compression, compressor
@@ -59,7 +61,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._block = Block(0)
         self._taken = 0
         self._is_cut_off = False  # True after a failed write: the index ends before it
-        self._senders: dict[tuple[Sender | None, str], int] = {}
+        self._senders = BoundedDict[tuple[Sender | None, str], int](MOST_FLOWS)
+        self._next_sender = 0
         self._types: set[tuple[str, int]] = set()  # names and fingerprints
 
     def __exit__(self, *_: object) -> None:
@@ -76,11 +79,12 @@ class LogWriter(AbstractContextManager["LogWriter"]):
 
     def sender_number(self, sender: Sender | None, name: str) -> int:
         """Return the number of a sender in this log."""
-        key = sender, name
-        if key not in self._senders:
-            number = self._senders[key] = len(self._senders)
+        number = self._senders.use((sender, name))
+        if number is None:
+            number = self._senders[sender, name] = self._next_sender
+            self._next_sender += 1
             self._lines.append(log_index.sender_line(number, RecordedSender(sender, name)))
-        return self._senders[key]
+        return number
 
     def rename_sender(self, number: int, sender: Sender | None, name: str) -> None:
         """Give a sender of this log, by its number, a new name."""

@@ -1,11 +1,11 @@
 """The interface of a bus for nodes."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, BusOfParent
 
 Handler = Callable[[bytes, int], None]
 """Called with a payload and its time of arrival [ns since 1970]; must be quick."""
@@ -22,7 +22,20 @@ class Bus(Protocol):
 
     @property
     def ports(self) -> list[int]:
-        """The UDP ports that messages are sent from, in addition to the announcements' port."""
+        """The UDP ports that messages are sent from."""
+
+    @property
+    def overflows(self) -> int:
+        """The most datagrams that a full receive buffer can have lost; 0 if it is unknown."""
+
+    def lost(self, channel: str) -> int:
+        """Return the number of messages on a channel that are known to have been lost."""
+
+    def unsent(self) -> tuple[str, Mapping[str, int]]:
+        """Return the address at the other end of a line that is full, "" if none is known.
+
+        Also the number of messages of each channel that were never sent because of such lines.
+        """
 
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
@@ -34,6 +47,10 @@ class Bus(Protocol):
             payload: Fingerprint and encoded struct, or any other bytes.
             type_name: The type "package/Name", for a bus whose keys contain it; "" if unknown.
             latched: It is state, which may arrive late; on Zenoh, other late messages are dropped.
+
+        Raises:
+            BusError: It cannot be sent.
+            InvalidName: LCM cannot carry this channel name.
         """
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
@@ -42,8 +59,11 @@ class Bus(Protocol):
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
 
-    def subscribe(self, channel: str, handler: Handler) -> None:
-        """Call ``handler``, on the receiving thread, for each message on the channel."""
+    def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+        """Call ``handler``, on the receiving thread, for each message on the channel.
+
+        ``is_large`` means that messages of over 100 kB are to be expected from the first one on.
+        """
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
@@ -69,7 +89,7 @@ def refusal(*, is_of_parent: bool) -> BusError:
     """Return the error for a bus that is closed, or that belongs to a forked process's parent."""
     if is_of_parent:
         remedy = "call lcmtools.init() in the forked process and make its nodes there"
-        return BusError("the bus belongs to the parent process", remedy)
+        return BusOfParent("the bus belongs to the parent process", remedy)
     return BusError("the bus is closed")
 
 

@@ -8,15 +8,14 @@ the socket's buffer fills up between two reads, the newest are lost.
 import contextlib
 import select
 
-from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, attach, mark
+from lcmtools.bus.group_receiver import one_by_one
+from lcmtools.bus.kernel import SELECTIVE, attach, mark
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import one_channel
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.wire import datagram
+from lcmtools.wire.datagram import MalformedDatagram, ShortMessage, parse
 
-_NUMBER_OFFSET = 16  # offset of a fragment's number
-_MAX_DATAGRAM = 65536
 _MOST_AT_ONCE = 4096  # messages: a flood must not keep the reader busy
 
 
@@ -28,12 +27,10 @@ class ChannelSocket:
     """
 
     def __init__(self, url: BusUrl, channel: str) -> None:
-        self._name = channel.encode() + b"\0"
+        self._channel = channel
         self.has_large = False
         """True once a message came in several fragments, which are not received here."""
-        self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._receiver = receiving_socket(url)
-        self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
         if not attach(self._receiver, one_channel(channel)):
             self._receiver.close()
             raise BusError("this system cannot filter datagrams")
@@ -44,16 +41,15 @@ class ChannelSocket:
     def receive(self) -> list[tuple[bytes, int]]:
         """Return waiting payloads with their receive times [ns since 1970]; never blocks."""
         received: list[tuple[bytes, int]] = []
-        head = datagram.SHORT_HEADER_BYTES
-        start = head + len(self._name)
-        with contextlib.suppress(OSError):  # BlockingIOError: no more are waiting
-            for _ in range(_MOST_AT_ONCE):
-                size, ancillary, *_ = self._receiver.recvmsg_into([self._buffer], ANCILLARY_BYTES)
-                data = bytes(self._buffer[:size])
+        with contextlib.suppress(OSError):
+            for data, _, arrived, _ in one_by_one(self._receiver, _MOST_AT_ONCE):
+                found = parse(data)
                 # compared again: datagrams from before the filter was attached may be any
-                if data.startswith(datagram.MAGIC_SHORT) and data[head:start] == self._name:
-                    received.append((data[start:], arrival(ancillary)[0]))
-                elif data.startswith(datagram.MAGIC_FRAGMENT) and self._begins_large(data):
+                if isinstance(found, MalformedDatagram) or found.channel != self._channel:
+                    continue
+                if isinstance(found, ShortMessage):
+                    received.append((found.payload, arrived))
+                else:
                     self.has_large = True
         return received
 
@@ -64,7 +60,3 @@ class ChannelSocket:
     def close(self) -> None:
         """Leave the group."""
         self._receiver.close()
-
-    def _begins_large(self, fragment: bytes) -> bool:
-        is_first = fragment[_NUMBER_OFFSET : _NUMBER_OFFSET + 2] == b"\0\0"
-        return is_first and fragment.startswith(self._name, datagram.FRAGMENT_HEADER_BYTES)

@@ -6,6 +6,7 @@ further work on the datagrams.
 
 import ctypes
 import errno
+import mmap
 import os
 import socket
 import struct
@@ -37,10 +38,11 @@ class DatagramBatch:
 
     def __init__(self, receiver: socket.socket) -> None:
         self._receiver = receiver
-        self._call = ctypes.CDLL(None, use_errno=True).recvmmsg
+        self._call = ctypes.PyDLL(None, use_errno=True).recvmmsg  # keeps the lock
         self._senders: dict[int, Sender] = {}
-        data, self._parts, self._headers, self._facts = (
-            bytearray(_SLOTS * size) for size in (_LARGEST, _PART.size, _HEADER.size, _FACTS.size)
+        data = mmap.mmap(-1, _SLOTS * _LARGEST)  # takes memory only where datagrams come
+        self._parts, self._headers, self._facts = (
+            bytearray(_SLOTS * size) for size in (_PART.size, _HEADER.size, _FACTS.size)
         )
         self._data = memoryview(data)
         buffers = (data, self._parts, self._headers, self._facts)

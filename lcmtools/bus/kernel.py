@@ -15,6 +15,7 @@ from array import array
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 from lcmtools.bus.socket_filter import FilterProgram
 
@@ -37,13 +38,13 @@ SUBSCRIBED = 0x6C
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
-_SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 27, 55, 12
+_SO_ATTACH_FILTER, _SO_MEMINFO, _SO_NETNS_COOKIE, _IP_RECVTTL = 26, 55, 71, 12
 _UDP_SEGMENT, _TCP_INFO = 103, 11  # linux/udp.h, linux/tcp.h
-_MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # indices of its numbers (linux/sock_diag.h)
+_MEMORY_USED, _MEMORY_LIMIT, _MEMORY_DROPS = 0, 1, 8  # indices of its numbers (linux/sock_diag.h)
 IS_LINUX = sys.platform == "linux"
 # the option for receive times, the kind of its ancillary data, their seconds and fraction, and the
 # fraction's unit [ns]: SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
-_STAMP_OPTION, _STAMP_KIND, _STAMP, _STAMP_UNIT = (
+_STAMP_OPTION, STAMP_KIND, STAMP, STAMP_UNIT = (
     (35, 35, struct.Struct("@qq"), 1) if IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
 )
 
@@ -73,7 +74,7 @@ def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, milliseconds)
 
 
-def keep_little_waiting(connection: socket.socket) -> None:
+def keep_little_waiting(connection: socket.socket, most_bytes: int = _LITTLE_BYTES) -> None:
     """Let the kernel buffer little more of a connection's data than the line can take at once.
 
     Data that wait in the program can still be dropped; data in the kernel will arrive. They leave
@@ -81,7 +82,7 @@ def keep_little_waiting(connection: socket.socket) -> None:
     """
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     if hasattr(socket, "TCP_NOTSENT_LOWAT"):
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, _LITTLE_BYTES)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, most_bytes)
 
 
 def is_unanswered(connection: socket.socket) -> bool:
@@ -117,9 +118,9 @@ def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
     """
     received, ttl = 0, None
     for level, kind, data in ancillary:
-        if level == socket.SOL_SOCKET and kind == _STAMP_KIND and len(data) >= _STAMP.size:
-            seconds, fraction = _STAMP.unpack_from(data)
-            received = seconds * 1_000_000_000 + fraction * _STAMP_UNIT
+        if level == socket.SOL_SOCKET and kind == STAMP_KIND and len(data) >= STAMP.size:
+            seconds, fraction = STAMP.unpack_from(data)
+            received = seconds * 1_000_000_000 + fraction * STAMP_UNIT
         elif level == socket.IPPROTO_IP and kind == socket.IP_TTL:
             ttl = int.from_bytes(data[:4], sys.byteorder)
     return received or time.time_ns(), ttl
@@ -165,17 +166,20 @@ def attach(receiver: socket.socket, program: FilterProgram) -> bool:
     return False
 
 
-def detach(receiver: socket.socket) -> None:
-    """Remove a socket's filter, if it has one."""
-    with contextlib.suppress(OSError):
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
+class Buffer(NamedTuple):
+    """The state of a socket's receive buffer."""
+
+    used: int  # bytes that wait, with the kernel's overhead
+    limit: int  # bytes that may wait
+    dropped: int  # datagrams that the filter or the full buffer dropped
 
 
-def dropped(receiver: socket.socket) -> int | None:
-    """Return the number of datagrams that a socket's filter or full buffer dropped, if known."""
+def buffer(receiver: socket.socket) -> Buffer | None:
+    """Return the state of a socket's receive buffer, if known."""
     with contextlib.suppress(OSError, IndexError):
         numbers = receiver.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_MEMORY_DROPS + 1))
-        return memoryview(numbers).cast("I")[_MEMORY_DROPS]
+        found = memoryview(numbers).cast("I")
+        return Buffer(found[_MEMORY_USED], found[_MEMORY_LIMIT], found[_MEMORY_DROPS])
     return None
 
 
@@ -204,6 +208,24 @@ def own_network() -> int:
     """Return the number of this thread's network namespace; 0 if the system has none."""
     try:
         return Path("/proc/thread-self/ns/net").stat().st_ino
+    except OSError:
+        return 0
+
+
+def network_cookie() -> int:
+    """Return a number of this thread's network namespace, which no later one gets; 0 if unknown."""
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+            number = one.getsockopt(socket.SOL_SOCKET, _SO_NETNS_COOKIE, 8)
+    except OSError:
+        return 0
+    return int.from_bytes(number, sys.byteorder)
+
+
+def own_pid_namespace() -> int:
+    """Return the number of the namespace of this process's pid; 0 if the system has none."""
+    try:
+        return Path("/proc/self/ns/pid").stat().st_ino
     except OSError:
         return 0
 

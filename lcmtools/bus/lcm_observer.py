@@ -1,16 +1,19 @@
 """Observing all messages of a bus without multicast; see ``observe.sources.Observer``."""
 
 import contextlib
-import select
+import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance
+from lcmtools.bus.line_buffer import Ends, LineBuffers
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.wire import sequence
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.sequence import Sequence
+
+_SLOW = 0.01  # [s]: a message that took longer to send had to wait for the network
 
 
 class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
@@ -25,7 +28,7 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
 
     port = 0
     is_live, is_awaiting = True, False
-    numbered: Mapping[Sender, Sequence] = MappingProxyType({})
+    numbered: Mapping[Sender, sequence.Sequence] = MappingProxyType({})
 
     def __init__(
         self, url: BusUrl, on_outage: Callable[[str, str], None] = lambda _text, _trouble: None
@@ -34,6 +37,7 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
         self.is_log = url.provider == "file"
         self.has_strangers = url.provider in ("tcpq", "mpudpm")
         self._packets: list[Packet] = []
+        self._lines = LineBuffers()
         self._connection = Connection(url, self._subscribe, on_outage)
 
     def __exit__(self, *_: object) -> None:
@@ -52,38 +56,41 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
         """
         if self.is_log:
             return
-        instance, is_lost = self._connection.instance, self._connection.is_lost
-        if instance is None:
-            lost = f"the connection to {self._url} is lost"
-            raise BusError(lost if is_lost else "the bus is closed")
+        start = time.monotonic()
         try:
-            instance.publish(channel, payload)
+            self._connection.publish(channel, payload)
         except OSError as error:
             raise BusError(f"cannot publish on {channel}") from error
+        if (end := time.monotonic()) - start > _SLOW:
+            self._lines.adjust(end)
 
-    def receive(self, timeout: float) -> list[Packet]:
+    @property
+    def own_address(self) -> str:
+        """The address of this end of a connection to a server, "HOST:PORT"; "" for none."""
+        instance = self._connection.instance
+        with contextlib.suppress(OSError):
+            if instance is not None and self._url.provider == "tcpq":
+                return "{}:{}".format(*Ends.of(instance.fileno()).own)
+        return ""
+
+    def receive(self, timeout: float, also: Sequence[socket.socket] = ()) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first.
+
+        It also stops waiting when one of the sockets ``also`` is readable.
 
         Raises:
             EOFError: The log has ended, or the bus is closed.
         """
-        connection = self._connection
-        if (left := connection.left()) is not None:
-            time.sleep(max(0.0, min(left, timeout)))
-            if left <= timeout:
-                connection.try_again()
-            return []
-        if connection.instance is None:
+        if self._connection.instance is None and not self._connection.is_lost:
             raise EOFError
-        try:
-            if select.select([connection.instance.fileno()], [], [], max(0.0, timeout))[0]:
-                connection.instance.handle_timeout(0)
-        except (OSError, ValueError):  # it has ended, or liblcm closed it when sending failed
-            connection.lose()
+        self._connection.receive(max(0.0, timeout), [one.fileno() for one in also])
         packets, self._packets = self._packets, []
         return packets
 
     def _subscribe(self, instance: Instance) -> None:
+        if self._url.provider == "tcpq":
+            self._lines.follow([Ends.of(instance.fileno())])
+
         def collect(channel: str, payload: bytes) -> None:
             self._packets.append(Packet(channel, payload, time.time_ns()))
 

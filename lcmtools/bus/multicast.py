@@ -6,7 +6,6 @@ here takes a millisecond if it works and under half a second if it does not.
 
 import contextlib
 import errno
-import select
 import socket
 import struct
 import time
@@ -14,6 +13,7 @@ from collections.abc import Iterator
 
 from lcmtools.bus.kernel import (
     ANNOUNCED,
+    IS_LINUX,
     SELECTIVE,
     attach,
     mark,
@@ -21,16 +21,20 @@ from lcmtools.bus.kernel import (
     request_arrival,
     share_port,
 )
+from lcmtools.bus.network_watch import LOOPBACK, join, join_loopback, network_watch
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import wait_readable
 from lcmtools.errors import BusError
 from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import short_message
 
+_IP_PKTINFO = 8  # linux/in.h
 _SELF_TEST = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _NETWORK_ROUTE = "sudo ip route add 224.0.0.0/4 dev IFACE"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
+_OVER_LOOPBACK = socket.IPPROTO_IP, _IP_PKTINFO, struct.pack("=i4s4s", LOOPBACK, b"", b"")
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
 
@@ -42,12 +46,28 @@ def sending_socket(url: BusUrl) -> socket.socket:
     return sender
 
 
-def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socket.socket:
+def send_to_group(sender: socket.socket, datagram: bytes, address: tuple[str, int]) -> None:
+    """Send a datagram to a group; without a route, to the programs of this computer only.
+
+    Raises:
+        OSError: The system does not send it.
+    """
+    try:
+        sender.sendto(datagram, address)
+    except OSError as error:
+        if error.errno != errno.ENETUNREACH or not IS_LINUX:
+            raise
+        sender.sendmsg([datagram], [_OVER_LOOPBACK], 0, address)
+
+
+def receiving_socket(
+    url: BusUrl, program: FilterProgram | None = None, *, is_brief: bool = False
+) -> socket.socket:
     """Return a socket that receives from the group shared with others, as liblcm's receivers do.
 
     It has ``program`` as its filter from the beginning, if the system has filters, and all its
     datagrams have their receive time, if the system gives one: one that came before the request
-    would have the time of reading it.
+    would have the time of reading it. It follows the network, unless it ``is_brief``.
 
     Raises:
         BusError: The group cannot be joined.
@@ -61,8 +81,10 @@ def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socke
         mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))
-        membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)
-        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+        join(receiver, url.host)
+        join_loopback(receiver, url.host)
+        if not is_brief:
+            network_watch.follow(receiver, url.host)
         stack.pop_all()
     return receiver
 
@@ -75,7 +97,7 @@ def check_multicast(url: BusUrl) -> None:
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
         probe.connect((url.host, url.port))  # sends nothing, but fails without a route
-    with receiving_socket(url) as receiver, sending_socket(url) as sender:
+    with receiving_socket(url, is_brief=True) as receiver, sending_socket(url) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         check_loopback(url, sender, receiver)
 
@@ -106,7 +128,7 @@ def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> b
     """Return whether this process's own datagram arrives; other traffic is ignored."""
     deadline = time.monotonic() + timeout
     while (left := deadline - time.monotonic()) > 0:
-        if not select.select([receiver], [], [], left)[0]:
+        if not wait_readable([receiver.fileno()], left):
             return False
         data, address = receiver.recvfrom(len(_SELF_TEST) + 1)
         if data == _SELF_TEST and address[1] == port:

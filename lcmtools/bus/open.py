@@ -15,6 +15,10 @@ def open_bus(url: BusUrl) -> Bus:
         from lcmtools.bus.zenoh.bus import ZenohBus
 
         return ZenohBus(url)
+    if url.is_multicast:
+        from lcmtools.bus.udp_bus import UdpBus
+
+        return UdpBus(url)
     from lcmtools.bus.lcm_bus import LcmBus
 
     return LcmBus(url)

@@ -3,7 +3,6 @@
 Must not import lcm or zenoh.
 """
 
-import os
 import socket
 import time
 from collections.abc import Callable
@@ -11,10 +10,10 @@ from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError, os_errors_as
+from lcmtools.errors import BusError
+from lcmtools.folders import opened
 from lcmtools.wire.log_events import SYNC
 
-_SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 3.5  # [s]; TCP retransmits lost packets of it after 1 s and 3 s
 _ANSWER_TIMEOUT = 5.0  # [s]; a busy server may take its time
 _PERIOD = 0.2  # [s] between two checks
@@ -26,7 +25,6 @@ def check_bus(url: BusUrl) -> None:
     Raises:
         BusError: It cannot; the error says what to do.
     """
-    _check_descriptors()
     if url.provider in ("udpm", "mpudpm"):
         check_multicast(url)
     elif url.provider == "tcpq":
@@ -58,14 +56,6 @@ def _problem(url: BusUrl) -> BusError | None:
     return None
 
 
-def _check_descriptors() -> None:
-    """Check that about ten file descriptors are left below 1024, the limit of ``select``."""
-    with Path(os.devnull).open("rb") as lowest_free:
-        if lowest_free.fileno() > _SELECT_LIMIT - 20:
-            limit = f"liblcm cannot wait for a descriptor above {_SELECT_LIMIT}"
-            raise BusError(f"this process has over {lowest_free.fileno()} open files, and {limit}")
-
-
 def _check_server(url: BusUrl) -> None:
     """Check that the server answers: liblcm waits for a silent one forever, and blocks Python."""
     from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
@@ -85,10 +75,12 @@ def _check_server(url: BusUrl) -> None:
 
 
 def _check_log(url: BusUrl) -> None:
+    path = Path(url.network)
     if url.options.get("mode", "r") != "r":
+        if path.exists() and not path.is_file():
+            raise BusError(f"cannot write the log '{path}': it is not a file")
         return
-    what = f"cannot read the log '{url.network}'"
-    with os_errors_as(what, kind=BusError), Path(url.network).open("rb") as log:
+    with opened(path, f"cannot read the log '{path}'", BusError) as log:
         start = log.read(len(SYNC))
     if start != SYNC:
         raise BusError(f"'{url.network}' is empty or not an LCM log")

@@ -69,6 +69,23 @@ def udp_sockets() -> list[UdpSocket]:
     return found
 
 
+def buffer_overflows() -> int:
+    """Return the number of UDP datagrams that full receive buffers dropped, since the start."""
+    return network_counter("snmp", "Udp:", "RcvbufErrors")
+
+
+def network_counter(file: str, group: str, name: str) -> int:
+    """Return a counter of this network namespace; 0 if it is unknown.
+
+    The file has a line of names before each line of numbers.
+    """
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        lines = (_PROC / "net" / file).read_text().splitlines()
+        rows = [line.split() for line in lines if line.startswith(group)]
+        return int(rows[1][rows[0].index(name)])
+    return 0
+
+
 class PossibleSenders(NamedTuple):
     """The processes that may send from a local UDP port."""
 
@@ -100,7 +117,7 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
     targets = {f"socket:[{inode}]": inode for inode in inodes}
     found: dict[int, Process] = {}
     process_at = cache(process_of)
-    for pid, target in _open_files() if targets else ():
+    for pid, target in open_files() if targets else ():
         if target in targets and (process := process_at(pid)):
             found.setdefault(targets[target], process)
     return found
@@ -112,14 +129,23 @@ def process_of(pid: int) -> Process | None:
     Without proc(5), its command and start are unknown.
     """
     try:
-        command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
         fields = _status(pid)
+        command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
     except OSError:
-        is_hidden = not _PROC.joinpath("self").exists() and _takes_signals(pid)
-        return Process(pid, "") if is_hidden else None
+        return Process(pid, "") if not shows_own_pids() and _takes_signals(pid) else None
     if fields[0] in ("Z", "X"):
         return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
+
+
+def innermost_pid(pid: int) -> tuple[int, int]:
+    """Return a process's pid namespace and its pid there, as in a container; zeros if unknown."""
+    folder = _PROC / str(pid)
+    with contextlib.suppress(OSError, StopIteration, ValueError):
+        lines = (folder / "status").read_text().splitlines()
+        pids = next(line for line in lines if line.startswith("NSpid:"))
+        return (folder / "ns/pid").stat().st_ino, int(pids.split()[-1])
+    return 0, 0
 
 
 def is_stopped(pid: int) -> bool:
@@ -158,7 +184,21 @@ def usage_of(pid: int) -> Usage | None:
     )
 
 
+def shows_own_pids() -> bool:
+    """Return whether /proc has the pids of this process's namespace, and not of another one."""
+    with contextlib.suppress(OSError, ValueError):
+        return int((_PROC / "self").readlink().name) == os.getpid()
+    return False
+
+
 def _status(pid: int) -> list[str]:
+    """Return the fields of /proc/PID/stat after the name.
+
+    Raises:
+        OSError: There is no such process, or /proc has the pids of another namespace.
+    """
+    if not shows_own_pids():
+        raise OSError
     status = (_PROC / str(pid) / "stat").read_text()
     return status.rpartition(")")[2].split()  # the name before it may contain anything
 
@@ -254,8 +294,10 @@ def _parse_row(columns: list[str]) -> UdpSocket | None:
     )
 
 
-def _open_files() -> Iterator[tuple[int, str]]:
+def open_files() -> Iterator[tuple[int, str]]:
     """Yield pids with the targets of their descriptors, except other users' processes."""
+    if not shows_own_pids():
+        return
     # strings are used because thousands of Paths would take most of the time
     with contextlib.suppress(OSError):  # a system without proc(5)
         for pid in filter(str.isdigit, os.listdir(_PROC)):  # noqa: PTH208

@@ -11,8 +11,7 @@ import time
 from collections.abc import Callable, Container, Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from lcmtools.bus.kernel import attach
-from lcmtools.bus.multicast import receiving_socket, sending_socket
+from lcmtools.bus.multicast import receiving_socket, send_to_group, sending_socket
 from lcmtools.bus.socket_filter import whole_on
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
@@ -48,12 +47,11 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     ) -> None:
         if not url.is_multicast:
             raise BusError("only a multicast bus can be probed")
-        self._receiver = receiving_socket(url)
+        self._receiver = receiving_socket(url, whole_on(answers_on), is_brief=True)
         self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
-        attach(self._receiver, whole_on(answers_on))
         self._sender = sending_socket(url)
         try:
-            self._sender.sendto(request, (url.host, url.port))
+            send_to_group(self._sender, request, (url.host, url.port))
         except OSError as error:
             self.close()
             raise BusError(f"cannot send to {url.host}: {error.strerror}") from error

@@ -1,22 +1,23 @@
-"""The receiving half of a bus for nodes, on which each implementation of ``Bus`` is built.
+"""The base of each ``Bus``: subscriptions, and threads that take turns to receive.
 
 Handlers run on the thread that has the right to receive (see ``bus.receive_right``): one that waits
-for messages, or else the bus's own. A bus is asked only where its messages come from; how threads
-take turns, forks, requests and the end are the same for all.
+for messages, or else the bus's own. An implementation only sends, begins and ends to receive a
+channel, and tells where messages wait; forks, requests and the end are the same for all.
 """
 
+import contextlib
 import queue
-import select
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from lcmtools.bus.base import Handler, refusal
 from lcmtools.bus.receive_right import ReceiveRight
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.bus.wakeup import WakeupEvent, wait_readable
 from lcmtools.errors import BusError
+from lcmtools.names import check_channel, check_length
 
 BATCH = 100  # messages handled before a request is served
 _FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth holds
@@ -25,16 +26,21 @@ _REQUEST_TIMEOUT = 15.0  # [s]; more than liblcm's own ten seconds
 
 
 class ReceivingBus(ABC):
-    """A bus with its own receiving thread, which lends the right to receive.
+    """A bus with its own receiving thread, which lends the right to receive; see ``Bus``.
 
     An implementation opens its connection, and then calls ``_start``.
     """
 
+    overflows = 0
+    _send: Callable[[str, bytes], None]
+    """Sends one message, on any thread; raises OSError if the system does not."""
+
     def __init__(self, url: BusUrl) -> None:
         self.url = url
+        self.ports: list[int] = []
         self.on_outage: Callable[[str], None] = lambda _: None
         self.on_received: Callable[[], None] = lambda: None
-        self._handlers: dict[str, tuple[Handler, ...]] = {}
+        self._handlers: dict[bytes, tuple[Handler, ...]] = {}  # by encoded channel
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._changing = threading.Lock()  # held for changes that closing must not interrupt
         self._burst = 0  # times in a row that many messages waited
@@ -51,6 +57,65 @@ class ReceivingBus(ABC):
     @abstractmethod
     def _leave(self) -> None:
         """Send waiting messages and leave the bus; the receiving thread has ended."""
+
+    def _has_read(self) -> bool:
+        """Return whether messages wait that no descriptor tells of."""
+        return False
+
+    def _prepare(self) -> None:  # noqa: B027 - most have nothing to prepare
+        """Prepare for bursts, on its own thread, once another thread receives for the first time.
+
+        In the first burst it would be too late: each system call may wait for a callback's thread.
+        """
+
+    @abstractmethod
+    def _begin(self, channel: str) -> None:
+        """Begin to receive a channel, on the receiving thread."""
+
+    @abstractmethod
+    def _end(self, channel: str) -> None:
+        """Receive a channel no more, on the receiving thread."""
+
+    def unsent(self) -> tuple[str, Mapping[str, int]]:
+        """Return nothing, because most buses know nothing of their lines (see ``Bus``)."""
+        return "", {}
+
+    def publish(
+        self,
+        channel: str,
+        payload: bytes,
+        type_name: str = "",  # noqa: ARG002 - for ``Bus``: LCM's channels name no type
+        *,
+        latched: bool = False,  # noqa: ARG002 - nor do they mark messages that may be late
+    ) -> None:
+        """Send one message; raises BusError, and InvalidName for what LCM cannot carry."""
+        check_length(channel)
+        if self._closed:
+            raise self._refusal()
+        try:
+            self._send(channel, payload)
+        except OSError as error:
+            if self._closed:  # meanwhile
+                raise self._refusal() from None
+            raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
+
+    def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
+        """Send none together, because one by one they cost no more (see ``Bus``)."""
+        return range(len(messages))
+
+    def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+        """Call ``handler`` for each message; raises BusError and InvalidName as ``publish``."""
+        check_channel(channel)
+        self._on_receiver(lambda: self._subscribe(channel, handler, is_large=is_large))
+
+    def unsubscribe(self, channel: str, handler: Handler) -> None:
+        """Undo ``subscribe``."""
+        with contextlib.suppress(BusError):  # a closed bus delivers nothing anyway
+            self._on_receiver(lambda: self._unsubscribe(channel, handler))
+
+    def lost(self, _channel: str) -> int:
+        """Return the number of messages that are known to have been lost (see ``Bus``)."""
+        return 0
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
@@ -93,23 +158,31 @@ class ReceivingBus(ABC):
         """Return the error for a use of a closed bus."""
         return refusal(is_of_parent=self._is_of_parent)
 
-    def _add_handler(self, channel: str, handler: Handler) -> None:
-        self._handlers[channel] = (*self._handlers.get(channel, ()), handler)
+    def _subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:  # noqa: ARG002 - for ``UdpBus``
+        name = channel.encode()
+        known = self._handlers.get(name, ())
+        self._handlers[name] = (*known, handler)
+        if not known:
+            try:
+                self._begin(channel)
+            except BusError:
+                del self._handlers[name]
+                raise
 
-    def _remove_handler(self, channel: str, handler: Handler) -> None:
-        """Remove a handler; a channel without handlers is not in ``_handlers``."""
-        handlers = list(self._handlers.get(channel, ()))
-        if handler in handlers:
-            handlers.remove(handler)
-        if handlers:
-            self._handlers[channel] = tuple(handlers)
-        else:
-            self._handlers.pop(channel, None)
+    def _unsubscribe(self, channel: str, handler: Handler) -> None:
+        name = channel.encode()
+        left = list(self._handlers.get(name, ()))
+        with contextlib.suppress(ValueError):  # it is unknown
+            left.remove(handler)
+        if left:
+            self._handlers[name] = tuple(left)
+        elif self._handlers.pop(name, None):
+            self._end(channel)
 
     def _dispatch(self, channel: str, payload: bytes, arrival: int | None = None) -> None:
         """Call a channel's handlers; the message arrived now unless its time is known [ns]."""
         arrival = time.time_ns() if arrival is None else arrival
-        for handler in self._handlers.get(channel, ()):
+        for handler in self._handlers.get(encoded(channel), ()):
             handler(payload, arrival)
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
@@ -144,7 +217,11 @@ class ReceivingBus(ABC):
 
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
+        is_prepared = False
         while not self._closed:
+            if self._right.is_leader_here and not is_prepared:
+                self._prepare()
+                is_prepared = True
             if not self._right.follow(lambda: self._closed or not self._requests.empty()):
                 with self._right:
                     if self._closed:  # the wake-up may have been meant for the previous thread
@@ -166,11 +243,11 @@ class ReceivingBus(ABC):
             if event is not None:
                 event_number = event.fileno()
                 descriptors.append(event_number)
-            readable = select.select(descriptors, (), (), timeout)[0]
+            readable = wait_readable(descriptors, 0.0 if self._has_read() else timeout)
         except (OSError, ValueError):  # a signal handler has closed the bus
             return False
         is_own_set, is_event_set = own_number in readable, event_number in readable
-        has_messages = len(readable) > is_own_set + is_event_set
+        has_messages = len(readable) > is_own_set + is_event_set or self._has_read()
         if has_messages:
             self._handle_messages()
         if is_own_set:
@@ -188,3 +265,8 @@ class ReceivingBus(ABC):
         """
         handled = self._receive(_FEW if self._burst < _LONGEST_BURST else BATCH)
         self._burst = self._burst + 1 if handled >= _FEW else 0
+
+
+def encoded(channel: str) -> bytes:
+    """Return a channel as it is on the wire."""
+    return channel.encode("utf-8", "surrogateescape")

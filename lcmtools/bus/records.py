@@ -11,7 +11,7 @@ import stat
 from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
 
-from lcmtools.bus.kernel import own_network
+from lcmtools.bus.kernel import network_cookie, own_network, own_pid_namespace
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Node, Role, Staleness
@@ -40,7 +40,7 @@ class NodeRecords:
             "start_time": node.start_time,
             "command": node.command,
             "start_ticks": process.start_ticks if process else 0,
-            "network": own_network(),
+            **_own_namespaces(),
             "publishes": [one.topic for one in node.having(Role.PUBLISHER)],
             "subscribes": [one.topic for one in node.having(Role.SUBSCRIBER)],
         }
@@ -64,7 +64,8 @@ class NodeRecords:
         """Yield the nodes with a record, each with its staleness if it does not answer.
 
         A node in another network namespace of this computer, for example in a container, is on
-        another bus. Nodes with an id in ``but`` are left out, unread.
+        another bus, and the pid of one in another pid namespace means nothing here. Nodes with an
+        id in ``but`` are left out, unread.
         """
         for record in self._records(but):
             with contextlib.suppress(ValueError, KeyError, TypeError):
@@ -96,13 +97,22 @@ class NodeRecords:
         return found
 
     def _records(self, but: Container[str] = ()) -> Iterator[Mapping[str, object]]:
-        here = own_network()
+        here = _own_namespaces()
         for folder in filter(_is_private, self._folders):
             for path in sorted(folder.glob("*.json")):
                 with contextlib.suppress(OSError, ValueError, AttributeError):
                     record = {} if path.stem in but else json.loads(path.read_text())
-                    if record and record.get("network", here) == here:
+                    if record and all(record.get(key, own) == own for key, own in here.items()):
                         yield record
+
+
+def _own_namespaces() -> dict[str, int]:
+    """Return the numbers of this process's namespaces. A later network may get the same number."""
+    return {
+        "network": own_network(),
+        "network_cookie": network_cookie(),
+        "pid_namespace": own_pid_namespace(),
+    }
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:

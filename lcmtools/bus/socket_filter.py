@@ -4,7 +4,7 @@ A filter sees each datagram, with its UDP header, before it is queued. It return
 bytes to keep, UDP header included. 0 drops the datagram; so does a load from beyond its end.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from lcmtools.wire.datagram import (
@@ -12,24 +12,21 @@ from lcmtools.wire.datagram import (
     FRAGMENT_HEADER_BYTES,
     MAGIC_FRAGMENT,
     MAGIC_SHORT,
-    MESSAGE_MAX,
     SHORT_HEADER_BYTES,
 )
 
 # Operations (linux/bpf_common.h): A is the accumulator, X the index register.
 _LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80
 _LOAD_WORD_AT_X = 0x40
-_LOAD_X, _TO_X, _ADD_X, _SUB, _SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
-_AND = 0x54
+_LOAD_X, _AND, _RETURN = 0x01, 0x54, 0x06
 _JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
-_JUMP_GREATER_EQUAL_X = 0x3D
-_RETURN = 0x06
 
 _UDP_HEADER = 8  # bytes that a UDP socket's filter sees before the datagram
+_SOURCE_PORT = 0  # offset in it
 _SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAGIC_FRAGMENT))
 _SEQNO = _UDP_HEADER + 4
 _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
-_SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
+_SIZE, _NUMBER = _UDP_HEADER + 8, _UDP_HEADER + 16  # in a fragment
 _PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # in the first fragment, where the channel begins
 _HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint after the longest channel
 ENDING_BYTES = 4  # length of the endings in ``these_endings``
@@ -46,33 +43,63 @@ class Instruction(NamedTuple):
 
 
 FilterProgram = Sequence[Instruction]
+ChannelTest = Callable[[int], FilterProgram]
+"""Returns a program that accepts the datagrams on some channels, whose names begin at an offset."""
 _ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
 
 
-def well_formed() -> FilterProgram:
-    """Accept what ``lcmtools.wire.datagram.parse`` accepts, except an empty channel name."""
-    return _by_kind([*_find_channel_end(_CHANNEL), _ACCEPT])
+def everything(_start: int) -> FilterProgram:
+    """Accept every channel; a ``ChannelTest``."""
+    return [_ACCEPT]
 
 
-def these_channels(channels: Iterable[str]) -> FilterProgram:
-    """Accept what ``well_formed`` accepts, but short messages only on these channels."""
+def these_channels(channels: Iterable[str]) -> ChannelTest:
+    """Return the test for these channels."""
     names = (channel.encode() + b"\0" for channel in channels)
     # shorter names first, so that no datagram ends before the bytes it is compared with
-    tests = (step for name in sorted(names, key=len) for step in _accept_name(name))
-    return _by_kind([*tests, _DROP])
+    ordered = sorted(names, key=len)
+    return lambda start: [*(step for name in ordered for step in _accept_name(name, start)), _DROP]
 
 
-def these_endings(endings: Collection[bytes]) -> FilterProgram:
-    """Accept what ``well_formed`` accepts, but short messages only on channels with these endings.
-
-    The endings have four bytes each.
-    """
+def these_endings(endings: Collection[bytes]) -> ChannelTest:
+    """Return the test for channels with these endings of four bytes each."""
     tests = [
         Instruction(_JUMP_EQUAL, int.from_bytes(ending, "big"), left, 0)
         for left, ending in zip(range(len(endings), 0, -1), endings, strict=True)
     ]
-    ending = Instruction(_LOAD_WORD_AT_X, _CHANNEL - ENDING_BYTES - 1)
-    return _by_kind([*_find_channel_end(_CHANNEL), ending, *tests, _DROP, _ACCEPT])
+
+    def program(start: int) -> FilterProgram:
+        ending = Instruction(_LOAD_WORD_AT_X, start - ENDING_BYTES - 1)
+        return [*_find_channel_end(start), ending, *tests, _DROP, _ACCEPT]
+
+    return program
+
+
+def wanted(
+    test: ChannelTest,
+    unwanted: Iterable[tuple[int, int]] = (),
+    *,
+    shorts: bool = True,
+    share: tuple[int, int] | None = (0, 1),
+) -> FilterProgram:
+    """Accept short messages and first fragments that pass a test, and other fragments.
+
+    Args:
+        test: The test of their channels.
+        unwanted: Source port and size of large messages whose other fragments are dropped.
+        shorts: Accept short messages.
+        share: The share of the fragments, and the number of shares; None for no fragments.
+    """
+    fragment = [_DROP] if share is None else [*_take_share(*share), *_by_number(test, unwanted)]
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _SHORT, 0, 1),
+        Instruction(_JUMP, 2 + len(fragment)),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 1, 0),
+        _DROP,
+        *fragment,
+        *(test(_CHANNEL) if shorts else [_DROP]),
+    ]
 
 
 def heads_only(but_up_to: int = 0) -> FilterProgram:
@@ -89,6 +116,20 @@ def heads_only(but_up_to: int = 0) -> FilterProgram:
         Instruction(_JUMP_EQUAL, 0, 3, 0),
         Instruction(_LOAD_WORD, _SIZE),
         Instruction(_JUMP_GREATER, but_up_to, 0, 1),
+        _DROP,
+        _ACCEPT,
+    ]
+
+
+def large_only(up_to: int) -> FilterProgram:
+    """Accept only fragments, of messages up to ``up_to`` bytes."""
+    return [
+        Instruction(_LOAD_LENGTH),
+        Instruction(_JUMP_GREATER_EQUAL, _PAYLOAD, 0, 4),
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 2),
+        Instruction(_LOAD_WORD, _SIZE),
+        Instruction(_JUMP_GREATER, up_to, 0, 1),
         _DROP,
         _ACCEPT,
     ]
@@ -111,22 +152,6 @@ def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
         Instruction(_AND, shares - 1),
         Instruction(_JUMP_EQUAL, share, 2, 1),
         _DROP if share else _ACCEPT,
-        _DROP,
-        _ACCEPT,
-    ]
-
-
-def fragments_only(share: int, shares: int) -> FilterProgram:
-    """Accept the fragments of one share (from 0): every ``shares``-th of each message.
-
-    The number of shares is a power of two.
-    """
-    return [
-        Instruction(_LOAD_WORD, _UDP_HEADER),
-        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 3),
-        Instruction(_LOAD_HALF, _NUMBER),
-        Instruction(_AND, shares - 1),
-        Instruction(_JUMP_EQUAL, share, 1, 0),
         _DROP,
         _ACCEPT,
     ]
@@ -173,28 +198,50 @@ def whole_on(prefix: str) -> FilterProgram:
     ]
 
 
-def _by_kind(short: FilterProgram) -> FilterProgram:
-    """Accept well-formed fragments, and the short messages that a program accepts."""
+def _take_share(share: int, shares: int) -> FilterProgram:
+    """Go on with every ``shares``-th fragment of a message."""
+    if shares == 1:
+        return []
     return [
-        Instruction(_LOAD_WORD, _UDP_HEADER),
-        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
-        Instruction(_JUMP, 2 + len(short)),
-        Instruction(_JUMP_EQUAL, _SHORT, 1, 0),
+        Instruction(_LOAD_HALF, _NUMBER),
+        Instruction(_AND, shares - 1),
+        Instruction(_JUMP_EQUAL, share, 1, 0),
         _DROP,
-        *short,
-        *_check_fragment(),
     ]
 
 
-def _accept_name(name: bytes) -> Sequence[Instruction]:
-    """Accept a short message with this name, its NUL included; other datagrams go on after it."""
+def _by_number(test: ChannelTest, unwanted: Iterable[tuple[int, int]]) -> FilterProgram:
+    """Accept first fragments that pass a test, and others that are not of unwanted messages."""
+    later = [
+        step
+        for port, size in unwanted
+        for step in (
+            Instruction(_LOAD_HALF, _SOURCE_PORT),
+            Instruction(_JUMP_EQUAL, port, 0, 3),
+            Instruction(_LOAD_WORD, _SIZE),
+            Instruction(_JUMP_EQUAL, size, 0, 1),
+            _DROP,
+        )
+    ]
+    return [
+        Instruction(_LOAD_HALF, _NUMBER),
+        Instruction(_JUMP_EQUAL, 0, 0, 1),
+        Instruction(_JUMP, len(later) + 1),
+        *later,
+        _ACCEPT,
+        *test(_PAYLOAD),
+    ]
+
+
+def _accept_name(name: bytes, start: int) -> FilterProgram:
+    """Accept a datagram with this name, its NUL included; other datagrams go on after it."""
     tests: list[Instruction] = [_ACCEPT]
     position = 0
     while position < len(name):  # the last bytes are compared first: the first ones are often equal
         size = next(size for size in _LOADS if size <= len(name) - position)
         expected = int.from_bytes(name[position : position + size], "big")
         tests.insert(0, Instruction(_JUMP_EQUAL, expected, 0, len(tests)))
-        tests.insert(0, Instruction(_LOADS[size], _CHANNEL + position))
+        tests.insert(0, Instruction(_LOADS[size], start + position))
         position += size
     return tests
 
@@ -220,33 +267,3 @@ def _find_channel_end(start: int) -> Iterator[Instruction]:
         yield Instruction(_LOAD_X, size + 1)
         yield Instruction(_JUMP, 4 * (CHANNEL_MAX - size) + 1)
     yield _DROP
-
-
-def _check_fragment() -> Iterator[Instruction]:
-    """Accept a fragment whose number is below the count and that lies within its message."""
-    channel = list(_find_channel_end(_PAYLOAD))
-    yield Instruction(_LOAD_HALF, _COUNT)
-    yield Instruction(_TO_X)
-    yield Instruction(_LOAD_HALF, _NUMBER)
-    yield Instruction(_JUMP_GREATER_EQUAL_X, 0, 0, 1)
-    yield _DROP
-    for position in (_SIZE, _OFFSET):
-        yield Instruction(_LOAD_WORD, position)
-        yield Instruction(_JUMP_GREATER, MESSAGE_MAX, 0, 1)
-        yield _DROP
-    yield Instruction(_LOAD_X, 0)
-    yield Instruction(_LOAD_HALF, _NUMBER)
-    yield Instruction(_JUMP_EQUAL, 0, 1, 0)
-    yield Instruction(_JUMP, len(channel))
-    yield from channel
-    yield Instruction(_LOAD_LENGTH)
-    yield Instruction(_SUB, _PAYLOAD)
-    yield Instruction(_SUB_X)
-    yield Instruction(_TO_X)
-    yield Instruction(_LOAD_WORD, _OFFSET)
-    yield Instruction(_ADD_X)
-    yield Instruction(_TO_X)
-    yield Instruction(_LOAD_WORD, _SIZE)
-    yield Instruction(_JUMP_GREATER_EQUAL_X, 0, 1, 0)
-    yield _DROP
-    yield _ACCEPT

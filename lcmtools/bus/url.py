@@ -115,6 +115,11 @@ def domain_url(domain: str, source: str = "domain") -> BusUrl:
     return parse_url(f"udpm://{DEFAULT_GROUP}:{DEFAULT_PORT + int(domain)}?ttl=0", source)
 
 
+def another_domain(url: str) -> int:
+    """Return a domain that is not the bus of a URL."""
+    return 2 if f"{DEFAULT_GROUP}:{DEFAULT_PORT + 1}" in url else 1
+
+
 def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     """Read an LCM URL (``provider://network?key=value&key=value``) from a source.
 
@@ -145,15 +150,19 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     return BusUrl(provider, network, options, host, port)
 
 
-def misread_options(url: BusUrl) -> Iterator[str]:
-    """Yield a sentence for each option that liblcm ignores or interprets differently."""
-    known = _known_options(url.provider)
+def misread_options(url: BusUrl, source: str = "the URL") -> Iterator[str]:
+    """Yield a sentence for each option that liblcm ignores or interprets differently.
+
+    Unknown options are no error, because liblcm only warns of them.
+    """
+    known, where = _known_options(url.provider), f"{source} {url}"
     for key, value in url.options.items():
         if key not in known:
-            hint = did_you_mean(key, known)
-            yield f"{key}={value} has no effect{f'; {hint}' if hint else ''}"
+            options = f"the options {', '.join(known)}" if known else "no options"
+            hint = did_you_mean(key, known) or f"{url.provider} has {options}"
+            yield f"{where}: {key}={value} has no effect; {hint}"
         elif key == "ttl" and int(value) > _MAX_TTL:
-            yield f"ttl={value} is sent as {url.ttl}; the maximum is {_MAX_TTL}"
+            yield f"{where}: ttl={value} is sent as {url.ttl}; the maximum is {_MAX_TTL}"
 
 
 def _known_options(provider: str) -> Sequence[str]:
@@ -181,6 +190,9 @@ def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:
 
 def _parse_server(where: str, network: str) -> tuple[str, int]:
     # as in liblcm, both the server and its port may be missing
+    if network.startswith("[") or network.count(":") > 1:
+        hint = f"write the server's name or its IPv4 address: {_example('tcpq')}"
+        raise InvalidUrl(f"{where}: LCM's tcpq has no IPv6", hint)
     host, colon, port = network.partition(":")
     example = _example("tcpq", host)
     return host or DEFAULT_SERVER, _parse_port(where, port, example) if colon else SERVER_PORT

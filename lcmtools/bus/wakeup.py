@@ -4,10 +4,11 @@ import contextlib
 import os
 import select
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from io import FileIO
 
 _ONE = (1).to_bytes(8, "little")  # any number but 0, in eight bytes as for eventfd(2)
+_SELECT_LIMIT = 1024  # descriptors
 _MUCH = 4096  # bytes: more than a pipe can contain
 
 
@@ -36,7 +37,7 @@ class WakeupEvent:
     def wait(self, timeout: float | None) -> None:
         """Wait until set, ``timeout`` seconds at most, and clear it; return at once if closed."""
         with contextlib.suppress(OSError, ValueError):  # another thread is closing it
-            if select.select([self._read], [], [], timeout)[0]:
+            if wait_readable([self._read.fileno()], timeout):
                 self.clear()
 
     def clear(self) -> None:
@@ -50,6 +51,20 @@ class WakeupEvent:
         """Free the descriptors."""
         self._read.close()
         self._write.close()
+
+
+def wait_readable(descriptors: Sequence[int], timeout: float | None) -> Collection[int]:
+    """Wait until one is readable, ``timeout`` seconds at most; return those that are.
+
+    Raises:
+        OSError, ValueError: A descriptor is closed.
+    """
+    if max(descriptors) < _SELECT_LIMIT:
+        return select.select(descriptors, (), (), timeout)[0]
+    poll = select.poll()  # has no limit, but counts in milliseconds
+    for descriptor in descriptors:
+        poll.register(descriptor, select.POLLIN)
+    return [found for found, _ in poll.poll(None if timeout is None else 1000 * timeout)]
 
 
 def _ends() -> tuple[FileIO, FileIO]:

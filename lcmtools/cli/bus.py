@@ -28,6 +28,15 @@ def chosen_url() -> "BusUrl":
     url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
     if choice.domain and source != "--domain":
         write_note(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
+    return with_notes(url, source)
+
+
+def with_notes(url: "BusUrl", source: str) -> "BusUrl":
+    """Return a URL; write a note for each of its options that has no effect."""
+    from lcmtools.bus.url import misread_options
+
+    for note in misread_options(url, source):
+        write_note(f"lcmtools: {note}")
     return url
 
 
@@ -103,8 +112,15 @@ def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
 
 
 def notify(text: str) -> None:
-    """Write a note that begins with the name of the running command."""
-    write_note(f"{click.get_current_context().command_path}: {text}")
+    """Write a note of the running command; of lcmtools on a thread without a click context."""
+    context = click.get_current_context(silent=True)
+    write_note(f"{context.command_path if context else 'lcmtools'}: {text}")
+
+
+def notify_damage(monitor: "BusMonitor") -> None:
+    """Write a note if the log that was read has bytes that belong to no message."""
+    if monitor.log and (damage := monitor.log.damage()):
+        notify(damage)
 
 
 def looking_names() -> Resolver:

@@ -62,8 +62,9 @@ create    cli.pkg.create:command          Create a package: a node, a test and m
 add-node  labs.commands.add_node:command  Add a node to a package.
 list      cli.pkg.look:list_packages      List the packages and their folders.
 find      cli.pkg.look:find_command       Print a package's folder.
-build     cli.pkg.look:build              Check and compile packages' messages.
+build     cli.pkg.look:build              Compile packages' messages and C++ nodes.
 prefix    cli.pkg.look:find_command       = find, as ROS 2 names it.
+cpp-path  cli.pkg.cpp:command             Print the folder of the C++ headers.
 """)
 pkg = _group(
     "pkg",
@@ -145,6 +146,9 @@ graph   cli.gui.panels:graph       Show nodes and topics, and what is wrong with
 world   cli.gui.panels:world       Show robots, sensors and paths in 3D.
 topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
 log     cli.gui.panels:log         Show the nodes' log lines.
+services    cli.gui.panels:services    Call services.
+parameters  cli.gui.panels:parameters  Show and set the parameters of nodes.
+record      cli.gui.panels:record      Start and stop a recording.
 """)
 gui = WindowGroup(
     "gui",

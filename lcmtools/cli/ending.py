@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import re
 import select
 import signal
 import stat
@@ -27,6 +28,8 @@ USAGE = UsageError.exit_code
 BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 _READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
+
+_NO_MEMORY = re.compile("failed to map segment|[Cc]annot allocate memory")  # of a shared library
 
 _SOON = 0.001  # [s] from an interrupt that Python has ignored to the next
 _AGAIN = 1.0  # [s] from one to the next, while a command goes on though its reader is gone
@@ -140,6 +143,9 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
 def _failure(error: Exception) -> LcmtoolsError:
     if isinstance(error, LcmtoolsError):
         return error
+    if scarce := _scarce(error):
+        what, limits = scarce
+        return LcmtoolsError(f"the system gives no more {what}", f"end others; see ulimit {limits}")
     if isinstance(error, FileNotFoundError) and not error.filename:  # as os.getcwd has it
         return LcmtoolsError("the working directory has been deleted", "go to another one: cd")
     if isinstance(error, OSError):
@@ -147,6 +153,20 @@ def _failure(error: Exception) -> LcmtoolsError:
         return LcmtoolsError(f"{where}{error.strerror or error}")
     kind = type(error).__name__
     return LcmtoolsError(f"a fault of lcmtools ({kind}: {error})", "lcmtools --debug shows where")
+
+
+def _scarce(error: BaseException | None) -> tuple[str, str] | None:
+    """Return what an error, or the cause of it, says that the system lacks, and its limits."""
+    if error is None:
+        return None
+    number, text = getattr(error, "errno", 0), str(error)  # an ImportError has only a text
+    if number in (errno.EMFILE, errno.ENFILE) or text.endswith(os.strerror(errno.EMFILE)):
+        return "file descriptors", "-n"
+    if isinstance(error, MemoryError) or number == errno.ENOMEM or _NO_MEMORY.search(text):
+        return "memory", "-v"
+    if isinstance(error, RuntimeError) and "start new thread" in text:
+        return "threads", "-u and -v"
+    return _scarce(error.__cause__ or error.__context__)
 
 
 def _usage_error(error: click.ClickException, command: str) -> int:
@@ -183,11 +203,15 @@ def open_nothing(mode: str) -> TextIO:
 
 
 def writable(stream: TextIO | None) -> TextIO:
-    """Return the stream, set to escape text that is not UTF-8, such as a channel's name."""
+    """Return the stream, set to UTF-8, or to escape what its terminal cannot show.
+
+    A channel's name, for example, may not be UTF-8. JSON in a pipe or a file always is.
+    """
     if stream is None:
         return open_nothing("w")
     with contextlib.suppress(AttributeError):
-        stream.reconfigure(errors="backslashreplace")  # type: ignore[attr-defined]
+        encoding = stream.encoding if stream.isatty() else "utf-8"
+        stream.reconfigure(encoding=encoding, errors="backslashreplace")  # type: ignore[attr-defined]
     return stream
 
 

@@ -18,6 +18,7 @@ _LAST_PORT = 65535
     "foxglove",
     "foxglove '/husky0/**' --exclude '**/image_raw'",
     "foxglove --allow-publish /husky0/desired_velocity",
+    "foxglove --allow-origin https://app.foxglove.dev",
 )
 @argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:topics")
 @exclude_option
@@ -30,6 +31,13 @@ _LAST_PORT = 65535
     flag_value=_ALL,
     help="Let clients publish on a topic, what a pattern matches, or without either on all.",
     completer="bus:topics",
+)
+@option(
+    "--allow-origin",
+    "origins",
+    metavar="ORIGIN",
+    multiple=True,
+    help="Let pages of a website connect: https://app.foxglove.dev. Others are refused.",
 )
 @option(
     "--port",
@@ -50,6 +58,7 @@ def command(
     *,
     exclude: tuple[str, ...],
     allowed: tuple[str, ...],
+    origins: tuple[str, ...],
     port: int,
     host: str,
     as_json: bool,
@@ -58,15 +67,18 @@ def command(
 
     Every topic but hidden ones is offered with the type of ROS 1 that its messages have; in
     Foxglove, "Open connection" takes the address. TOPIC may be a pattern in quotes. Only what a
-    panel asks for is decoded. With --allow-publish its panels may publish: so may any web page that
-    is open on this computer. --json prints the address for scripts, once all topics are offered.
+    panel asks for is decoded. With --allow-publish its panels may publish. Web pages need
+    --allow-origin; a refused one is reported with what to type. --json prints the address for
+    scripts, once all topics are offered.
     """
     from lcmtools.foxglove.bridge import Bridge
+    from lcmtools.foxglove.origin_gate import OriginGate, parse_origin
     from lcmtools.foxglove.websocket import FoxgloveServer
     from lcmtools.publish.own_node import own_node
 
     if port > _LAST_PORT:
         raise UsageError(f"there is no port {port}", f"ports are 0 to {_LAST_PORT}")
+    pages = [parse_origin(origin) for origin in origins]
     names = looking_names()
     choice = RecordedTopics(topics, names, exclude=exclude)
     with ExitStack() as stack:
@@ -75,8 +87,10 @@ def command(
         may_publish = RecordedTopics(allowed, names) if allowed else None
         bridge = stack.enter_context(Bridge(monitor, choice, notify, node, may_publish))
         encodings = bridge.publishing.encodings if bridge.publishing else ()
-        server = stack.enter_context(FoxgloveServer((host, port), bridge, encodings))
-        address = f"ws://{host}:{server.port}"
+        server = stack.enter_context(FoxgloveServer(bridge, encodings))
+        inner = server.host, server.port
+        gate = stack.enter_context(OriginGate((host, port), inner, pages, bridge.refuse_origin))
+        address = f"ws://{host}:{gate.port}"
 
         def say() -> None:
             if as_json:

@@ -5,6 +5,7 @@ import sys
 
 from lcmtools.cli.output import write_data, write_note, write_stderr
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
+from lcmtools.escapes import ESCAPES, escape_but_colors
 from lcmtools.launch.node_process import NodeProcess
 
 _COLORS = ("36", "32", "35", "34", "33")  # of nodes in turn: red is for what is wrong
@@ -21,7 +22,8 @@ class Screen:
         self._colors_talk = stream_wants_color(sys.stderr, os.environ)
 
     def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
-        """Write a node's line, unchanged."""
+        """Write a node's line with its colours; what else would control the terminal is escaped."""
+        text = escape_but_colors(text)
         prefix = f"[{node.label}]"
         if self._colors_talk if is_error else self._colors_lines:
             prefix = paint(prefix, _COLORS[node.number % len(_COLORS)])
@@ -37,6 +39,6 @@ class Screen:
     def event(self, text: str, *, is_bad: bool = False) -> None:
         """Write an event of the processes."""
         if is_bad and self._colors_talk:
-            write_stderr(f"{paint(text, BOLD_RED)}\n")
+            write_stderr(f"{paint(text.translate(ESCAPES), BOLD_RED)}\n")
         else:
             write_note(text)

@@ -14,10 +14,13 @@ from lcmtools.cli.lazy import COMMAND, LazyGroup
 from lcmtools.cli.options import bus_options, manner_options
 from lcmtools.messages.supply import set_supply
 from lcmtools.packages import provide_user_types
+from lcmtools.settings import SETTINGS, VARIABLES
 
 EXIT_CODES = """\
 0 success, 1 failure, 2 wrong usage, 3 an extra is missing, 4 nothing received within
---timeout, 130 Ctrl-C, 143 SIGTERM. A node that is ended by node kill exits with 0."""
+--timeout, 129 the terminal was closed, 130 Ctrl-C, 143 SIGTERM. A node that is ended by
+node kill exits with 0."""
+_OWN = [name for name in VARIABLES if name.startswith("LCMTOOLS_")]
 _EPILOG = f"""\b
 Examples:
   lcmtools list
@@ -27,10 +30,8 @@ Examples:
 \b
 Exit codes: {EXIT_CODES}
 
-\b
-Environment: LCM_DEFAULT_URL, LCMTOOLS_DOMAIN, LCMTOOLS_NAMESPACE, LCMTOOLS_TIMEOUT,
-LCMTOOLS_TYPE_PATH, LCMTOOLS_COLOR, NO_COLOR. Most can also be set in a file; lcmtools config
-shows the values and their sources.
+Environment: {", ".join([*(one.variable for one in SETTINGS.values()), *_OWN])}, NO_COLOR.
+lcmtools config shows them, and which can also be set in a file.
 """
 
 

@@ -15,7 +15,9 @@ _EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
 """Options that conflict with -1 (``--once``)."""
 _ONE_AND_MORE = re.compile("-1[a-z]+", re.IGNORECASE)  # "-1v" is two options
 _ONE_VALUE = 3  # number of words: TOPIC, TYPE and the value
+_VALUES_BEGIN = 2  # after TOPIC and TYPE
 _ENDS_IN_ONE = f"{__name__}.ends_in_one"
+_PLACE = f"{__name__}.place"
 
 
 class CommandWithWords(click.Command):
@@ -62,11 +64,13 @@ class CommandWithOnce(CommandWithWords):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line."""
         ctx.meta[_ENDS_IN_ONE] = args.count("-1") == 1 and args[-1] == "-1"
+        free = self._free(args)
+        plain = [word for word in free if word == "-1" or not word.startswith("-")]
+        ctx.meta[_PLACE] = plain.index("-1") - _VALUES_BEGIN if "-1" in plain else -1
         return super().parse_args(ctx, args)
 
     def _shielded(self, words: Sequence[str]) -> Iterator[str]:
-        options = self._options_with_value()
-        free = [word for before, word in pairwise(["", *words]) if before not in options]
+        options, free = self._options_with_value(), self._free(words)
         plain = [word for word in free if word == "-1" or not word.startswith("-")]
         one_is_value = (
             len(plain) == _ONE_VALUE and plain[-1] == "-1" and not _EXCLUDE_ONE.isdisjoint(free)
@@ -77,6 +81,11 @@ class CommandWithOnce(CommandWithWords):
                 yield word
             else:
                 yield self._shield(word)
+
+    def _free(self, words: Sequence[str]) -> list[str]:
+        """Return the words that are not values of options."""
+        options = self._options_with_value()
+        return [word for before, word in pairwise(["", *words]) if before not in options]
 
     def _shield(self, word: str) -> str:
         return word if _ONE_AND_MORE.fullmatch(word) else shielded(word)
@@ -119,3 +128,16 @@ def bare(word: str) -> str:
 def ends_in_one() -> bool:
     """Return whether the command line ends in its only "-1": the option, or a value."""
     return bool(click.get_current_context().meta[_ENDS_IN_ONE])
+
+
+def with_one(values: Sequence[str], count: int, *, excludes_option: bool) -> list[str] | None:
+    """Return the values with the option -1 as one of them, if it stands where one is missing.
+
+    ``count`` is the number of values that the type has. A single value may be a dict with all of
+    them, which leaves -1 the option, unless others exclude it. None if -1 is the option.
+    """
+    place = click.get_current_context().meta[_PLACE]
+    is_missing = len(values) + 1 == count and (len(values) > 1 or excludes_option)
+    if place < 0 or not is_missing:
+        return None
+    return [*values[:place], "-1", *values[place:]]

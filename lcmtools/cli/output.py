@@ -14,16 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
-
-# The name of a channel may contain sequences that clear or recolour the terminal, begin a
-# new line or change the direction of the text.
-_ODD = (*range(0x7F, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A))
-_ESCAPES = {
-    code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
-    for code in (*range(0x20), *_ODD)
-    if code != ord("\t")
-} | {0xDC00 + byte: f"\\x{byte:02x}" for byte in range(0x80, 0x100)}  # bytes that are not UTF-8
-_ESCAPES_IN_LINES = {code: text for code, text in _ESCAPES.items() if code != ord("\n")}
+from lcmtools.escapes import ESCAPES, ESCAPES_IN_LINES
 
 _PATIENCE = 0.5  # [s] before progress is shown
 _SHOWN_EVERY = 0.1  # [s]
@@ -36,12 +27,12 @@ def write_data(text: str) -> None:
 
 def on_screen(text: str) -> str:
     """Escape control characters if standard output is a terminal; CSV may contain some."""
-    return text.translate(_ESCAPES_IN_LINES) if sys.stdout.isatty() else text
+    return text.translate(ESCAPES_IN_LINES) if sys.stdout.isatty() else text
 
 
 def write_lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
     """Write lines to standard output with control characters escaped, then decorated."""
-    _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
+    _write("".join(f"{decorate(row.translate(ESCAPES))}\n" for row in rows))
 
 
 def write_document(value: object) -> None:
@@ -75,7 +66,7 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
         now = time.monotonic()
         if now - begin > _PATIENCE and now - shown > _SHOWN_EVERY and sys.stderr.isatty():
             shown = now
-            write_stderr(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
+            write_stderr(f"\r{doing.translate(ESCAPES)}: {100 * done // max(1, total)} %")
 
     try:
         yield report
@@ -86,9 +77,9 @@ def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
 
 def write_note(text: str, speaker: str = "") -> None:
     """Write a line to standard error, after the name of its speaker if given."""
-    line = text.translate(_ESCAPES)
+    line = text.translate(ESCAPES)
     if speaker:
-        name = f"{speaker.translate(_ESCAPES)}:"
+        name = f"{speaker.translate(ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
         line = f"{paint(name, BOLD_RED) if wanted else name} {line}"
     write_stderr(f"{line}\n")

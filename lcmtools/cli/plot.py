@@ -7,12 +7,13 @@ from collections import deque
 from contextlib import suppress
 from pathlib import Path
 
-from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.bus import looking_names, notify, notify_damage, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.options import looking_options
 from lcmtools.cli.output import clearing, write_data, write_note
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError
+from lcmtools.escapes import escape_but_colors
 from lcmtools.observe.measuring.curves import Curves, draw_picture, draw_text
 
 _PERIOD = 0.2  # [s] between two drawings
@@ -62,6 +63,8 @@ def command(
             for _ in curves.follow(_PERIOD, timeout, duration):
                 if output is None:
                     write_data(f"{clearing()}{_text(curves)}")
+        if duration is None:
+            notify_damage(monitor)
     if output is not None:
         _write(curves, Path(output))
 
@@ -79,6 +82,7 @@ def of_log(log: str, fields: tuple[str, ...], output: str | None) -> None:
     with open_monitor("bag plot", log=log) as monitor:
         curves = Curves(monitor, fields, looking_names(), notify)
         deque(curves.follow(), 0)
+        notify_damage(monitor)
     if output is None:
         write_data(_text(curves))
     else:
@@ -88,7 +92,8 @@ def of_log(log: str, fields: tuple[str, ...], output: str | None) -> None:
 def _text(curves: Curves) -> str:
     width, height = shutil.get_terminal_size(_WIDE)
     colored = stream_wants_color(sys.stdout, os.environ)
-    return draw_text([*curves], width, height - 1, colored=colored)
+    drawn = draw_text([*curves], width, height - 1, colored=colored)
+    return "\n".join(map(escape_but_colors, drawn.split("\n")))  # topics are named in it
 
 
 def _write(curves: Curves, path: Path) -> None:

@@ -11,7 +11,7 @@ import click
 
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import BusUrl, domain_url, parse_url
-from lcmtools.cli.bus import chosen_url, open_monitor
+from lcmtools.cli.bus import chosen_url, open_monitor, with_notes
 from lcmtools.cli.declare import argument, examples, flag, option, rate, subcommand
 from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import write_result
@@ -93,7 +93,7 @@ def command(
     if as_json:
         raise UsageError("--json is for --status", "leave it out")
     if serve is not None:
-        url = parse_url(serve, "--serve")
+        url = with_notes(parse_url(serve, "--serve"), "--serve")
         check_server(url, buses)
         with StatusLine("lcmtools relay") as line:
             run_server(url, line)
@@ -110,7 +110,8 @@ def chosen_buses(words: Sequence[str]) -> tuple[BusUrl, BusUrl]:
     """
     if not words or len(words) > _TWO:
         raise UsageError("a relay joins two buses", "for example lcmtools relay 0 1")
-    found = [domain_url(one, "BUS") if one.isdigit() else parse_url(one, "BUS") for one in words]
+    read = (domain_url(one, "BUS") if one.isdigit() else parse_url(one, "BUS") for one in words)
+    found = [with_notes(url, "BUS") for url in read]
     here, there = found if len(found) == _TWO else (chosen_url(), found[0])
     for url in (here, there):
         check_end(url)
@@ -185,6 +186,8 @@ def run_server(url: BusUrl, line: StatusLine) -> NoReturn:
     """Serve tcpq until Ctrl-C. Show rates on a terminal, and write totals at the end."""
     with Hub(url, line.write_note) as hub:
         line.write_note(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
+        own = f"tcpq://{_reachable(url.host)}:{hub.port}"
+        line.write_note(f"is a bus of its own; to join another bus to it: lcmtools relay {own}")
         try:
             serve(hub, partial(_show, line), lambda: signal.raise_signal(signal.SIGTERM))
         finally:
@@ -204,6 +207,11 @@ def _counted(counts: HubCounts) -> str:
 
 def _dropped(counts: HubCounts) -> str:
     return f"{counts.dropped} dropped for slow clients" if counts.dropped else "none dropped"
+
+
+def _reachable(host: str) -> str:
+    """Return the address by which programs of this computer reach a server that listens on host."""
+    return "127.0.0.1" if host == "0.0.0.0" else host  # noqa: S104 - compared only
 
 
 def _audience(host: str) -> str:

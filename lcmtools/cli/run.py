@@ -6,19 +6,29 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments
 from lcmtools.cli import ending
+from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.escapes import ESCAPES_IN_LINES
+from lcmtools.messages.type_source import shown
 from lcmtools.packages.finding import find_node, own_answer
-from lcmtools.packages.ros_packages import ros_program
+from lcmtools.packages.programs import (
+    built_program,
+    command_of,
+    find_program,
+    program_folder,
+    programs_in,
+)
 from lcmtools.packages.runnable_nodes import OWN, NodeProgram, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
@@ -28,6 +38,7 @@ from lcmtools.packages.workspace import workspace
     "run sim",
     "run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd",
     "run air_lab0 simple_controller __ns:=/husky0",
+    "run ./simple_controller.py __ns:=/husky0",
     "run --list",
 )
 @flag("-l", "--list", "show_list", help="List the nodes that can be run.")
@@ -38,10 +49,16 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
 
     After NAME: __ns:=/husky0, __name:=driver, from:=to, _parameter:=value; or the same as --ns,
     --name, --param parameter:=value, --remap from:=to (-r). All other arguments are passed to the
-    node. A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
+    node. A PACKAGE in a workspace, a folder with packages, need not be installed; PACKAGE alone
+    lists its nodes. NAME is also a file, as in ./node.py, or an executable file anywhere in
+    PACKAGE.
     """
     if show_list and name:
         raise UsageError("--list takes no name", f"type lcmtools run {name}, or only --list")
+    if name and not show_list and _is_file(name):
+        from lcmtools.launch.executables import find_script  # late: most nodes are no files
+
+        _become(find_script(name, Path.cwd()), arguments)
     known = runnables(Path.cwd())
     if name and not show_list and not _is_package(name, arguments, known):
         return _run([name, *arguments], known)
@@ -57,17 +74,37 @@ def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) 
     return not arguments and name in packages - named
 
 
+def _is_file(name: str) -> bool:
+    return ("/" in name or name.endswith(".py")) and Path(name).is_file()
+
+
 def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> None:
-    """Print the names of nodes, preceded by the package's name where necessary."""
-    if not nodes:
-        write_note(f"lcmtools run: the package {package} has no nodes")
+    """Print the names of nodes, preceded by the package's name where necessary.
+
+    Those of a package are followed by its programs.
+    """
     typed = {
         node.name if node.package == (package or OWN) else f"{node.package} {node.name}": node
         for node in nodes
     }
-    width = max(map(len, typed), default=0)
-    rows = (f"{name:<{width}}  {typed[name].summary()}".rstrip() for name in sorted(typed))
-    write_result(sorted(typed), rows, as_json=as_json)
+    summaries = {name: _summary(typed[name]) for name in sorted(typed)}
+    folder = program_folder(package, Path.cwd()) if package else None
+    for path in programs_in(folder) if folder else ():
+        summaries.setdefault(path.name, f"program {shown(path)}")
+    if not summaries:
+        write_note(f"lcmtools run: the package {package} has no nodes")
+    width = max(map(len, summaries), default=0)
+    rows = (f"{name:<{width}}  {summary}".rstrip() for name, summary in summaries.items())
+    write_result(list(summaries), rows, as_json=as_json)
+
+
+def _summary(node: Runnable) -> str:
+    try:
+        if node.source:
+            built_program(node)
+    except UsageError:
+        return f"{node.summary()} (not built: lcmtools pkg build {node.package})".strip()
+    return node.summary()
 
 
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
@@ -98,25 +135,38 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     except Exception as error:
         if node.package == OWN:
             raise
-        sys.stderr.write(node.traceback(error))
+        sys.stderr.write(node.traceback(error).translate(ESCAPES_IN_LINES))
         return 1
     finally:
         lcmtools.shutdown()  # unless the node has done so
 
 
 def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
-    """Return the node and its arguments; a program of a ROS package replaces this process."""
+    """Return the node and its arguments; a program of a package replaces this process."""
     try:
-        return find_node(words, known, Path.cwd())
+        node, rest = find_node(words, known, Path.cwd())
     except UsageError:
-        if not (program := ros_program(words, Path.cwd())):
-            raise
+        if program := find_program(words, Path.cwd()):
+            _become(command_of(program), words[2:])
+        raise
+    if node.source:
+        program = built_program(node)
+        if node.source.is_file() and node.source.stat().st_mtime > program.stat().st_mtime:
+            newer = f"{shown(node.source)} is newer than its program"
+            write_note(f"lcmtools run: {newer}: lcmtools pkg build {node.package}")
+        _become([str(program)], rest)
+    return node, rest
+
+
+def _become(command: Sequence[str], arguments: Sequence[str]) -> NoReturn:
+    """Replace this process by a program, on the chosen bus."""
     bus = bus_choice()
-    chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
+    is_chosen = bool(bus.url or bus.domain)
+    environment = {**os.environ, **({"LCM_DEFAULT_URL": str(chosen_url())} if is_chosen else {})}
     try:
-        os.execv(program, [program, *words[2:], *chosen.words()])  # noqa: S606 - the user's own
+        os.execve(command[0], [*command, *arguments], environment)  # noqa: S606 - the user's own
     except OSError as error:
-        raise LcmtoolsError(f"cannot start {program}: {error.strerror}") from None
+        raise LcmtoolsError(f"cannot start {command[-1]}: {error.strerror}") from None
 
 
 def _call(program: NodeProgram, words: Sequence[str]) -> int | None:

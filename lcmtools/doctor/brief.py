@@ -9,13 +9,14 @@ from itertools import pairwise
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.rules import examine, pace
+from lcmtools.doctor.rules import callbacks, examine, listeners, pace, relays, traffic
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share
 
 BRIEF = 0.7  # the duration of such a look, with the request for the nodes' counters at its end [s]
 WHOLE = 1.0  # the default duration of a look if a brief one is not enough [s]
+_RESTART = 3.0  # [s] in which a node that was ended to be started again is back
 _SLOWEST = 1_200_000_000  # [ns] the longest interval that a whole look shows
 _BUSY = 0.5  # share of time in callbacks: a call may be longer than a brief look
 
@@ -28,17 +29,35 @@ def is_enough(evidence: Evidence) -> bool:
         and not any(_is_uneven(stream) for stream in evidence.streams)
         and not any((busy_share(*pair) or 0.0) > _BUSY for pair in _earlier_and_now(evidence))
         and not pace.may_have_fallen(evidence)
+        and not needed_duration(evidence)
         and all(finding.severity is Severity.NOTE for finding in examine(evidence))
     )
 
 
+def needed_duration(evidence: Evidence) -> float:
+    """Return the duration of a look [s] that shows what rules suspect; 0 if they suspect none."""
+    suspicions = (
+        callbacks.needed_duration(evidence),
+        listeners.needed_duration(evidence),
+        pace.needed_duration(evidence),
+        traffic.needed_duration(evidence),
+        relays.needed_duration(evidence),
+        _RESTART if _has_left(evidence) else 0.0,
+    )
+    return max(suspicions)
+
+
+def _has_left(evidence: Evidence) -> bool:
+    """Return whether a node has left during the look; it may be starting again."""
+    names = {node.name for node in evidence.graph.nodes if not node.stale}
+    return any(x.name not in names for x in evidence.before.nodes if not (x.tool or x.stale))
+
+
 def _has_only_nodes(evidence: Evidence) -> bool:
     """Return whether only nodes of this computer can send, and every one of them is known."""
-    nodes = {node.pid for node in evidence.own_nodes()}
     is_local = evidence.url.startswith("udpm://") and not (evidence.ttl or evidence.remote)
-    strangers = [one for one in evidence.processes if not one.bus and one.pid not in nodes]
     strangers_listen = any(not (one.is_node or one.is_tool) for one in evidence.listeners)
-    is_known = evidence.host.has_sockets and not (strangers or strangers_listen)
+    is_known = evidence.host.has_sockets and not (evidence.plain_programs() or strangers_listen)
     return is_local and is_known and not (evidence.graph.foreign() or evidence.own_drops)
 
 

@@ -9,7 +9,7 @@ from typing import cast
 
 from lcmtools.bus import kernel
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, is_local, usage_of
+from lcmtools.bus.processes import Process, buffer_overflows, is_local, process_of, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import brief, lcm_processes
@@ -25,17 +25,18 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
-from lcmtools.doctor.rules import callbacks, pace, traffic
+from lcmtools.doctor.notify_pipe import Waiting, hanging
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SocketTable, is_here, user_name
+from lcmtools.observe.reading.senders import SocketTable, is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
 from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
+_MOST_LATE = 200  # nodes that have not answered; more are made up by a stranger
 _ANSWER_TIME = 0.05  # [s] several times as long as nodes need
 _LONG_ENOUGH = 0.3  # [s] a look of at least this duration may be extended
 
@@ -89,8 +90,7 @@ def _observe(
     listen = brief.WHOLE if wanted is None else wanted
     _receive(monitor, baseline.listening, listen - observed)
     found = memory.recall(_gather(monitor, evidence, baseline, listen))
-    durations = (rules.needed_duration(found) for rules in (callbacks, pace, traffic))
-    longer = max(durations) if listen >= _LONG_ENOUGH else 0.0
+    longer = brief.needed_duration(found) if listen >= _LONG_ENOUGH else 0.0
     if longer > listen:
         _receive(monitor, baseline.listening, longer - listen)
         found = memory.recall(_gather(monitor, evidence, baseline, longer))
@@ -104,6 +104,7 @@ class _Baseline:  # the state of the bus and of this computer at the start of a 
     table: SocketTable
     on_bus: frozenset[int]  # the inodes of the sockets that receive from it
     times: Mapping[int, tuple[int, int]]  # computing and waiting time by process [ns]
+    waiting: Mapping[int, Waiting]  # the messages that wait for each listener
     overflows: int
     listening: Listening
     time: float
@@ -114,9 +115,11 @@ class _Baseline:  # the state of the bus and of this computer at the start of a 
         table, on_bus = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
         times, now = {pid: lcm_processes.processor_times(pid) for pid in pids}, time.monotonic()
+        listeners = {table.holders[inode].pid for inode in on_bus if inode in table.holders}
+        waiting = {pid: Waiting.of(pid) for pid in listeners - {os.getpid()}}
         graph = monitor.settle(foreign=False)
-        listening, overflows = Listening(monitor.types_of), computer.buffer_overflows()
-        return cls(graph, table, on_bus, times, overflows, listening, now)
+        listening, overflows = Listening(monitor.types_of), buffer_overflows()
+        return cls(graph, table, on_bus, times, waiting, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:
         """Return each process's computing and waiting time since the start [ns]."""
@@ -132,8 +135,8 @@ def _gather(
 ) -> Evidence:
     """Return the evidence of a look that lasted ``listen`` seconds."""
     listening = baseline.listening
-    after = _refreshed_graph(monitor, listening, listen)
-    overflows = computer.buffer_overflows() - baseline.overflows
+    after = _with_ended(_refreshed_graph(monitor, listening, listen))
+    overflows = buffer_overflows() - baseline.overflows
     later, still_on_bus = _sockets(monitor.url)
     seconds, spent = time.monotonic() - baseline.time, baseline.spent()
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
@@ -163,6 +166,7 @@ def _gather(
         clock=clock_of(listening, after, names, busy),
         processes=tuple(replace(one, state="") if one.pid in running else one for one in processes),
         processor_wait=max((waited for _, waited in spent.values()), default=0) / 1e9,
+        waits={node.pid: spent[node.pid][1] / 1e9 for node in after.nodes if node.pid in spent},
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),
         remote=frozenset(node.id for node in after.nodes if not is_here(node)),
@@ -185,16 +189,27 @@ def _refreshed_graph(monitor: BusMonitor, listening: Listening, listen: float) -
     wait for a processor: it gets more time.
     """
     graph = monitor.graph()
+    # a log holds no answers
+    begin = {} if monitor.is_log else {node.id: node.sent for node in graph.nodes if node.sent}
+    late = sum(_may_answer(node, begin) for node in graph.nodes)
     for request in range(_REQUESTS if listen >= PERIOD / 10 else 0):
-        is_late = any(map(_may_answer, graph.nodes))
         monitor.probe()
-        _receive(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
+        _receive(monitor, listening, _ANSWER_TIME * (2**request if late else 1))
         graph = monitor.graph()
+        late = sum(_may_answer(node, begin) for node in graph.nodes)
         senders = (seen.sender for seen in graph.foreign())
-        are_named = all(sender is None or is_local(sender.address) for sender in senders)
-        if are_named and not any(map(_may_answer, graph.nodes)):
+        are_named = all(x is None or x.name or is_local(x.address) for x in senders)
+        if (are_named and not late) or late > _MOST_LATE:
             break
     return graph
+
+
+def _with_ended(graph: Graph) -> Graph:
+    """Return the graph with the nodes as ended whose process here was killed during the look."""
+    nodes = (
+        node._replace(stale=Staleness.ENDED) if is_gone(node) else node for node in graph.nodes
+    )
+    return graph._replace(nodes=tuple(nodes))
 
 
 def _without_departed(graph: Graph, before: Graph) -> Graph:
@@ -204,8 +219,10 @@ def _without_departed(graph: Graph, before: Graph) -> Graph:
     return graph._replace(traffic=tuple(x for x in graph.traffic if x.sender not in left))
 
 
-def _may_answer(node: Node) -> bool:
-    if not node.stale or node.stale is Staleness.ENDED or node.is_hidden:
+def _may_answer(node: Node, begin: Mapping[str, int]) -> bool:
+    """Return whether a node's answer is still to come: it announced nothing since ``begin``."""
+    is_old = node.stale or node.sent == begin.get(node.id)
+    if not is_old or node.stale is Staleness.ENDED or node.is_hidden:
         return False
     return not (is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t"))
 
@@ -253,11 +270,14 @@ def _named(stream: Stream, names: lcm_processes.ProgramNames) -> Stream:
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:
-    """Return the lags of the other computers' clocks, by their fastest announcements."""
+    """Return the lags of the other computers' clocks, by their fastest announcements.
+
+    The address of a computer behind a relay is not known here.
+    """
     lags: dict[tuple[str, str], dict[str, float]] = {}
     for node in graph.nodes:
-        if node.lag is not None and node.sender and not is_here(node):
-            place = node.host, node.sender.computer
+        if node.lag is not None and (node.sender or node.path) and not is_here(node):
+            place = node.host, node.sender.computer if node.sender else ""
             lags.setdefault(place, {})[node.name] = node.lag / 1e9
     return tuple(HostClock(*place, min(of.values()), tuple(of)) for place, of in lags.items())
 
@@ -274,11 +294,14 @@ def _listeners(
     selective = kernel.marked_sockets(kernel.SELECTIVE)
     filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
+    hung = hanging(baseline.waiting)
     found = []
     for inode in (baseline.on_bus & still_on_bus) - selective:
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
+            continue
+        if process and process_of(process.pid) is None:  # it was killed meanwhile
             continue
         if process and lcm_processes.never_reads(process.pid):
             continue
@@ -297,6 +320,7 @@ def _listeners(
                 is_node=bool(nodes),
                 joined=kernel.joined_interfaces(process.pid, inode, group) if process else (),
                 interpreter=interpreter(process.command) if process else "",
+                hangs=process is not None and process.pid in hung,
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))

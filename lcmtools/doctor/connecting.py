@@ -10,29 +10,35 @@ from itertools import chain, islice
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
+    PLAIN_CHANNEL,
     REMAPS,
     NearNames,
     expanded,
     give_reason,
     is_legal,
+    is_plain,
     publish_on,
     remap_argument,
     start_with,
+    unapplied_remap,
 )
+from lcmtools.graph.command_line import program_words
 from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
+from lcmtools.packages.runnable_nodes import fixed_nodes
 
 CONNECTIONS = {
     **REMAPS,
+    **PLAIN_CHANNEL,
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
 }
 """The sentences of remedies that connect a subscription."""
 
 _PERIODS = 3  # average periods without a message after which a topic still counts as published
-_FEWEST = 4  # messages of a topic that is published repeatedly; pub -1 sends one
+FEWEST = 4  # messages of a topic that is published repeatedly; pub -1 sends one
 _FEWEST_OF_PLAIN = 1  # the same if a plain LCM program runs, which may be the publisher
 _LONG_AGO = 180_000_000_000  # [ns]
 _MOST_SUGGESTIONS = 20  # per subscription: among more publications, none is more likely
@@ -61,9 +67,10 @@ def unconnected_ends(
     live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
     connected = {e.topic for node in live for e in node.endpoints if e.role is other}
+    connected |= OFTEN_UNCONNECTED
     if role is Role.SUBSCRIBER:
         connected |= {seen.channel for seen in graph.traffic} | _recently_received(
-            live, graph.time, _FEWEST_OF_PLAIN if beside_plain else _FEWEST
+            live, graph.time, _FEWEST_OF_PLAIN if beside_plain else FEWEST
         )
     nodes = (node for node in live if of_tools or not node.tool)
     return [(node, end) for node in nodes for end in _unconnected(node, role, connected)]
@@ -89,7 +96,7 @@ def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoi
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
     for end in ends:
-        is_apart = end.topic in connected | OFTEN_UNCONNECTED or is_hidden(end.topic)
+        is_apart = end.topic in connected or is_hidden(end.topic)
         if not is_apart and end.group not in groups:
             yield end
         if end.group:
@@ -119,6 +126,20 @@ def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
     return found
 
 
+def _by_unapplied_remap(ends: Iterable[End]) -> dict[str, list[End]]:
+    """Group endpoints by the topic to which a remap would lead them, but for a slash."""
+    found: dict[str, list[End]] = defaultdict(list)
+    for node, endpoint in ends:
+        if target := unapplied_remap(node, endpoint.topic)[1]:
+            found[target].append((node, endpoint))
+    return found
+
+
+def _remove_slash(node: Node, topic: str, argument: str) -> Statement:
+    parts = {"topic": topic, "name": topic[1:], "argument": argument}
+    return state("remove-slash-of-remap", node=node, **parts)
+
+
 class ConnectionFinder:
     """Search for connections; ``names`` are the displayed names of the channels' senders."""
 
@@ -127,15 +148,16 @@ class ConnectionFinder:
         live = [(n, e) for n in graph.nodes if not n.stale for e in n.endpoints]
         published = [(n, e) for n, e in live if e.role is Role.PUBLISHER]
         self._by_base = _by(base_name_of, published)
-        self._by_namespace = _by(namespace_of, published)
         self._published = _by(str, published)
         taking = ((n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool)
+        self._unapplied = _by_unapplied_remap(published)
         self._subscribed = _by(str, taking)  # not by commands: spy and gui subscribe to all
         self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
         self._near_subscribed = NearNames(self._subscribed)
         outputs = unconnected_ends(graph, Role.PUBLISHER, of_tools=True)
         self._unconnected = {(node.id, end.topic) for node, end in outputs}
         self._simulators = {node.id for node in graph.nodes if is_simulator(node)}
+        self._spare = self._by_type(published)
         self._foreign: dict[str, list[Traffic]] = defaultdict(list)  # by its channel's last part
         for seen in graph.foreign():
             self._foreign[base_name_of(seen.channel)].append(seen)
@@ -146,6 +168,15 @@ class ConnectionFinder:
             if namespace_of(node.name) == namespace_of(end.topic) and not is_hidden(end.topic)
             if end.topic in (sent if end.role is Role.SUBSCRIBER else self._subscribed)
         }
+
+    def _by_type(self, published: Iterable[End]) -> dict[tuple[str, int], dict[str, list[End]]]:
+        """Group the publications that may lack a subscriber by namespace and type, then by node."""
+        found: dict[tuple[str, int], dict[str, list[End]]] = defaultdict(lambda: defaultdict(list))
+        for node, end in published:
+            if node.id in self._simulators or (self._is_unconnected(node, end) and not node.tool):
+                for number in dict.fromkeys(end.fingerprints):
+                    found[namespace_of(end.topic), number][node.id].append((node, end))
+        return found
 
     def suggestions(self, unconnected: Iterable[End]) -> list[Suggestion]:
         """Return suggestions for unconnected subscriptions.
@@ -186,6 +217,7 @@ class ConnectionFinder:
     def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
         """Return the suggestions of the most likely kind of mistake."""
         kinds = (
+            self._without_slash,
             self._in_other_namespace,
             self._of_similar_name,
             self._without_remap,
@@ -208,8 +240,33 @@ class ConnectionFinder:
         is_own = space == namespace_of(topic) and node.id not in self._placed
         return is_own and not (command and space != "/")
 
+    def _use_channel(self, node: Node, topic: str, channel: str) -> Statement:
+        """Return the remedy for a channel that no remap gives to a node's subscription.
+
+        A node takes a plain channel by its own code. The sender changes if nobody edits that, as of
+        a simulator.
+        """
+        if is_plain(channel) and node.id not in self._simulators and not _is_fixed(node):
+            return state("plain-channel", node=node, channel=channel)
+        return state("republish", topic=topic)
+
     def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
         return Subject("sender", self._names.get(channel, str(fallback)))
+
+    def _without_slash(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
+        """Suggest to remove a slash that keeps a remap of either node from being applied."""
+        argument, target = unapplied_remap(node, end.topic)
+        for publisher, other in self._published.get(target, ()):
+            if publisher.id != node.id and _fit(end, other):
+                remedy = _remove_slash(node, end.topic, argument)
+                yield _suggestion(node, remedy, target, publisher)
+                return
+        for publisher, other in self._unapplied.get(end.topic, ()):
+            if publisher.id != node.id and _fit(end, other):
+                argument, _ = unapplied_remap(publisher, other.topic)
+                remedy = _remove_slash(publisher, other.topic, argument)
+                named = {"publisher": subject(publisher)}
+                yield _suggestion(node, remedy, other.topic, publisher, "publishes", **named)
 
     def _in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
         """Suggest the same name in another namespace: one of the two nodes is in the wrong one."""
@@ -222,6 +279,10 @@ class ConnectionFinder:
         for publisher, other in announced:
             if other.topic == inside != end.topic:
                 yield _suggestion(node, start_with(node, end.topic, inside), inside, publisher)
+                return
+            if is_plain(other.topic) and not publisher.tool:
+                remedy = self._use_channel(node, end.topic, other.topic)
+                yield _suggestion(node, remedy, other.topic, publisher)
                 return
         misplaced = [pair for pair in announced if self._is_unconnected(*pair)]
         command = bool(misplaced) and misplaced[0][0].tool
@@ -248,7 +309,7 @@ class ConnectionFinder:
             if self._is_misplaced(node, end.topic) and is_legal(channel):
                 remedy = state("namespace", node=node, namespace=namespace_of(channel))
             elif not self._graph.topic(channel).subscribers:
-                remedy = state("republish", topic=end.topic)
+                remedy = self._use_channel(node, end.topic, channel)
             else:
                 continue
             yield _suggestion(node, remedy, channel, by=self._sender(channel, seen.sender))
@@ -272,7 +333,7 @@ class ConnectionFinder:
                 if not (others or topic.subscribers):
                     known["or_publish_on"] = end.topic
             else:
-                remedy = state("republish", topic=end.topic)
+                remedy = self._use_channel(node, end.topic, name)
             yield _suggestion(node, remedy, name, slip and slip[0], "published", **known)
             return
 
@@ -291,20 +352,23 @@ class ConnectionFinder:
         A simulator's topics have fixed names: other nodes are remapped to them. Otherwise the name
         that comes from a remap is the wrong one.
         """
-        for publisher, publication in self._by_namespace[namespace_of(end.topic)]:
+        space = namespace_of(end.topic)
+        fitting = (
+            self._spare.get((space, number), {}) for number in dict.fromkeys(end.fingerprints)
+        )
+        others = (ends for by_node in fitting for id_, ends in by_node.items() if id_ != node.id)
+        for publisher, publication in chain.from_iterable(others):
             topic = publication.topic
-            if publisher.id == node.id or not _fit(end, publication):
-                continue
             if publisher.id in self._simulators:
                 if node.id not in self._simulators:
                     remedy = start_with(node, end.topic, _as_seen_by(node, topic))
                     yield _suggestion(node, remedy, topic, publisher, "same-type")
-            elif self._is_unconnected(publisher, publication) and not publisher.tool:
-                if remap_argument(node, end.topic) and not remap_argument(publisher, topic):
-                    remedy = start_with(node, end.topic, _as_seen_by(node, topic))
-                else:
-                    remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
-                yield _suggestion(node, remedy, topic, publisher, "no-subscriber")
+                continue
+            if remap_argument(node, end.topic) and not remap_argument(publisher, topic):
+                remedy = start_with(node, end.topic, _as_seen_by(node, topic))
+            else:
+                remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
+            yield _suggestion(node, remedy, topic, publisher, "no-subscriber")
 
     def _of_other_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
         """Suggest another type for the same name in another namespace, or for a similar name."""
@@ -354,6 +418,12 @@ def _change_type(
     return Suggestion(
         state("change-type", publisher=publisher, node=node, **types), node.id, topic, identity
     )
+
+
+def _is_fixed(node: Node) -> bool:
+    """Return whether a node is one of lcmtools' own, whose code users do not edit."""
+    words = program_words(node.command)
+    return words[:2] == ["lcmtools", "run"] and not fixed_nodes().isdisjoint(words[2:])
 
 
 def _is_slip_of(publisher: Node, name: str, node: Node, end: Endpoint) -> bool:

@@ -83,6 +83,7 @@ def _numbers(values: Sequence[float], path: str) -> Iterator[Odd]:
 
 def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
     side = _SQUARES[len(values)]
+    tolerance = _TOLERANCE * max(map(abs, values))
     for row in range(side):
         if values[row * side + row] < 0:
             place = row * side + row
@@ -90,7 +91,7 @@ def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
             return
         for column in range(row):
             one, other = values[row * side + column], values[column * side + row]
-            if abs(one - other) > _TOLERANCE * max(1.0, abs(one), abs(other)):
+            if abs(one - other) > tolerance:
                 indices = f"[{row * side + column}] and [{column * side + row}]"
                 yield "covariance", f"{path} is not symmetric: {indices} are {one:g} and {other:g}"
                 return

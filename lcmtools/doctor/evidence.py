@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from typing import TypeVar
 
+from lcmtools.graph.command_line import short_name
 from lcmtools.graph.model import Graph, Node
 from lcmtools.wire.packet import Sender
 
@@ -52,7 +53,7 @@ class HostClock:
     """The clock of another computer, compared with this one's."""
 
     host: str
-    address: str
+    address: str  # "" behind a relay
     lag: float  # [s] least delay of its announcements by both clocks; negative: its clock is ahead
     nodes: tuple[str, ...]  # from whose announcements this is known
 
@@ -73,6 +74,7 @@ class Listener:
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
     joined: tuple[str, ...] = ()  # interfaces on which it is in the bus's group, if known
     interpreter: str = ""  # of its program: "python3.11", "java"; "" for none
+    hangs: bool = False  # liblcm has had messages for it since the start, and it read none
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,6 +194,7 @@ class RelayEnd:
     dropped: int = 0  # messages for the bus that were dropped during the look
     commands: tuple[str, ...] = ()  # topics that do not pass and that a node on this bus waits for
     stands_by: bool = False
+    id: str = ""
 
 
 @dataclass(frozen=True)
@@ -220,6 +223,7 @@ class Evidence:
     stale_published: AbstractSet[str] = frozenset()  # topics of stale nodes of this computer
     stale_subscribed: AbstractSet[str] = frozenset()
     processor_wait: float = 0.0  # [s] the longest time that a program waited for a processor
+    waits: Mapping[int, float] = field(default_factory=dict)  # [s] the same, by process
     users: Mapping[int, str] = field(default_factory=dict)  # names by number
     clocks: Sequence[HostClock] = ()  # of other computers
     remote: AbstractSet[str] = frozenset()  # ids of the nodes on other computers
@@ -229,6 +233,15 @@ class Evidence:
     def own_nodes(self) -> list[Node]:
         """Return the nodes of this computer: only their process numbers are valid here."""
         return [node for node in self.graph.nodes if node.id not in self.remote]
+
+    def plain_programs(self) -> list[LcmProcess]:
+        """Return the programs on this bus that may publish without being announced.
+
+        A command of lcmtools that publishes is announced.
+        """
+        nodes = {node.pid for node in self.own_nodes()}
+        on_bus = (one for one in self.processes if not one.bus and one.pid not in nodes)
+        return [one for one in on_bus if short_name(one.command) != "lcmtools"]
 
     def wait_share(self) -> float:
         """Return the share of time that programs waited for a processor; 0 if it is small."""

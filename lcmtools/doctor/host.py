@@ -19,7 +19,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lcmtools.bus.processes import sockets_are_known
+from lcmtools.bus.network_watch import route_interface
+from lcmtools.bus.processes import network_counter, sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
@@ -46,7 +47,6 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
     folder = _NET / interface if interface else Path("/nonexistent")
     flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
     filters = _PROC / "sys/net/ipv4/conf"
-    misread = [f"the URL {url}: {odd}" for odd in misread_options(url)]
     return Host(
         uid=os.getuid(),
         interface=interface,
@@ -59,7 +59,7 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         is_wireless=(folder / "wireless").exists(),
         most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
         container=_container(),
-        environment=(*_environment(environment), *misread),
+        environment=(*_environment(environment), *misread_options(url)),
         has_sockets=sockets_are_known(),
         **(_network(url, interface) if url.is_multicast else {}),
     )
@@ -89,19 +89,6 @@ def silent_bridge(interface: str) -> str:
     return bridge.name if snoops and not _number(settings / "multicast_querier") else ""
 
 
-def route_interface(group: str) -> str:
-    """Return the interface of the route to a group; "" if unknown."""
-    best, found = -1, ""
-    for line in text_of(_PROC / "net/route").splitlines()[1:]:
-        columns = line.split()
-        with contextlib.suppress(ValueError, IndexError):
-            network, mask = int(columns[1], 16), int(columns[7], 16)
-            own = struct.unpack("=I", socket.inet_aton(group))[0]
-            if own & mask == network and mask.bit_count() > best:
-                best, found = mask.bit_count(), columns[0]
-    return found
-
-
 def _flags(interface: str) -> int:
     """Return an interface's flags; those of a working one if unknown."""
     if not _PROC.joinpath("net/route").exists():
@@ -119,25 +106,12 @@ def _routed_interfaces() -> set[str]:
 
 def reassembly_failures() -> int:
     """Return the number of IP datagrams that lost fragments, since the system started."""
-    return _counter(_PROC / "net/snmp", "Ip:", "ReasmFails")
+    return network_counter("snmp", "Ip:", "ReasmFails")
 
 
 def rp_filter_drops() -> int:
     """Return the number of IP datagrams that rp_filter dropped, since the system started."""
-    return _counter(_PROC / "net/netstat", "TcpExt:", "IPReversePathFilter")
-
-
-def buffer_overflows() -> int:
-    """Return the number of UDP datagrams that full receive buffers dropped, since the start."""
-    return _counter(_PROC / "net/snmp", "Udp:", "RcvbufErrors")
-
-
-def _counter(file: Path, group: str, name: str) -> int:
-    """Return a counter of the kernel. The file has a line of names before each line of numbers."""
-    rows = [line.split() for line in text_of(file).splitlines() if line.startswith(group)]
-    with contextlib.suppress(ValueError, IndexError):
-        return int(rows[1][rows[0].index(name)])
-    return 0
+    return network_counter("netstat", "TcpExt:", "IPReversePathFilter")
 
 
 def _joined(group: str) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from ipaddress import IPv4Address
 from itertools import chain
 from pathlib import Path
 
-from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
+from lcmtools.bus.processes import Process, UdpSocket, process_of, shows_own_pids, uses_lcm
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
 from lcmtools.doctor.connecting import unconnected_ends
@@ -25,7 +25,7 @@ from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here
+from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here, nodes_by_pid
 from lcmtools.wire.packet import Sender
 
 _PROC = Path("/proc")
@@ -99,7 +99,7 @@ def lcm_processes(
 
 def _pids_of(user: int) -> set[int]:
     found = set()  # in this network namespace
-    for folder in _PROC.glob("[0-9]*"):
+    for folder in _PROC.glob("[0-9]*") if shows_own_pids() else ():
         with contextlib.suppress(OSError):
             is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
             if is_here and folder.stat().st_uid == user:
@@ -220,10 +220,7 @@ class ProgramNames:
         self, monitor: BusMonitor, listening: Listening, nodes: Collection[Node], table: SocketTable
     ) -> None:
         self.table = table
-        self.by_pid: dict[int, list[Node]] = {}
-        for node in nodes:
-            if is_here(node):
-                self.by_pid.setdefault(node.pid, []).append(node)
+        self.by_pid = nodes_by_pid(nodes, table.holders.values())
         self.senders = SenderNames(lambda _: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap

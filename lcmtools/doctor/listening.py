@@ -7,12 +7,13 @@ a sample of a busy bus is decoded.
 import contextlib
 import shlex
 import time
-from collections import Counter, defaultdict
+from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
@@ -36,13 +37,15 @@ _TRANSFORMS = "tf2_msgs/TFMessage"
 _LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
 _CLOCK_SPAN = 0.3  # [s] of ticks are enough for the rate of simulated time
 _MOST_TIMES = 5000
-_MOST_STREAMS = 2000
+_MOST_STREAMS, _MOST_BYTES = 2000, 64 << 20
+_MOST_RELAYS = 200
 _MOST_ODDITIES, _MOST_LOGS, _MOST_FRAMES = 200, 50, 2000
 _MOST_COMPARED = 1000  # messages of a channel
 _TRIED = 3  # messages of an unknown type that are compared with known ones
 _COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
 _SHARE = 0.3  # of the time may be spent on decoding
+_ENTRY = 100  # bytes of a number in a set or a list
 _LARGEST = 4 << 20  # bytes of a message that is decoded
 _FUTURE, _OLD = 1.0, 10.0  # [s] the largest error of a stamp
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
@@ -65,6 +68,11 @@ class _Stream:
     doubled: set[int] = field(default_factory=set)  # numbers
     repeated: set[int] = field(default_factory=set)  # hashes of payloads
 
+    def size(self) -> int:
+        """Return the memory that it takes [byte]."""
+        counts = len(self.times), len(self.numbered), len(self.doubled), len(self.repeated)
+        return _ENTRY * (1 + sum(counts))
+
 
 class Listening:
     """The evidence in messages as they arrive.
@@ -76,16 +84,19 @@ class Listening:
     def __init__(self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE) -> None:
         self._share = share
         self._types_of, self._decoder = types_of, Decoder(types_of)
-        self._known: defaultdict[str, dict[str, None]] = defaultdict(dict)  # types by channel
-        self._streams: dict[_Key, _Stream] = {}
-        self._compared: dict[str, dict[int, Sender | None]] = {}  # the first sender of each payload
+        # types by channel
+        self._known = BoundedDict[str, dict[str, None]](_MOST_STREAMS)
+        self._streams = BoundedDict[_Key, _Stream](_MOST_STREAMS, _MOST_BYTES)
+        # the first sender of each payload, by channel
+        self._compared = BoundedDict[str, dict[int, Sender | None]](_MOST_STREAMS, _MOST_BYTES)
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
         self._frames: dict[tuple[str, str, str], Sender | None] = {}  # by tree, child and parent
         self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
         self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
+        self._current: set[Sender] = set()  # whose stamps, or some, are those of the present
         self._start = time.monotonic()
         self._spent = 0.0
-        self.clock_ticks: list[tuple[int, int]] = []
+        self.clock_ticks: deque[tuple[int, int]] = deque(maxlen=_MOST_TIMES)
         """Arrival and simulated time of the messages on ``/clock`` [ns]."""
         self.clock_sender: Sender | None = None
         self._clocks: set[Sender | None] = set()
@@ -98,20 +109,19 @@ class Listening:
                 self.relays.add_report(packet.payload)
             return
         key = (packet.channel, packet.sender)
-        if key not in self._streams and len(self._streams) >= _MOST_STREAMS:
-            return
-        stream = self._streams.setdefault(key, _Stream())
+        stream = self._streams.get(key) or _Stream()
         if len(stream.times) < _MOST_TIMES:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
         stream.bytes += packet.size
         self._compare(packet, stream)
+        self._streams.put(key, stream, stream.size())
         try:
             cls = self._decoder.message_class(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
             self._inspect_unknown(packet, stream)
             return
-        self._known[packet.channel][type_name(cls)] = None
+        self._known.setdefault(packet.channel, {})[type_name(cls)] = None
         now = time.monotonic()
         has_time = self._spent <= self._share * (now - self._start) + 0.05
         if has_time or packet.channel in (CLOCK_TOPIC, _LOG):
@@ -144,11 +154,14 @@ class Listening:
         )
 
     def _replayed(self, key: _Key) -> str:
-        """Return "replayed" if a topic's old stamps advance with the clock, else "old"."""
+        """Return "replayed" if a topic's old stamps advance with the clock, else "old".
+
+        A log has no current stamps beside them.
+        """
         (arrival, stamped), (last_arrival, last_stamped) = self._old[key]
         advance, passed = last_stamped - stamped, last_arrival - arrival
         is_even = passed and 1 / _FASTEST < advance / passed < _FASTEST
-        return "replayed" if is_even else "old"
+        return "replayed" if is_even and key[1] not in self._current else "old"
 
     def frames(self, name: Callable[[Sender | None], str]) -> tuple[FrameParent, ...]:
         """Return the frames of transforms with their parents, each pair once."""
@@ -163,7 +176,7 @@ class Listening:
 
         A single pause is not slowness. None if there are too few ticks, or time jumps back.
         """
-        ticks = self.clock_ticks
+        ticks = list(self.clock_ticks)
         seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
         if seconds < _CLOCK_SPAN or self._jumps():
             return None
@@ -180,7 +193,8 @@ class Listening:
 
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Note whether the same message came before, from the same or another sender."""
-        known = self._compared.setdefault(packet.channel, {})
+        known = self._compared.get(packet.channel) or {}
+        self._compared.put(packet.channel, known, _ENTRY * len(known))
         for memory in (known, stream.numbered):
             if len(memory) >= _MOST_COMPARED:
                 memory.clear()
@@ -196,12 +210,14 @@ class Listening:
 
     def _inspect_unknown(self, packet: Packet, stream: _Stream) -> None:
         is_whole = packet.whole_bytes is None
-        if packet.fingerprint is None or stream.format:
+        if not packet.payload or stream.format:
             return
         stream.format = foreign_format(packet.payload, is_whole=is_whole)
-        if is_whole and not (stream.format or stream.grown) and len(stream.times) <= _TRIED:
+        is_known = stream.format or stream.grown or packet.fingerprint is None
+        if is_whole and not is_known and len(stream.times) <= _TRIED:
             channel = packet.channel
-            known = (*self._types_of(channel), *self._known[channel], *own_types_like(channel))
+            found = self._known.get(channel, {})
+            known = (*self._types_of(channel), *found, *own_types_like(channel))
             stream.grown = grown_type(packet.payload, known)
 
     def _inspect(self, packet: Packet, key: _Key) -> None:
@@ -216,7 +232,7 @@ class Listening:
             simulated = join_stamp(message.clock.sec, message.clock.nsec)
             self.clock_ticks.append((packet.time, simulated))
             self.clock_sender = packet.sender
-            self._clocks.add(packet.sender)
+            self._clocks |= {packet.sender} if len(self._clocks) <= 1 else set()
         if isinstance(message, Log) and message.level in _LEVELS:
             text = message.msg.strip().partition("\n")[0][:_LOG_CHARACTERS]
             entry = message.name, _LEVELS[message.level], text
@@ -259,8 +275,11 @@ class Listening:
             self._add_oddity("future", key, f"{place} is {-late:.1f} s in the future")
         elif late > _OLD:
             self._add_oddity("old", key, f"{place} is {late:.1f} s old")
-            first, _ = self._old.get(key, ((arrival, stamped), None))
-            self._old[key] = first, (arrival, stamped)
+            if key in self._old or len(self._old) < _MOST_STREAMS:
+                first, _ = self._old.get(key, ((arrival, stamped), None))
+                self._old[key] = first, (arrival, stamped)
+        elif key[1] and len(self._current) < _MOST_STREAMS:
+            self._current.add(key[1])
 
     def _add_oddity(self, kind: str, key: _Key, text: str) -> None:
         """Count an oddity by its kind and its place, the first word of its text."""
@@ -294,7 +313,7 @@ class RelayReports:
     """The first and the last report of each relay during a look."""
 
     def __init__(self) -> None:
-        self._found: dict[str, tuple[Link, Link]] = {}
+        self._found = BoundedDict[str, tuple[Link, Link]](_MOST_RELAYS)
 
     def add_report(self, payload: bytes) -> None:
         """Add a report, which includes other relays."""
@@ -310,5 +329,6 @@ class RelayReports:
             for was, end in zip(first.ends, last.ends, strict=True):
                 known = last.name, last.host, end.bus, end.trouble, end.dropped - was.dropped
                 if last.state != State.LEFT:
-                    found.append(RelayEnd(*known, end.commands, last.state == State.STANDBY))
+                    stands_by = last.state == State.STANDBY
+                    found.append(RelayEnd(*known, end.commands, stands_by, last.id))
         return tuple(found)

@@ -22,6 +22,10 @@ class Memory:
         self._times: dict[_Key, deque[int]] = {}
         self._known: dict[_Key, Publication] = {}
 
+    def count(self) -> int:
+        """Return the number of remembered publishers, those of unknown rate included."""
+        return len(self._known.keys() | self._times.keys())
+
     def recall(self, evidence: Evidence) -> Evidence:
         """Return the evidence with the publishers of earlier looks that have not ended."""
         running = {process.pid for process in evidence.processes}
@@ -36,7 +40,12 @@ class Memory:
             return is_known and (one.topic, one.sender) not in ended
 
         self._known = {key: one for key, one in self._known.items() if is_there(one)}
-        self._times = {key: times for key, times in self._times.items() if key not in ended}
+        now = evidence.graph.time
+        self._times = {
+            key: times
+            for key, times in self._times.items()
+            if key not in ended and (key in self._known or now - times[-1] < _UNKNOWN * 1e9)
+        }
         return replace(evidence, remembered=tuple(self._known.values()))
 
     def remember(self, evidence: Evidence) -> None:
@@ -44,10 +53,12 @@ class Memory:
         for stream in evidence.streams:
             if is_hidden(stream.channel) or stream.has_ended:
                 continue
+            if not stream.times:
+                continue
             key = stream.channel, stream.sender
             times = self._times.setdefault(key, deque(maxlen=_KEPT))
             times.extend(stream.times[-_KEPT:])
-            span = times[-1] - times[0] if times else 0
+            span = times[-1] - times[0]
             if len(times) >= _ENOUGH and span >= _SPAN:
                 before = self._known[key].rate if key in self._known else 0.0
                 rate = max(before, (len(times) - 1) * 1e9 / span)

@@ -20,8 +20,14 @@ REMAPS = {
     "remap": "start {node} with {old}:={new}",
     "remove-slash": "let {node} use '{name}' in place of '{topic}': the slash at its start keeps it"
     " out of the namespace {namespace}",
+    "remove-slash-of-remap": "let {node} use '{name}' in place of '{topic}': the slash at its start"
+    " keeps {argument} from being applied",
     "replace-remap": "start {node} with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
+}
+PLAIN_CHANNEL = {
+    "plain-channel": "in {node}, subscribe to {channel} with plain_channel=True,"
+    " in C++ to plain_channel({channel})",
 }
 """The sentences of remedies that give a topic another name."""
 _REASONS = {
@@ -33,6 +39,8 @@ _REASONS = {
     "subscribes": "{listener} subscribes to {channel}",
 }
 _SHORT, _LONG = 4, 8  # characters: shorter names look alike by chance, longer ones have more errors
+_MOST_EDITS = 2  # of a long name
+_MOST_COMPARISONS = 5_000_000  # of two names' letters, which take half a second
 _ABBREVIATED = 4  # consonants of a word that may be abbreviated, as command by cmd
 
 
@@ -52,27 +60,67 @@ def are_near(one: str, other: str) -> bool:
         return False
     bases = base_name_of(one), base_name_of(other)
     is_long = min(len(_folded(base)) for base in bases) >= _LONG
-    if _has_distance_within(first, second, 2 if is_long else 1):
+    if _has_distance_within(first, second, _MOST_EDITS if is_long else 1):
         return True
     return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
 
 
 class NearNames:
-    """An index of names for similar ones. Names that differ only in numbers are compared once."""
+    """An index of names for similar ones. Names that differ only in numbers are compared once.
+
+    Among thousands of names that nothing connects, no slip of typing is searched for the last ones.
+    """
 
     def __init__(self, names: Iterable[str]) -> None:
         self._alike: dict[str, list[str]] = {}
         self._near: dict[str, tuple[str, ...]] = {}  # a cache by name
         for name in names:
             self._alike.setdefault(_without_numbers(name), []).append(name)
+        self._order = {pattern: number for number, pattern in enumerate(self._alike)}
+        self._letters = [(*_letters(pattern), pattern) for pattern in self._alike]
+        self._by_initials: dict[object, list[str]] = {}
+        for pattern in self._alike:
+            self._by_initials.setdefault(_initials(pattern), []).append(pattern)
+        self._left = _MOST_COMPARISONS
 
     def of(self, name: str) -> tuple[str, ...]:
         """Return the names that are near to a name."""
         if name not in self._near:
             pattern = _without_numbers(name)
-            near = (o for other, o in self._alike.items() if _are_near_patterns(pattern, other))
+            likely = self._likely(pattern)
+            near = (self._alike[one] for one in likely if _are_near_patterns(pattern, one))
             self._near[name] = tuple(one for names in near for one in names if are_near(one, name))
         return self._near[name]
+
+    def _likely(self, pattern: str) -> list[str]:
+        """Return the patterns that may be near: of nearly the same letters, or of its initials."""
+        count, letters = _letters(pattern)
+        self._left -= len(self._letters)
+        known = self._letters if self._left >= 0 else ()
+        likely = {
+            other
+            for others, mask, other in known
+            if -_MOST_EDITS <= others - count <= _MOST_EDITS
+            if (mask ^ letters).bit_count() <= 2 * _MOST_EDITS
+        }
+        likely.update(self._by_initials.get(_initials(pattern), ()))
+        return sorted(likely, key=self._order.__getitem__)
+
+
+def _letters(pattern: str) -> tuple[int, int]:
+    """Return the number of a pattern's letters, and the set of them as bits."""
+    letters = _folded(pattern.replace("0", ""))
+    return len(letters), sum(1 << number for number in {ord(one) % 64 for one in letters})
+
+
+def _initials(pattern: str) -> tuple[str, ...]:
+    """Return the namespace and the words' initials of a name in which words may be abbreviated.
+
+    A single word is never: short names are not near, and long words need nearly the same letters.
+    """
+    words = base_name_of(pattern).replace("0", "").casefold().split("_")
+    space = namespace_of(pattern).replace("0", "")
+    return (space, *(word[:1] for word in words)) if words[1:] else (pattern,)
 
 
 @lru_cache(100_000)
@@ -124,6 +172,11 @@ def is_legal(channel: str) -> bool:
     return re.fullmatch(r"(/[A-Za-z0-9_]+)+", channel) is not None
 
 
+def is_plain(channel: str) -> bool:
+    """Return whether a channel has a usual name of plain LCM, without a slash at its start."""
+    return re.fullmatch(r"[^\s/]+(/[^\s/]+)*", channel) is not None
+
+
 def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
     """Add the reason to a remedy, and the alternative in the part ``or_publish_on``, if any."""
     known = state("", because=reason, **parts).parts
@@ -171,6 +224,18 @@ def remap_argument(node: Node, topic: str) -> str:
         if sign and target and not source.startswith("_") and expanded(target, node) == topic:
             return word
     return ""
+
+
+def unapplied_remap(node: Node, topic: str) -> tuple[str, str]:
+    """Return the remap that a slash at a topic's start keeps from being applied, and its target.
+
+    Both are "" if there is none.
+    """
+    for word in node.command.split() if ":=" in node.command else ():
+        source, sign, target = word.partition(":=")
+        if sign and target and topic == f"/{source}" != expanded(source, node):
+            return word, expanded(target, node)
+    return "", ""
 
 
 def expanded(name: str, node: Node) -> str:

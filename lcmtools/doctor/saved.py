@@ -19,11 +19,12 @@ from pathlib import Path
 from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.errors import LcmtoolsError, os_errors_as
-from lcmtools.folders import write_whole
+from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import read_text, write_whole
 
 VERSION = 1  # of the file's layout: greater by one with each addition
 _KEY = "lcmtools_evidence"
+_MOST_BYTES = 100_000_000
 _FEW = 3  # fields of a named tuple that is written as a list, unless all have a default
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
 
@@ -50,8 +51,7 @@ def save(evidence: Evidence, file: Path) -> None:
 def load(file: Path) -> Evidence:
     """Read evidence from a file that ``save`` wrote; an error has one line."""
     try:
-        with os_errors_as(f"cannot read {file}"):
-            return from_text(file.read_text(encoding="ascii"))
+        return from_text(read_text(file, _MOST_BYTES, kind=LcmtoolsError))
     except (_InvalidEvidence, ValueError, RecursionError) as error:
         why = error if isinstance(error, _InvalidEvidence) else "it is not JSON"
         what = f"{file} does not contain evidence that wtf can judge: {why}"

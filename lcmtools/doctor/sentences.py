@@ -101,7 +101,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "and": lambda values: " and ".join(_first(values)),
     "at": lambda host: f"{host} at {host.address}" if host.address else str(host),
     "brackets": lambda text: f" ({text})" if text else "",
-    "called": lambda s: str(s) if str(s) == s.address else f"{s} ({s.address})",
+    "called": lambda s: str(s) if s.address in ("", str(s)) else f"{s} ({s.address})",
     "command": lambda hint: _advice(hint)[1],
     "count": lambda messages: f" ({messages} messages)" if messages > 1 else "",
     "holds": lambda size: f"holds {size} bytes" if size else "is too small",

@@ -91,6 +91,7 @@ class Expression:
     def __init__(self, text: str, language: Language) -> None:
         self.text = text.strip()
         self._language = language
+        self._check_text()
         self._source = _KEYWORD.sub(_as_name, self.text) if language.has_fields else self.text
         self._functions = {**FUNCTIONS, **language.functions}
         self.root = self._parsed()
@@ -113,7 +114,7 @@ class Expression:
     def _bad(self, reason: str, hint: str = "") -> UsageError:
         return UsageError(f"{self._language.name}: {reason}", hint)
 
-    def _parsed(self) -> ast.expr:
+    def _check_text(self) -> None:
         text, language = self.text, self._language
         if not text:
             raise self._bad("the expression is empty", language.example)
@@ -121,6 +122,9 @@ class Expression:
             raise self._bad(f"the expression is longer than {language.longest} characters")
         if not text.isprintable():
             raise self._bad("the expression has a character that cannot be printed")
+
+    def _parsed(self) -> ast.expr:
+        text = self.text
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # Python's SyntaxWarnings are not for users
@@ -130,7 +134,7 @@ class Expression:
             where = text[start : start + _SHOWN] or text[-_SHOWN:]
         except (ValueError, RecursionError, MemoryError):
             where = text[:_SHOWN]
-        raise self._bad(f"cannot read '{where}'", language.example)
+        raise self._bad(f"cannot read '{where}'", self._language.example)
 
     def _check(self, node: ast.AST, depth: int) -> None:
         if depth > DEEPEST:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, TypeVar
 from lcmtools.errors import InvalidFile
 
 if TYPE_CHECKING:
+    from xml.parsers.expat import ExpatError, XMLParserType
+
     from typing_extensions import Self
 
 DEEPEST = 50
@@ -62,10 +64,26 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
     """
     from xml.parsers import expat  # late: readers of YAML use elements without a parser
 
+    top = kind("", source, 1)
+    parser, open_elements = _parser(top, kind)
+    try:
+        parser.Parse(content, True)  # noqa: FBT003 - expat's signature
+    except expat.ExpatError as error:
+        raise _not_xml(content, source, error, open_elements[-1]) from None
+    except (LookupError, ValueError) as error:  # an unknown encoding
+        raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None
+    return top.children[0]
+
+
+def _parser(top: E, kind: type[E]) -> "tuple[XMLParserType, list[E]]":
+    """Return a parser that adds elements to ``top``, and the list of those that are open."""
+    from xml.parsers import expat
+
+    source = top.source
     parser = expat.ParserCreate()
     parser.buffer_text = True  # else each line of text is a call of its own
-    top = kind("", source, 1)
-    open_elements = [top]
+    open_elements: list[E] = [top]
+    texts: list[list[str]] = [[]]  # of the open elements, in pieces
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         element = kind(tag, source, parser.CurrentLineNumber, attributes)
@@ -73,27 +91,32 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
             raise element.error(f"nested more than {DEEPEST} levels deep")
         open_elements[-1].children.append(element)
         open_elements.append(element)
+        texts.append([])
+
+    def end(_tag: str) -> None:
+        open_elements.pop().text = "".join(texts.pop())
 
     def add_text(text: str) -> None:
-        open_elements[-1].text += text
+        texts[-1].append(text)
 
     def refuse_doctype(*_: object) -> None:
         place = f"{source}:{parser.CurrentLineNumber}"
         raise InvalidFile(f"{place}: a document type (<!DOCTYPE>) is not supported", "remove it")
 
     parser.StartElementHandler = start
-    parser.EndElementHandler = lambda _tag: open_elements.pop()
+    parser.EndElementHandler = end
     parser.CharacterDataHandler = add_text
     parser.StartDoctypeDeclHandler = refuse_doctype
-    try:
-        parser.Parse(content, True)  # noqa: FBT003 - expat's signature
-    except expat.ExpatError as error:
-        reason = expat.errors.messages[error.code]
-        hint = _hint(content, error.lineno) or _unclosed(open_elements, reason)
-        raise InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint) from None
-    except (LookupError, ValueError) as error:  # an unknown encoding
-        raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None
-    return top.children[0]
+    return parser, open_elements
+
+
+def _not_xml(content: bytes | str, source: str, error: "ExpatError", last: Element) -> InvalidFile:
+    """Return the error for malformed XML; ``last`` is the innermost element before it."""
+    from xml.parsers import expat
+
+    reason = expat.errors.messages[error.code]
+    hint = _hint(content, error.lineno) or _unclosed(last, reason)
+    return InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint)
 
 
 def _hint(content: bytes | str, line: int) -> str:
@@ -115,9 +138,8 @@ def _hint(content: bytes | str, line: int) -> str:
     return found[0] if found else ""
 
 
-def _unclosed(elements: list[E], reason: str) -> str:
+def _unclosed(last: Element, reason: str) -> str:
     """Return a hint for an unclosed element; "" if the mistake is another one."""
-    last = elements[-1]
     if not last.tag or "invalid token" in reason:
         return ""
     return f"is the <{last.tag}> of line {last.line} closed? </{last.tag}>, or <{last.tag} ... />"

@@ -74,7 +74,7 @@ def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
     if problem.startswith(_COLON_PROBLEMS):
         hint = _colon_hint(text) or _nesting_hint(mark)
     elif at == "\t" or "tab character" in problem:
-        problem, hint = "a tab cannot indent", "use blanks"
+        problem, hint = "a tab cannot indent", "indent with spaces"
     elif at and at in _SPECIAL:
         problem, hint = f"text cannot begin with '{at}'", "put it in quotes"
     elif at and at in "]}" and "document start" in problem:
@@ -95,7 +95,7 @@ def _nesting_hint(mark: "yaml.Mark | None") -> str:
 
 def _flow_hint(problem: str, line: str) -> str:
     """Return the hint for "a: {x: 1} b: {y: 2}" and other wrong separators."""
-    if problem == "did not find expected key" and re.search(r"[}\]]\s*,?\s*\w+\s*:", line):
+    if problem == "did not find expected key" and re.search(r"[}\]]\s*(?:,\s*)?\w+\s*:", line):
         return "put all fields into { } with commas between, or each on a line of its own"
     if problem in ("did not find expected key", "did not find expected '-' indicator"):
         return "indent the keys of an entry equally"

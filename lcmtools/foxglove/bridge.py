@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 _TURN = 0.05  # [s] at most until a client's request is handled
 _LOOK_PERIOD = 0.4  # [s] between updates from the graph
 _AGAIN = 0.5  # [s] before a failed network is tried again
+_MOST_TOLD = 1000  # different sentences
 _AT_ONCE = 32  # topics offered together: clients with too many waiting messages are disconnected
 
 
@@ -127,6 +128,13 @@ class Bridge(AbstractContextManager["Bridge"]):
         """Take a client's message."""
         if self.publishing:
             self.publishing.publish(client.id, channel, data)
+
+    def refuse_origin(self, origin: str) -> None:
+        """Note that a page of a website was refused."""
+        lets = f"--allow-origin {origin} lets it in"
+        if origin == "null":  # also of any website's sandboxed frames
+            lets = f"{lets}, and so may frames of any website"
+        self._refuse(f"a page of {origin} was refused; {lets}")
 
     def _refuse(self, text: str) -> None:
         self._wishes.put(lambda: self._notify_once(text))
@@ -240,7 +248,7 @@ class Bridge(AbstractContextManager["Bridge"]):
         return None
 
     def _notify_once(self, text: str) -> None:
-        if text not in self._told:
+        if text not in self._told and len(self._told) < _MOST_TOLD:
             self._told.add(text)
             self._notify(text)
 

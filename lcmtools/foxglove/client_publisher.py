@@ -36,7 +36,7 @@ class Publishing:
         try:
             with self._lock:
                 cls = self._class_of(channel)
-                publisher = self._node.create_publisher(cls, channel.topic, literal=True)
+                publisher = self._node.create_publisher(cls, channel.topic, plain_channel=True)
                 self._publishers[client, channel.id] = publisher, channel.encoding
         except LcmtoolsError as error:
             self._refuse(f"cannot publish on {channel.topic}: {error}")

@@ -1,6 +1,8 @@
 """The package foxglove's server: channels, clients' requests, and errors as lcmtools' own."""
 
 import logging
+import secrets
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, cast
@@ -15,34 +17,32 @@ _MOST_WAITING = 256  # messages for a slow client; beyond this, the oldest are d
 
 
 class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
-    """A server for Foxglove and Lichtblick, at a host and port; 0 for any port.
+    """A server for Foxglove and Lichtblick, at the address of a gate.
 
     ``clients`` handles their requests by those methods of the package's ``ServerListener`` that it
     has, on threads of the server; ``encodings`` are of messages that clients may publish.
 
     Raises:
         MissingExtra: The package is missing.
-        BusError: The address cannot be used.
+        BusError: It cannot listen.
     """
 
-    def __init__(
-        self, address: tuple[str, int], clients: object, encodings: Iterable[str] = ()
-    ) -> None:
+    def __init__(self, clients: object, encodings: Iterable[str] = ()) -> None:
         with needing_extra("foxglove", "foxglove needs"):
             import foxglove
             from foxglove.websocket import Capability, StatusLevel
         logging.getLogger("foxglove").addHandler(logging.NullHandler())  # about lost clients
         self._package: Any = foxglove
+        self.host = _hidden_host()
         self._level = StatusLevel.Error
         self._context = foxglove.Context()
         self._graph: Mapping[str, tuple[list[str], list[str]]] = {}
-        host, port = address
         can = [Capability.ConnectionGraph, *([Capability.ClientPublish] if encodings else [])]
         try:
             self._server = foxglove.start_server(
                 name="lcmtools",
-                host=host,
-                port=port,
+                host=self.host,
+                port=0,
                 capabilities=can,
                 server_listener=cast("Any", _Listener(clients)),
                 supported_encodings=list(encodings) or None,
@@ -50,9 +50,7 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
                 message_backlog_size=_MOST_WAITING,
             )
         except RuntimeError as error:
-            reason = str(error).rpartition(": ")[2].partition(" (os error")[0]
-            what = f"cannot listen at {host}:{port}: {reason}"
-            raise BusError(what, "--port N chooses another port") from error
+            raise BusError(f"cannot listen at {self.host}: {error}") from error
 
     def __exit__(self, *_: object) -> None:
         """End all connections."""
@@ -87,6 +85,16 @@ class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
             drawn.set_published_topic(topic, publishers)
             drawn.set_subscribed_topic(topic, subscribers)
         self._server.publish_connection_graph(drawn)
+
+
+def _hidden_host() -> str:
+    """Return an address of this computer that pages cannot guess, where systems have others.
+
+    Else only the port is unknown to them.
+    """
+    if not sys.platform.startswith("linux"):
+        return "127.0.0.1"
+    return f"127.{'.'.join(str(1 + secrets.randbelow(254)) for _ in range(3))}"
 
 
 class _Listener:

@@ -48,7 +48,7 @@ _WRAPPERS = (
 
 def short_name(command: str) -> str:
     """Return the name of a program; for an interpreter, the script's: "driver.py"."""
-    return (_program(command) or ["?"])[0]
+    return (program_words(command) or ["?"])[0]
 
 
 def shortened(command: str, most: int) -> str:
@@ -56,7 +56,7 @@ def shortened(command: str, most: int) -> str:
 
     Words at the end are left out if there is no room. Arguments are not changed.
     """
-    text = " ".join(_program(command))
+    text = " ".join(program_words(command))
     if len(text) <= most:
         return text
     kept = text[: most - 1].rpartition(" ")[0] or text[: most - 2]
@@ -69,7 +69,7 @@ def interpreter(command: str) -> str:
     return _file_name(name) if _of(name, _INTERPRETERS) else ""
 
 
-def _program(command: str) -> list[str]:
+def program_words(command: str) -> list[str]:
     """Return the program's name, without folders, and its arguments; empty for no command."""
     words = _unwrapped(command)
     if not words:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from lcmtools.names import SELF_TEST_CHANNEL, base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
 
-VERSION = 1
+VERSION = 2
 """The version of the protocol of announcements: greater by one with each field appended to it."""
 STALE_AFTER = 3_000_000_000
 """A node that has not announced itself for this time is stale [ns]."""
@@ -52,6 +52,7 @@ class Endpoint(NamedTuple):
     busy: int = 0  # time spent in the callback, including a running call [ns]
     longest: int = 0  # time of the longest call, or of a running one so far [ns]
     latched: bool = False  # the last message is sent again to each new subscriber
+    incomplete: int = 0  # messages of which parts were lost on their way
     rate: float = 0.0  # of its messages in the last one or two seconds [Hz]; 0 if unknown
 
     @property
@@ -69,6 +70,16 @@ class Endpoint(NamedTuple):
         if messages <= 0 or span <= 0 or not earlier.last_time:
             return None
         return messages * 1e9 / span
+
+    def is_steady_since(self, earlier: "Endpoint", time: int, most: int) -> bool:
+        """Return whether its messages began without a pause at ``time`` [ns], that of the earlier.
+
+        Before a single message, a pause is longer than ``most`` [ns]; before several, it is longer
+        than two of the intervals that followed.
+        """
+        messages = self.messages - earlier.messages
+        usual = (self.last_time - time) / (messages - 1) if messages > 1 else most / 2
+        return time - earlier.last_time <= 2 * usual
 
     @property
     def type(self) -> str:
@@ -93,6 +104,17 @@ class RelayStep(NamedTuple):
     id: str  # the relay's id
     relay: str  # its name as a node
     bus: str  # the bus from which it took the announcement
+    kept: int = 0  # for which it kept the announcement before it sent it [ns]
+
+
+class FullLine(NamedTuple):
+    """A connection of a node that does not take all that is sent to it."""
+
+    to: str  # the bus, client or address at its other end
+    dropped: int  # messages for it that were dropped since the start
+    # The topics that lost messages in the last seconds, as a relay's options name them, with the
+    # rates of their messages that passed [Hz].
+    passing: tuple[tuple[str, float], ...] = ()
 
 
 class Node(NamedTuple):
@@ -105,7 +127,7 @@ class Node(NamedTuple):
     start_time: int = 0
     command: str = ""  # its command line
     tool: bool = False  # True for a command that observes the bus, not a part of the system
-    ports: tuple[int, ...] = ()  # UDP ports it sends from, except its announcements' port
+    ports: tuple[int, ...] = ()  # UDP ports it sends from, beside its announcements' port
     endpoints: tuple[Endpoint, ...] = ()
     sender: Sender | None = None  # of its announcements; None if the bus does not identify it
     last_announced: int = 0  # arrival of its last announcement; 0 for none
@@ -125,6 +147,11 @@ class Node(NamedTuple):
     # False if only the head of its announcement could be read: endpoints are those of the messages
     # that it is seen to send, and ports, busy and errors are unknown.
     has_details: bool = True
+    pid_namespace: int = 0  # in which its pid is valid, as each container has its own; 0 if unknown
+    overflows: int = 0  # datagrams that its process's full receive buffers have lost, at most
+    # What a relay or server has received from programs that are not nodes, by its own clock.
+    observed: tuple["Traffic", ...] = ()
+    full_lines: tuple[FullLine, ...] = ()  # of a relay or server; on Zenoh of any node
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """Return the endpoints of one role, sorted by topic."""
@@ -167,6 +194,8 @@ class Traffic(NamedTuple):
     first_time: int  # arrival of the first
     last_time: int
     types: tuple[str, ...] = ()  # types that the sender attaches to messages, if the bus can
+    observer: str = ""  # the relay or server that observed them, as a node; "" for this program
+    bus: str = ""  # the other bus on which it did so; "" for this bus
 
     def rate(self) -> float | None:
         """Return the messages per second, first to last; None before two messages."""
@@ -183,7 +212,8 @@ class Topic(NamedTuple):
     """The known facts of one topic.
 
     ``foreign`` is the part of the traffic that no announced node has sent. If the bus does not
-    identify senders, an announced publisher explains all of it.
+    identify senders, an announced publisher explains all of it, and so does a program that a relay
+    or server has observed.
     """
 
     name: str
@@ -270,8 +300,9 @@ class Graph(_Known):  # a separate class, to cache the table of topics
         for name in sorted(announced | traffic.keys()):
             sides = (Role.PUBLISHER, Role.SUBSCRIBER)
             publishers, subscribers = (tuple(ends.get((name, role), ())) for role in sides)
-            explained = senders | {None} if publishers else senders
             every = tuple(traffic.get(name, ()))
+            is_explained = publishers or any(seen.observer for seen in every)
+            explained = senders | {None} if is_explained else senders
             foreign = tuple(seen for seen in every if seen.sender not in explained)
             found[name] = Topic(name, publishers, subscribers, every, foreign)
         return found

@@ -13,17 +13,29 @@ programs of different versions see each other. docs/protocol.md describes all of
 import struct
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools import __version__
+from lcmtools.bounded import BoundedDict
 from lcmtools.errors import DecodeError, InvalidName
-from lcmtools.graph.model import STALE_AFTER, CallbackError, Endpoint, Node, RelayStep, Role
+from lcmtools.graph.model import (
+    STALE_AFTER,
+    CallbackError,
+    Endpoint,
+    FullLine,
+    Node,
+    RelayStep,
+    Role,
+    Traffic,
+)
 from lcmtools.messages.appendable import appendables, decode_appendable, encode_appendable
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.messages.rows import Cursor, Malformed, read_string
 from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
+from lcmtools.wire.packet import Sender
 
 NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
@@ -38,16 +50,35 @@ PERIOD = 1.0
 ANSWER_SPREAD = 0.01
 """Nodes spread their answers to a probe for all over this time [s]."""
 
+_MOST_RETAINED, _MOST_RETAINED_BYTES = 2000, 8 << 20  # announcements
 MOST_OF_COMMAND = 1000
 """The most characters of a command line that are announced."""
 
 M = TypeVar("M", bound=Message)
-_COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate")
+_MOST_DETAILS, _MOST_OF_HEAD = 512 << 10, 64 << 10
+"""The most bytes of an announcement's details, of 3500 endpoints, and of all else in it."""
+
+_COUNTERS = (
+    "messages",
+    "bytes",
+    "drops",
+    "last_time",
+    "calls",
+    "busy",
+    "longest",
+    "rate",
+    "incomplete",
+)
 _OF_ENDPOINT = ("group", "depth", "latched", *_COUNTERS)
 _OF_HEAD = ("version", "name", "id", "host", "pid", "start_time", "software", "sent")
 
 _OF_ERROR = ("callback", "exception", "message", "place", "count", "last_time")
 _MOST_ERRORS = 5
+MOST_OBSERVED = 200
+"""The most channels of plain LCM programs that a relay tells of: they take some kB each second."""
+_MOST_LINES = 20
+_OF_OBSERVED = ("channel", "messages", "bytes", "first_time", "last_time", "bus")
+_MOST_ENDPOINTS, _MOST_OF_ENDPOINT = 1 << 13, 1000  # that are kept decoded; bytes of one
 
 _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
 _VERSION_0 = 0x7AD407B1A45D0859.to_bytes(8, "big")  # the announcement before the first version
@@ -135,7 +166,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
 def decode_announcement(payload: bytes) -> Announcement | None:
     """Return the announcement in a payload, of whatever version; None if there is none.
 
-    A node whose details cannot be read has none (``Node.has_details``).
+    A node whose details cannot be read, or are too large, has none (``Node.has_details``).
     """
     if payload.startswith(_REMOTE):
         return _decode_remote(payload)
@@ -143,6 +174,8 @@ def decode_announcement(payload: bytes) -> Announcement | None:
         return _decode_version_0(payload)
     message = _decoded(msgs.Announcement, payload)
     if message is None or not _is_node_name(message.name):
+        return None
+    if len(payload) - len(message.details) > _MOST_OF_HEAD:
         return None
     node = Node(**_values(message, (*_OF_HEAD, "command")), tool=bool(message.tool))
     is_leaving = message.state == msgs.Announcement.LEAVING
@@ -167,7 +200,7 @@ class Retained:
     """The latest announcements of a program's nodes, for programs that ask for them later."""
 
     def __init__(self) -> None:
-        self._latest: dict[bytes, tuple[bytes, float]] = {}
+        self._latest = BoundedDict[bytes, tuple[bytes, float]](_MOST_RETAINED, _MOST_RETAINED_BYTES)
 
     def keep(self, payload: bytes, now: float) -> None:
         """Keep an announcement in place of the node's earlier one; forget a node that leaves."""
@@ -176,7 +209,7 @@ class Retained:
         if state == bytes([msgs.Announcement.LEAVING]):
             self._latest.pop(node, None)
         else:
-            self._latest[node] = payload, now
+            self._latest.put(node, (payload, now), len(payload))
 
     def payloads(self, now: float) -> Iterator[bytes]:
         """Yield the announcements of the last seconds, without their times of sending.
@@ -204,32 +237,48 @@ def _without_time(payload: bytes) -> bytes:
 def _encode_details(node: Node) -> bytes:
     details = msgs.NodeDetails()
     details.ports, details.busy = list(node.ports), node.busy
+    details.overflows = node.overflows
     details.endpoints = appendables(map(_endpoint_message, node.endpoints))
     newest = node.errors[-_MOST_ERRORS:]
     details.errors = appendables(_filled(msgs.CallbackError(), e, _OF_ERROR) for e in newest)
+    details.pid_namespace = node.pid_namespace
+    if node.observed or node.full_lines:
+        observed = msgs.Observed()
+        observed.publishers = appendables(map(_observed_message, node.observed))
+        observed.full_lines = appendables(map(_line_message, node.full_lines))
+        (details.observed,) = appendables([observed])
     return encode_appendable(details)
 
 
 def _with_details(node: Node, data: bytes) -> Node:
     """Return a node with its details, without endpoints of unknown roles."""
-    if not data:  # a relay could not read them
+    if not data or len(data) > _MOST_DETAILS:  # a relay could not read them, or it floods the bus
         return node._replace(has_details=False)
     try:
         details = decode_appendable(msgs.NodeDetails, data)
-        endpoints = [decode_appendable(msgs.Endpoint, one.data) for one in details.endpoints]
+        endpoints = [_endpoint(one.data) for one in details.endpoints]
         errors = [decode_appendable(msgs.CallbackError, one.data) for one in details.errors]
+        heard = decode_appendable(msgs.Observed, details.observed.data)
+        observed = [_observed(one.data, node.name) for one in heard.publishers[:MOST_OBSERVED]]
+        lines = [_full_line(one.data) for one in heard.full_lines[:_MOST_LINES]]
     except DecodeError:
         return node._replace(has_details=False)
     return node._replace(
         ports=tuple(details.ports),
-        endpoints=tuple(end for one in endpoints if (end := _endpoint(one))),
+        endpoints=tuple(filter(None, endpoints)),
         busy=details.busy,
+        overflows=details.overflows,
         errors=tuple(CallbackError(**_values(error, _OF_ERROR)) for error in errors),
+        pid_namespace=details.pid_namespace,
+        observed=tuple(filter(None, observed)),
+        full_lines=tuple(lines),
     )
 
 
 def _decode_version_0(payload: bytes) -> Announcement | None:
     """Return the head of an announcement as it was before the first version."""
+    if len(payload) > _MOST_DETAILS:
+        return None
     cursor = Cursor(payload, _NAME_OFFSETS[_VERSION_0])
     try:
         name, host = read_string(cursor, "name"), read_string(cursor, "host")
@@ -261,6 +310,8 @@ def _wrapped(announcement: bytes, path: Iterable[RelayStep]) -> bytes:
 
 
 def _decode_remote(payload: bytes) -> Announcement | None:
+    if len(payload) > _MOST_DETAILS + _MOST_OF_HEAD:
+        return None
     message = _decoded(msgs.RemoteAnnouncement, payload)
     inner = message.announcement if message else b""
     if message is None or not message.steps or inner.startswith(_REMOTE):
@@ -282,7 +333,8 @@ def _revision(node: Node) -> int:
     plain = [endpoint._replace(**zeros) for endpoint in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
     # hashes text, because different numbers may have equal hashes; only its own process compares
-    return hash(repr((node.command, node.tool, node.ports, plain, errors)))
+    observed = sorted((x.channel, str(x.sender), x.fingerprints, x.types) for x in node.observed)
+    return hash(repr((node.command, node.tool, node.ports, plain, errors, observed)))
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
@@ -293,18 +345,71 @@ def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
     return message
 
 
-def _endpoint(message: msgs.Endpoint) -> Endpoint | None:
-    """Return an announced endpoint; None if its role is unknown or its topic is no channel."""
+def _line_message(line: FullLine) -> msgs.FullLine:
+    message = _filled(msgs.FullLine(), line, ("to", "dropped"))
+    message.topics = [topic for topic, _ in line.passing]
+    message.rates = [rate for _, rate in line.passing]
+    return message
+
+
+def _full_line(data: bytes) -> FullLine:
+    message = decode_appendable(msgs.FullLine, data)
+    passing = zip(message.topics, message.rates, strict=False)
+    return FullLine(message.to, message.dropped, tuple(passing))
+
+
+def _observed_message(seen: Traffic) -> msgs.ObservedPublisher:
+    message = _filled(msgs.ObservedPublisher(), seen, _OF_OBSERVED)
+    if seen.sender:
+        message.host, message.port = seen.sender.address, seen.sender.port
+    message.types = list(seen.types)
+    message.fingerprints = [_signed(value) for value in seen.fingerprints]
+    return message
+
+
+def _observed(data: bytes, observer: str) -> Traffic | None:
+    """Return what a relay or server has observed; None if its topic is no channel.
+
+    The sender has a name, so that nothing of this computer is taken for it.
+    """
+    message = decode_appendable(msgs.ObservedPublisher, data)
+    with suppress(InvalidName, ValueError):
+        host = message.host or "unknown"
+        place = f"{host}:{message.port}" if message.port else host
+        name = f"{place}, on {message.bus}" if message.bus else place
+        return Traffic(
+            **{**_values(message, _OF_OBSERVED), "channel": check_length(message.channel)},
+            sender=Sender(message.host, message.port, name),
+            types=tuple(message.types),
+            fingerprints=_unsigned(message.fingerprints),
+            observer=observer,
+        )
+    return None
+
+
+def _endpoint(data: bytes) -> Endpoint | None:
+    """Return an announced endpoint; None if its role is unknown or its topic is no channel.
+
+    Most endpoints of a node are the same in its next announcement, byte for byte.
+    """
+    return (_known_endpoint if len(data) <= _MOST_OF_ENDPOINT else _decode_endpoint)(data)
+
+
+def _decode_endpoint(data: bytes) -> Endpoint | None:
+    message = decode_appendable(msgs.Endpoint, data)
     try:
         return Endpoint(
             **_values(message, _OF_ENDPOINT),
             topic=check_length(message.topic),
             role=Role(message.role),
             types=tuple(message.types),
-            fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),
+            fingerprints=_unsigned(message.fingerprints),
         )
     except (InvalidName, ValueError):
         return None
+
+
+_known_endpoint = lru_cache(_MOST_ENDPOINTS)(_decode_endpoint)
 
 
 def _filled(message: M, source: object, names: Iterable[str]) -> M:
@@ -328,6 +433,10 @@ def _decoded(cls: type[M], payload: bytes) -> M | None:
 def _sendable(command: str) -> str:
     """Return a command line that can be sent each second: it may be very long, or not UTF-8."""
     return command[:MOST_OF_COMMAND].encode("utf-8", "replace").decode()
+
+
+def _unsigned(fingerprints: Iterable[int]) -> tuple[int, ...]:
+    return tuple(value & 0xFFFFFFFFFFFFFFFF for value in fingerprints)
 
 
 def _signed(fingerprint: int) -> int:

@@ -2,12 +2,13 @@
 
 Pure: headers and paths come in as text. A browser sends any website's requests to this computer, so
 neither the address on which the server listens nor a missing password keeps a website out. The
-names in the headers Host and Origin do, because a website cannot choose them.
+names in the headers Host and Origin do, because a website cannot choose them. Tokens keep other
+people out, also those with an account on this computer.
 """
 
 import ipaddress
 import secrets
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from hmac import compare_digest
 from http import HTTPStatus
@@ -25,7 +26,7 @@ HEADERS: Mapping[str, str] = {
 }
 """Headers of every answer."""
 WATCH, COMMAND, PLAY = "watch", "command", "play"
-_LOCAL = ("127.0.0.1", "localhost", "::1")
+LOCAL = ("127.0.0.1", "localhost", "::1")
 
 
 class Refused(Exception):  # noqa: N818 - named for what happened
@@ -81,17 +82,24 @@ class Access:
 
 
 def access_for(
-    address: str | None, own_names: Iterable[str] = (), *, is_read_only: bool = False
+    address: str | None,
+    own_names: Iterable[str] = (),
+    *,
+    is_read_only: bool = False,
+    own_token: Callable[[str], str] | None = None,
 ) -> Access:
     """Return the rules for a server that others can reach at an address, or only this computer.
 
-    With ``is_read_only`` nobody may command.
+    With ``is_read_only`` nobody may command. ``own_token`` returns the token of a right on this
+    computer; None if its users need none.
     """
-    if address is None or address in _LOCAL:
-        return Access(frozenset(_LOCAL), is_read_only=is_read_only)
+    if address is None or address in LOCAL:
+        right = WATCH if is_read_only else COMMAND
+        own = {right: own_token(right)} if own_token else None
+        return Access(frozenset(LOCAL), tokens=own, is_read_only=is_read_only)
     rights = (WATCH,) if is_read_only else (WATCH, COMMAND)
     tokens = {right: secrets.token_urlsafe(16) for right in rights}
-    names = {*_LOCAL, address.casefold(), *(name.casefold() for name in own_names)}
+    names = {*LOCAL, address.casefold(), *(name.casefold() for name in own_names)}
     is_any = _is_address(address) and ipaddress.ip_address(address).is_unspecified
     return Access(frozenset(names), is_any, tokens, is_read_only)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 HOLD = 0.35  # [s] for which one command is valid; a page repeats it every 0.1 s
+STOPS = 3  # of a topic, if datagrams may be lost
 STOP_GAP = 0.01  # [s] between the stops of a topic
 
 

@@ -9,11 +9,13 @@ times come in as arguments.
 
 import sys
 from array import array
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
+from itertools import chain
 from typing import NamedTuple, cast
 
 from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.streams.base import Update
 from lcmtools.messages.registry import Message, type_name
@@ -24,6 +26,7 @@ from lcmtools.types.geometry_msgs import (
     PoseStamped,
     PoseWithCovarianceStamped,
     Quaternion,
+    TransformStamped,
     Vector3,
 )
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
@@ -31,6 +34,13 @@ from lcmtools.types.sensor_msgs import LaserScan, PointCloud, PointCloud2
 from lcmtools.types.std_msgs import ColorRGBA
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
+
+_LARGEST = 1e30  # a number beyond this is no place, and no float32
+_FIELD_BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 8: 8}  # by PointField's datatype
+
+
+class Malformed(LcmtoolsError):  # noqa: N818 - named for what happened, as in errors.py
+    """A message that contradicts itself, so that it cannot be drawn."""
 
 
 @cache
@@ -55,13 +65,18 @@ class Poses:
         self._stamp = 0.0
         self._frames: dict[str, tuple[str, list[float]]] = {}
 
-    def add(self, message: TFMessage) -> None:
-        """Add the frames of a message."""
+    def add(self, message: TFMessage) -> str:
+        """Add the frames of a message; return which are ignored and why, else ""."""
+        ignored = ""
         for one in message.transforms:
+            if fault := transform_fault(one):
+                ignored = fault
+                continue
             stamp = one.header.stamp
             self._stamp = stamp.sec + stamp.nsec / NANOSECONDS
             place, turn = one.transform.translation, one.transform.rotation
             self._frames[one.child_frame_id] = (one.header.frame_id, _pose(place, turn))
+        return ignored
 
     def drawing(self, time: float) -> Update:
         """Return all frames at a time [s]: pairs of names, and the poses as float32."""
@@ -69,6 +84,19 @@ class Poses:
         numbers = (number for _, pose in self._frames.values() for number in pose)
         about: dict[str, Json] = {"kind": "frames", "time": time, "stamp": self._stamp}
         return Update({**about, "frames": names}, floats(numbers))
+
+
+def transform_fault(one: TransformStamped) -> str:
+    """Return which transform is ignored and why; "" if it is used."""
+    parent, child = one.header.frame_id, one.child_frame_id
+    reason = ""
+    if not (parent and child):
+        reason = "it has an empty name"
+    elif parent == child:
+        reason = "it is its own parent"
+    elif not _is_finite(_pose(one.transform.translation, one.transform.rotation)):
+        reason = "its place is not finite"
+    return reason and f"the frame '{child}' in '{parent}' is ignored: {reason}"
 
 
 class MarkerScene:
@@ -118,6 +146,18 @@ def floats(numbers: Iterable[float]) -> bytes:
     return found.tobytes()
 
 
+def _is_finite(numbers: Iterable[float]) -> bool:
+    return all(abs(number) < _LARGEST for number in numbers)
+
+
+def _finite(frame: str, places: Iterable[Sequence[float]]) -> Update:
+    """Return the numbers of finite places as float32, and how many places are not finite."""
+    found = list(places)
+    finite = list(filter(_is_finite, found))
+    about: dict[str, Json] = {"frame": frame, "odd": len(found) - len(finite)}
+    return Update(about, floats(chain.from_iterable(finite)))
+
+
 def _pose(place: Point | Vector3, turn: Quaternion) -> list[float]:
     return [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
 
@@ -146,6 +186,8 @@ def _rgba(color: ColorRGBA) -> list[float]:
 
 def _scan(scan: LaserScan) -> Update:
     """Return the ranges as float32 [m]."""
+    if not scan.range_min <= scan.range_max:
+        raise Malformed(f"range_min is {scan.range_min:g} and range_max {scan.range_max:g}")
     about: dict[str, Json] = {
         "frame": scan.header.frame_id,
         "first": scan.angle_min,
@@ -158,6 +200,18 @@ def _scan(scan: LaserScan) -> Update:
 
 def _cloud(cloud: PointCloud2) -> Update:
     """Return the points unchanged, with the offsets of their fields, for the page to read."""
+    for field in cloud.fields:
+        end = field.offset + _FIELD_BYTES.get(field.datatype, 1) * max(1, field.count)
+        if field.offset < 0 or end > cloud.point_step:
+            what = f"the field '{field.name}' ends at byte {end} of a point"
+            raise Malformed(f"{what}, which has {cloud.point_step}")
+    row = cloud.width * cloud.point_step
+    if cloud.height > 1 and cloud.row_step < row:
+        raise Malformed(f"row_step is {cloud.row_step}, but a row has {row} bytes")
+    needed = (cloud.height - 1) * cloud.row_step + row if cloud.width and cloud.height else 0
+    if len(cloud.data) < needed:
+        size = f"{cloud.width} x {cloud.height} points need {needed} bytes"
+        raise Malformed(f"{size}, but data has {len(cloud.data)}")
     about: dict[str, Json] = {
         "frame": cloud.header.frame_id,
         "width": cloud.width,
@@ -172,8 +226,7 @@ def _cloud(cloud: PointCloud2) -> Update:
 
 def _plain_cloud(cloud: PointCloud) -> Update:
     """Return the points as float32 [m]."""
-    about: dict[str, Json] = {"frame": cloud.header.frame_id}
-    return Update(about, floats(number for at in cloud.points for number in (at.x, at.y, at.z)))
+    return _finite(cloud.header.frame_id, ((at.x, at.y, at.z) for at in cloud.points))
 
 
 def _odometry(odometry: Odometry) -> Update:
@@ -198,19 +251,22 @@ def _uncertain(message: PoseWithCovarianceStamped) -> Update:
 
 def _many(message: PoseArray) -> Update:
     """Return the poses as float32."""
-    about: dict[str, Json] = {"frame": message.header.frame_id}
-    return Update(about, floats(number for pose in message.poses for number in _of(pose)))
+    return _finite(message.header.frame_id, map(_of, message.poses))
 
 
 def _path(path: Path) -> Update:
     """Return the positions as float32 [m]."""
     places = (one.pose.position for one in path.poses)
-    about: dict[str, Json] = {"frame": path.header.frame_id}
-    return Update(about, floats(number for at in places for number in (at.x, at.y, at.z)))
+    return _finite(path.header.frame_id, ((at.x, at.y, at.z) for at in places))
 
 
 def _grid(grid: OccupancyGrid) -> Update:
     """Return the cells as int8: -1 for unknown, 0 to 100 for the probability of occupancy [%]."""
+    if grid.info.width * grid.info.height != len(grid.data):
+        size = f"{grid.info.width} x {grid.info.height} cells"
+        raise Malformed(f"it should have {size}, but data has {len(grid.data)}")
+    if not grid.info.resolution > 0:
+        raise Malformed(f"its resolution is {grid.info.resolution:g} m")
     about: dict[str, Json] = {
         "frame": grid.header.frame_id,
         "resolution": grid.info.resolution,

@@ -19,6 +19,7 @@ from lcmtools.bag.playlist import Choice, Played, Playlist
 from lcmtools.clock import NANOSECONDS
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json
+from lcmtools.gui.recording import Recordings
 from lcmtools.gui.source import End
 from lcmtools.gui.steering import Steering
 from lcmtools.messages.registry import Message
@@ -49,6 +50,7 @@ class LogSource:
     kind: Literal["bus", "log"] = "log"
     publishers: Publishers | None = None
     steering: Steering | None = None
+    recordings: Recordings | None = None
 
     def __init__(self, path: str, notify: Callable[[str], None] = lambda _: None) -> None:
         self.name = path

@@ -15,6 +15,7 @@ from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
+from lcmtools.gui.lateness import LATEST_ACTION, LATEST_DRIVE, Lateness
 from lcmtools.gui.protocol import (
     Frame,
     Json,
@@ -33,6 +34,8 @@ _MOST_REQUESTS = 8  # pending requests; with more, a page waits for the first an
 _ANSWERED = ("ask", "do", "open")  # operations that get one frame as an answer
 _STATE_PERIOD = 0.25  # [s]
 _MAY_NOT = "this page may only watch, not command"
+_BURST = 0.09  # [s] for which what comes after a late command has waited with it
+_TOO_LATE = "it came too late from the page: nothing was sent"
 
 
 class BrowserPage:
@@ -58,6 +61,8 @@ class BrowserPage:
             **dict.fromkeys(("drive", "release", "stop"), self._steer),
         }
         self._refusals: dict[int, str] = {}
+        self._lateness, self._late = Lateness(), 0.0  # [s] of the request that is being executed
+        self._obsolete_until = 0.0  # commands to drive are ignored
 
     async def serve(self, hello: Mapping[str, Json]) -> None:
         """Serve the page until it is gone; MalformedRequest if it sends what no page would."""
@@ -79,6 +84,9 @@ class BrowserPage:
     async def _read(self) -> None:
         async for data in self._socket:
             request = read_request(data)
+            self._late = 0.0
+            if request.sent is not None:
+                self._late = self._lateness.of(request.sent, time.monotonic())
             if request.op in _ANSWERED:
                 await self._has_room()
             if request.op not in self._operations:
@@ -97,8 +105,8 @@ class BrowserPage:
 
     def _open_stream(self, request: PageRequest) -> None:
         number, name = request.id, request.text("stream")
-        if stream_class(name).commands and COMMAND not in self._rights:
-            self._send({"id": number, "problem": _MAY_NOT})
+        if stream_class(name).commands and (refusal := self._refusal(COMMAND)):
+            self._send({"id": number, "problem": refusal})
             return
         parameters = request.without("op", "id", "stream")
         if number not in self._open and len(self._open) >= _MOST_STREAMS:
@@ -122,9 +130,12 @@ class BrowserPage:
 
     def _steer(self, request: PageRequest) -> None:
         """Command a robot; if the command is ignored, tell its stream why."""
-        steering, refusal = self._source.steering, _MAY_NOT
+        steering, refusal, now = self._source.steering, _MAY_NOT, time.monotonic()
+        if self._late > LATEST_DRIVE:
+            self._obsolete_until = now + _BURST
         if steering and COMMAND in self._rights:
-            refusal = steering.execute(id(self), request)
+            is_obsolete = request.op == "drive" and now < self._obsolete_until
+            refusal = _TOO_LATE if is_obsolete else steering.execute(id(self), request)
         if refusal != self._refusals.get(request.id, ""):
             self._refusals[request.id] = refusal
             self._send({"id": request.id, "data": {"refused": refusal}})
@@ -133,8 +144,8 @@ class BrowserPage:
         number, name, is_action = request.id, request.text("what"), request.op == "do"
         function = answer(name, ACTIONS if is_action else ASKS)
         needed = PLAY if self._source.kind == "log" else COMMAND
-        if is_action and needed not in self._rights:
-            self._send({"id": number, "error": {"what": _MAY_NOT, "hint": ""}})
+        if is_action and (refusal := self._refusal(needed)):
+            self._send({"id": number, "error": {"what": refusal, "hint": ""}})
             return
         parameters = request.without("op", "id", "what")
         turn = self._turns[name] if is_action else nullcontext()
@@ -142,6 +153,12 @@ class BrowserPage:
         task = asyncio.ensure_future(self._reply(number, work, turn))
         self._tasks.add(task)  # it raises nothing
         task.add_done_callback(self._end)
+
+    def _refusal(self, right: str) -> str:
+        """Return why the page's present request to command is ignored; "" if it is not."""
+        if right not in self._rights:
+            return _MAY_NOT
+        return _TOO_LATE if self._late > LATEST_ACTION else ""
 
     async def _reply(
         self, number: int, work: Callable[[], Json], turn: AbstractAsyncContextManager[None]

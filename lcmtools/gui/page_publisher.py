@@ -1,18 +1,41 @@
-"""Publishing for pages, with one node of the server."""
+"""Publishing and calling services for pages, with one node of the server."""
 
 import threading
 from contextlib import ExitStack
 from typing import TypeVar, cast
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.bus.url import BusUrl
+from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import Client, ServiceType
 from lcmtools.publish.own_node import own_node
 
+_MOST_ANSWERS, _MOST_ANSWER_BYTES = 300, 64_000_000
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+class Answers:
+    """The latest answers of services, by their numbers; for any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._count = 0
+        self._kept = BoundedDict[int, Message](_MOST_ANSWERS, _MOST_ANSWER_BYTES)
+
+    def keep(self, answer: Message) -> int:
+        """Keep an answer; return its number."""
+        with self._lock:
+            self._count += 1
+            self._kept.put(self._count, answer, len(encode(answer)))
+            return self._count
+
+    def get(self, number: int) -> Message | None:
+        """Return an answer; None if it is no longer kept."""
+        return self._kept.get(number)
 
 
 class Publishers:
@@ -24,7 +47,9 @@ class Publishers:
         self._stack = ExitStack()
         self._node: Node | None = None
         self._publishers: dict[tuple[str, type[Message]], Publisher[Message]] = {}
-        self._clients: dict[str, object] = {}
+        self._clients: dict[tuple[str, object], object] = {}
+        self._is_ending = threading.Event()
+        self.answers = Answers()
 
     @property
     def node(self) -> Node:
@@ -44,7 +69,7 @@ class Publishers:
         with self._lock:
             key = topic, kind
             if key not in self._publishers:
-                self._publishers[key] = self.node.create_publisher(kind, topic, literal=True)
+                self._publishers[key] = self.node.create_publisher(kind, topic, plain_channel=True)
             self._publishers[key].publish_payload(payload)
 
     def client(
@@ -52,9 +77,15 @@ class Publishers:
     ) -> Client[RequestT, ResponseT]:
         """Return a client of a service by its full name; BusError if the bus cannot be reached."""
         with self._lock:
-            if name not in self._clients:
-                self._clients[name] = self.node.create_client(kind, name)
-            return cast("Client[RequestT, ResponseT]", self._clients[name])
+            if (name, kind) not in self._clients:
+                client = self.node.create_client(kind, name)
+                client.is_interrupted = self._is_ending.is_set
+                self._clients[name, kind] = client
+            return cast("Client[RequestT, ResponseT]", self._clients[name, kind])
+
+    def end_calls(self) -> None:
+        """Let calls that wait for an answer fail at once, because the server ends."""
+        self._is_ending.set()
 
     def close(self) -> None:
         """Leave the bus."""

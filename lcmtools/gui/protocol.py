@@ -8,10 +8,12 @@ A page sends JSON texts with an ``op``, and the server answers with the same ``i
     {"op": "ask", "id": 9, "what": "type", ...}         one answer
     {"op": "do", "id": 11, "what": "publish", ...}      one answer; needs the right to command
 
-Other values of ``op`` are in ``page``. The server sends JSON texts, and for many numbers binary
-frames: the length of a JSON header (uint32), the header, padded with blanks so that the payload
-begins at a multiple of eight bytes, and the payload. All numbers are little-endian. Numbers that
-JSON lacks are the texts "nan", "inf" and "-inf", as in ``--json``; null is a missing value.
+Each has the time ``sent`` [s] by the page's clock. Other values of ``op`` are in ``page``.
+
+The server sends JSON texts, and for many numbers binary frames: the length of a JSON header
+(uint32), the header, padded with spaces so that the payload begins at a multiple of eight bytes,
+and the payload. All numbers are little-endian. Numbers that JSON lacks are the texts "nan", "inf"
+and "-inf", as in ``--json``; null is a missing value.
 
 Sans-I/O. Must not know the content of streams.
 """
@@ -104,11 +106,15 @@ class Parameters:
 
 
 class PageRequest(Parameters):
-    """One request of a page, with its operation and its number."""
+    """One request of a page, with its operation, its number, and the time when it was sent.
+
+    ``sent`` is by the page's own clock [s]; None if it does not say it.
+    """
 
     def __init__(self, values: Mapping[str, Json]) -> None:
-        super().__init__(values)
+        super().__init__({name: value for name, value in values.items() if name != "sent"})
         self.op = self.text("op")
+        self.sent = Parameters(values).number("sent") if "sent" in values else None
 
     @property
     def id(self) -> int:

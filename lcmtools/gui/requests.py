@@ -16,6 +16,7 @@ Answer: TypeAlias = Callable[[Source, Parameters], Json]
 
 ASKS = {
     "color maps": "streams.image:color_maps",
+    "node-parameters": "node_parameters:read",
     "numbers": "choices:numbers",
     "timeline": "playback:timeline",
     "topics": "choices:topics",
@@ -24,10 +25,14 @@ ASKS = {
 }
 """The module and the function of each question."""
 ACTIONS = {
+    "call": "service_calls:call",
     "play": "playback:play",
     "publish": "streams.message_form:publish",
+    "record": "streams.recording:record",
     "send-pose": "simulators:send_pose",
+    "set-parameter": "node_parameters:change",
     "simulate": "simulators:simulate",
+    "stop-recording": "streams.recording:stop",
 }
 """The same for each action, which only a page with the right to command may request."""
 

@@ -7,7 +7,6 @@ import asyncio
 import contextlib
 import errno
 import logging
-import mimetypes
 import os
 import signal
 import threading
@@ -29,15 +28,23 @@ from lcmtools.gui.access import COMMAND, HEADERS, PLAY, Access, Refused
 from lcmtools.gui.page import BrowserPage
 from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, MalformedRequest
 from lcmtools.gui.source import Source
+from lcmtools.gui.static_files import FileContent, StaticFiles
+from lcmtools.gui.steering import SpeedLimits, Steering
 from lcmtools.gui.streams.pool import StreamPool
 from lcmtools.signals import ENDING, Doubles
 
 STATIC = Path(__file__).parent / "static"
-_TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 _MOST_PAGES = 100
 _WAITING_BYTES = 1 << 16  # that are passed to the system before a stream waits
 _POLICY_VIOLATION = 1008  # WebSocket close code (RFC 6455)
 _CLOSE_TIMEOUT = 1.0  # [s] to wait for a page's answer when the server ends
+
+
+_DESCRIPTORS = 4  # of an event loop and a server
+
+
+class PortInUse(LcmtoolsError):  # noqa: N818 - named for what happened
+    """Another program listens on the port."""
 
 
 class Server:
@@ -56,9 +63,7 @@ class Server:
     ) -> None:
         self._source, self._access, self._view, self._notify = source, access, view, notify
         self._streams = StreamPool(source)
-        files = (path for path in STATIC.rglob("*") if path.is_file())
-        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in files}
-        self._files["/"] = STATIC / "index.html"
+        self._files = StaticFiles(STATIC)
         self._pages = 0
         self._said: set[str] = set()
 
@@ -66,10 +71,14 @@ class Server:
         self, address: str, port: int, on_start: Callable[[int], None]
     ) -> None:
         """Serve until Ctrl-C, and close all pages before it takes effect; see ``run``."""
-        with contextlib.closing(asyncio.new_event_loop()) as loop:
+        with contextlib.closing(_new_loop()) as loop:
             task = loop.create_task(self.run(address, port, on_start))
             try:
-                with _cancelled_by_signals(loop, task), contextlib.suppress(asyncio.CancelledError):
+                with (
+                    _cancelled_by_signals(loop, task),
+                    _stopping_robots_before_suspension(loop, self._source.steering),
+                    contextlib.suppress(asyncio.CancelledError),
+                ):
                     loop.run_until_complete(task)
             finally:
                 loop.run_until_complete(loop.shutdown_default_executor())
@@ -78,7 +87,7 @@ class Server:
     def serving(self, address: str, port: int) -> Iterator[int]:
         """Serve on a thread within the block, which gets the port; close all pages; see ``run``."""
         started: Future[int] = Future()
-        with contextlib.closing(asyncio.new_event_loop()) as loop:
+        with contextlib.closing(_new_loop()) as loop:
             task = loop.create_task(self.run(address, port, started.set_result))
 
             def serve_pages() -> None:
@@ -108,15 +117,20 @@ class Server:
             on_start: Called with the port once pages can be opened.
 
         Raises:
-            LcmtoolsError: The port is in use, or the address is not this computer's.
+            PortInUse: Another program listens on the port.
+            LcmtoolsError: The address is not this computer's.
         """
         try:
             server = await self._serve(address, port)
         except OSError as error:
             raise _port_error(error, address, port) from error
-        async with server:
-            on_start(int(next(iter(server.sockets)).getsockname()[1]))
-            await server.serve_forever()
+        try:
+            async with server:
+                on_start(int(next(iter(server.sockets)).getsockname()[1]))
+                await server.serve_forever()
+        finally:
+            if self._source.publishers:
+                self._source.publishers.end_calls()
 
     async def _serve(self, address: str, port: int) -> WebSocketServer:
         quiet = logging.getLogger("lcmtools.gui")
@@ -154,7 +168,7 @@ class Server:
             return None
         if path == "/":
             self._access.rights(host, request.path)
-        file = self._files.get(path)
+        file = self._files.get(path, ",".join(request.headers.get_all("Accept-Encoding")))
         if file is None:
             raise Refused(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         return _file_response(file, _single_header(request, "If-None-Match"))
@@ -180,11 +194,13 @@ class Server:
             self._pages -= 1
 
     def _hello(self, rights: tuple[str, ...]) -> Mapping[str, Json]:
+        limits = self._source.steering.limits if self._source.steering else SpeedLimits()
         return {
             "version": __version__,
             "source": self._source.kind,
             "bus": self._source.name,
             "rights": rights,
+            "limits": [limits.linear, limits.angular],
             "view": self._view,
         }
 
@@ -192,6 +208,21 @@ class Server:
         if text not in self._said and len(self._said) < _MOST_PAGES:
             self._said.add(text)
             self._notify(text)
+
+
+def _new_loop() -> asyncio.AbstractEventLoop:
+    """Return a new event loop; OSError if there are too few descriptors for it and its server.
+
+    asyncio would print a traceback, or serve on no socket.
+    """
+    held: list[int] = []
+    try:
+        for _ in range(_DESCRIPTORS):
+            held.append(os.open(os.devnull, os.O_RDONLY))  # noqa: PERF401 - the others are closed
+    finally:
+        for descriptor in held:
+            os.close(descriptor)
+    return asyncio.new_event_loop()
 
 
 @contextlib.contextmanager
@@ -225,36 +256,59 @@ def _cancelled_by_signals(
             signal.raise_signal(came[0])
 
 
+@contextlib.contextmanager
+def _stopping_robots_before_suspension(
+    loop: asyncio.AbstractEventLoop, steering: Steering | None
+) -> Iterator[None]:
+    """Let Ctrl-Z stop what pages drive before it suspends this process."""
+    is_main = threading.current_thread() is threading.main_thread()
+    if steering is None or not is_main or signal.getsignal(signal.SIGTSTP) != signal.SIG_DFL:
+        yield
+        return
+
+    def suspend() -> None:
+        steering.stop_all()
+        loop.remove_signal_handler(signal.SIGTSTP)
+        os.kill(os.getpid(), signal.SIGTSTP)
+        loop.add_signal_handler(signal.SIGTSTP, suspend)  # the process goes on here
+
+    loop.add_signal_handler(signal.SIGTSTP, suspend)
+    try:
+        yield
+    finally:
+        loop.remove_signal_handler(signal.SIGTSTP)
+
+
 def _single_header(request: Request, name: str) -> str | None:
     """Return the value of a header that occurs once."""
     values = request.headers.get_all(name)
     return values[0] if len(values) == 1 else None
 
 
-def _file_response(path: Path, known: str | None) -> Response:
-    about = path.stat()
-    tag = f'"{about.st_mtime_ns:x}-{about.st_size:x}"'
-    kind = _TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "text/plain"
-    if known == tag:
-        return _response(HTTPStatus.NOT_MODIFIED, b"", kind, tag)
-    return _response(HTTPStatus.OK, path.read_bytes(), kind, tag)
+def _file_response(file: FileContent, known: str | None) -> Response:
+    is_known = known == file.tag
+    status = HTTPStatus.NOT_MODIFIED if is_known else HTTPStatus.OK
+    response = _response(status, b"" if is_known else file.body, file.kind)
+    response.headers["ETag"] = file.tag
+    response.headers["Vary"] = "Accept-Encoding"
+    if file.encoding:
+        response.headers["Content-Encoding"] = file.encoding
+    return response
 
 
-def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Response:
+def _response(status: HTTPStatus, body: bytes, kind: str) -> Response:
     headers = Headers(HEADERS)
     headers["Content-Type"] = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
     headers["Content-Length"] = str(len(body))
     headers["Cache-Control"] = "no-cache"  # revalidate with the tag
     headers["Connection"] = "close"
-    if tag:
-        headers["ETag"] = tag
     return Response(status.value, status.phrase, headers, body)
 
 
 def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
     if error.errno == errno.EADDRINUSE:
         hint = f"another window may be open at http://{address}:{port}"
-        return LcmtoolsError(f"port {port} is in use", f"{hint}; else choose: --port {port + 1}")
+        return PortInUse(f"port {port} is in use", f"{hint}; else choose: --port {port + 1}")
     if error.errno == errno.EACCES:
         hint = "choose one from 1024 on: --port 7680"
         return LcmtoolsError(f"port {port} is not permitted", hint)

@@ -1,16 +1,17 @@
 """A page's requests to simulators, through their services, and poses that it sends."""
 
+import math
 from typing import Protocol, TypeVar
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.page_publisher import Publishers, RequestT
 from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.source import Source, publishers_of
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
+from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import resolve
 from lcmtools.node.service import ServiceType
-from lcmtools.types.geometry_msgs import Pose, PoseStamped
+from lcmtools.types.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from lcmtools.types.sim_msgs import SetPose, SetRate, Step
 from lcmtools.types.std_srvs import Trigger
 
@@ -38,7 +39,7 @@ def simulate(source: Source, parameters: Parameters) -> Json:
     """
     verb = parameters.text("verb")
     name = resolve(f"{parameters.text('node')}/{verb}")
-    publishers = _publishers(source)
+    publishers = publishers_of(source)
     if verb in ("pause", "resume", "reset"):
         return _call(publishers, Trigger, name, Trigger.Request())
     if verb == "step":
@@ -57,11 +58,18 @@ def simulate(source: Source, parameters: Parameters) -> Json:
 
 
 def send_pose(source: Source, parameters: Parameters) -> Json:
-    """Publish a pose in a ``frame`` on ``topic``, like rviz for a goal."""
-    message = PoseStamped()
-    message.header.frame_id, message.pose = parameters.text("frame"), _pose(parameters)
-    topic = resolve(parameters.text("topic"))
-    _publishers(source).publish(topic, PoseStamped, encode(message))
+    """Publish a pose in a ``frame`` on ``topic``, like rviz for a goal or an initial pose.
+
+    The latter is a topic of PoseWithCovarianceStamped.
+    """
+    topic, frame = resolve(parameters.text("topic")), parameters.text("frame")
+    message: PoseStamped | PoseWithCovarianceStamped = PoseStamped()
+    if source.latest.row(topic).types[:1] == (type_name(PoseWithCovarianceStamped),):
+        message = _uncertain(_pose(parameters))
+    else:
+        message.pose = _pose(parameters)
+    message.header.frame_id = frame
+    publishers_of(source).publish(topic, type(message), encode(message))
     return {"topic": topic}
 
 
@@ -74,10 +82,15 @@ def _call(
     return {"message": response.message}
 
 
-def _publishers(source: Source) -> Publishers:
-    if source.publishers is None:
-        raise LcmtoolsError("a log takes no commands")
-    return source.publishers
+def _uncertain(pose: Pose) -> PoseWithCovarianceStamped:
+    """Return a message with the variances that rviz states: 0.5 m and 15 degrees squared."""
+    message = PoseWithCovarianceStamped()
+    message.pose.pose = pose
+    covariance = [0.0] * 36
+    covariance[0] = covariance[7] = 0.25
+    covariance[35] = math.radians(15) ** 2
+    message.pose.covariance = covariance
+    return message
 
 
 def _pose(parameters: Parameters) -> Pose:

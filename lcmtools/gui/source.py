@@ -5,11 +5,16 @@ whole messages on the source's thread.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Literal, Protocol
 
+from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json
-from lcmtools.gui.steering import Steering
+from lcmtools.gui.recording import Recordings
+from lcmtools.gui.steering import SpeedLimits, Steering
+from lcmtools.gui.watchdog import Watchdog
 from lcmtools.messages.registry import Message
 from lcmtools.names import check_length, closest
 from lcmtools.observe.channels.feed import Feed, Snapshot
@@ -18,6 +23,10 @@ from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.following import Receiver
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
+
+_LIMITS = SpeedLimits()
+_HERE = Path()
+_SHARED = ("udpm", "mpudpm", "tcpq", "zenoh")  # providers that another process can publish with
 
 End = Callable[[], None]  # ends what was begun; must be called once
 
@@ -29,6 +38,7 @@ class Source(Protocol):
     name: str  # the URL, or the file
     publishers: Publishers | None  # publishes for pages; None if not possible
     steering: Steering | None  # drives robots for pages; likewise
+    recordings: Recordings | None  # records for pages; likewise
 
     @property
     def latest(self) -> Snapshot:
@@ -51,18 +61,23 @@ class Source(Protocol):
 
 
 class BusSource:
-    """A bus."""
+    """A bus; pages can command velocities up to ``limits``, and record in the ``directory``."""
 
     kind: Literal["bus", "log"] = "bus"
 
-    def __init__(self, monitor: BusMonitor) -> None:
+    def __init__(
+        self, monitor: BusMonitor, limits: SpeedLimits = _LIMITS, directory: Path = _HERE
+    ) -> None:
         self.name = str(monitor.url)
         publishers = Publishers(monitor.url)
         self.publishers: Publishers | None = publishers
-        self.steering: Steering | None = Steering(publishers, is_lossy=monitor.url.is_multicast)
-        self._feed = Feed(monitor, ChannelSelection())
+        watchdog = partial(Watchdog, monitor.url) if monitor.url.provider in _SHARED else None
+        self.steering: Steering | None = Steering(
+            publishers, limits, is_lossy=monitor.url.is_multicast, watchdog=watchdog
+        )
+        self.recordings: Recordings | None = Recordings(monitor.url, directory)
+        self._feed = Feed(monitor, ChannelSelection(), keeps_last=True)
         self._feed.listens_to_all = False
-        self._feed.keeps_last = True
         self._feed.listens_to_large = False  # a table is not worth a camera's 100 MB/s
         self._decoder = Decoder(self._announced)
         self._listeners = 0
@@ -101,16 +116,25 @@ class BusSource:
         return {"trouble": self.latest.trouble}
 
     def close(self) -> None:
-        """Stop reading and publishing."""
+        """Stop reading and publishing, and finish a recording."""
         if self.steering:
             self.steering.close()
         self._feed.stop()
         if self.publishers:
             self.publishers.close()
+        if self.recordings:
+            self.recordings.stop()
 
     def _announced(self, channel: str) -> Sequence[str]:
         row = self.latest.row(channel)
         return row.types if row.is_announced else ()
+
+
+def publishers_of(source: Source) -> Publishers:
+    """Return what publishes for pages; LcmtoolsError if nothing can be published here."""
+    if source.publishers is None:
+        raise LcmtoolsError("a log takes no messages", "open the window on a bus")
+    return source.publishers
 
 
 def absence(source: Source, topic: str) -> str:

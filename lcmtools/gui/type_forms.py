@@ -1,5 +1,6 @@
 """Message types for pages: fields with comments, units and defaults, and filling them in."""
 
+import re
 from collections.abc import Mapping
 from functools import cache
 
@@ -8,7 +9,7 @@ from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.messages.definition import array_type
 from lcmtools.messages.documents import parse_values
-from lcmtools.messages.fields import Field, is_time, visible_fields
+from lcmtools.messages.fields import Field, fields, is_time, visible_fields
 from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft
 from lcmtools.messages.plain import to_plain
@@ -64,6 +65,24 @@ def _read(kind: type[Message], values: Mapping[str, Json]) -> Value:
         else:
             raise MalformedRequest(f"the value of '{name[:40]}' is not a text")
     return read
+
+
+@cache
+def unit_of(kind: type[Message], path: str) -> str:
+    """Return the unit of the number at a path: its field's, else that of the field around it.
+
+    "" if it has none, or which of several is not known.
+    """
+    found, inner = "", kind
+    for name in re.sub(r"\[\d*\]", "", path).split("."):
+        found = _comments(inner).get(name, Comment()).unit or ("" if "," in found else found)
+        nested = next((one.message_class for one in fields(inner) if one.name == name), None)
+        if nested is None:
+            break
+        if is_time(nested):
+            return "s"
+        inner = nested
+    return "" if found == "1" or "," in found else found
 
 
 @cache

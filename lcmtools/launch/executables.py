@@ -18,24 +18,14 @@ from lcmtools.errors import UsageError
 from lcmtools.launch.packages import is_there, lab_packages, package_folder, path_from
 from lcmtools.names import did_you_mean
 from lcmtools.packages.finding import find_node, own_answer, undeclared
-from lcmtools.packages.ros_packages import program_in
+from lcmtools.packages.programs import built_program, command_of, program_in, python_command
 from lcmtools.packages.runnable_nodes import OWN, Runnable, runnables
 from lcmtools.packages.workspace import workspace
+from lcmtools.ros_words.nodes import PACKAGES, SAME_NODE
 
 RUN = ("lcmtools", "run")
-_SAME_NODE = {
-    "teleop_twist_keyboard": "teleop",
-    "pioneer_teleop": "pioneer_manual_controller",
-    "gazebo": "sim",
-    "gzserver": "sim",
-    "morse": "sim",
-}
-"""Other names of lcmtools' nodes, in the labs' texts and in ROS."""
-_ROS_PACKAGES = {
-    *("beginner_tutorials", "image_view", "my_package", "morse"),
-    *("rqt_robot_steering", "teleop_twist_keyboard"),
-}
-"""ROS packages, besides the labs' own, whose nodes lcmtools has under the same names."""
+_TUTORIALS = ("beginner_tutorials", "my_package")
+"""Packages that the labs' texts name, whose nodes lcmtools has under the same names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +50,13 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
     nodes = {node.name: node for node in known if node.package == package}
     for word in (name, plain):
         if package != OWN and word in nodes:
-            return Executable((*RUN, package, word), _directory(nodes[word], folder))
+            return _of_node(nodes[word], (package, word), folder)
     if package != OWN and (script := _script(package, name, folder)):
-        return Executable((script,))
+        return Executable(command_of(script))
     in_workspace = (one.name for one in workspace(Path.cwd(), folder).packages)
     is_own = package in _as_lcmtools() and package not in in_workspace
     nodes = {node.name: node for node in known if node.package == OWN} if is_own else nodes
-    for spelling in (plain, _SAME_NODE.get(plain, plain)):
+    for spelling in (plain, SAME_NODE.get(plain, plain)):
         if is_own and spelling in nodes:
             return _own(spelling, known, package)
     if not nodes:
@@ -82,7 +72,7 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
     """Return the program for words as after ``lcmtools run``; further words are arguments.
 
     Raises:
-        UsageError: There is no such node, or several packages have it.
+        UsageError: There is no such node or program, or several packages have it.
     """
     known = _nodes_from(Path.cwd(), folder)
     try:
@@ -91,8 +81,10 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
         failure = error
     else:
         note = own_answer(node) if words[0] == node.name else ""
-        typed = words[: len(words) - len(rest)]
-        return Executable((*RUN, *typed), _directory(node, folder), tuple(rest), note=note)
+        typed = (OWN, node.name) if note else words[: len(words) - len(rest)]
+        return replace(_of_node(node, typed, folder), arguments=tuple(rest), note=note)
+    if len(words) > 1 and (program := _script(words[0], words[1], folder)):
+        return Executable(command_of(program), arguments=tuple(words[2:]))
     if len(words) > 1 and words[0] in _as_lcmtools():
         return replace(find_executable(words[0], words[1], folder), arguments=tuple(words[2:]))
     if shutil.which(words[0]) or is_there(path_from(folder, words[0])):
@@ -124,8 +116,8 @@ def find_script(word: str, folder: Path) -> tuple[str, ...]:
     """
     path = path_from(folder, word)
     if path.suffix == ".py" and path.is_file() and not os.access(path, os.X_OK):
-        return (sys.executable, str(path))
-    return (find_program(str(path), folder),)
+        return python_command(path)
+    return command_of(Path(find_program(str(path), folder)))
 
 
 def startable(command: Sequence[str]) -> list[str]:
@@ -140,11 +132,21 @@ def startable(command: Sequence[str]) -> list[str]:
 
 
 def _own(name: str, known: Sequence[Runnable], package: str) -> Executable:
-    """Return the command of lcmtools' own node, which a launch file names with another package."""
+    """Return the command of lcmtools' own node, which a launch file names with another package.
+
+    The command of a model answer names its package, so that only the launcher notes it.
+    """
     node = next(node for node in known if (node.package, node.name) == (OWN, name))
-    is_hidden = any(node.name == name and node.folder for node in known)
-    words = (OWN, name) if is_hidden else (name,)
-    return Executable((*RUN, *words), note="" if package == OWN else own_answer(node))
+    answer = own_answer(node)
+    is_hidden = any(node.name == name and node.is_near for node in known)
+    words = (OWN, name) if answer or is_hidden else (name,)
+    return Executable((*RUN, *words), note="" if package == OWN else answer)
+
+
+def _of_node(node: Runnable, typed: Sequence[str], folder: Path) -> Executable:
+    if node.source:
+        return Executable((str(built_program(node)),))
+    return Executable((*RUN, *typed), _directory(node, folder))
 
 
 def _directory(node: Runnable, folder: Path) -> str:
@@ -160,12 +162,13 @@ def _nodes_from(*starts: Path) -> tuple[Runnable, ...]:
 
 
 def _as_lcmtools() -> set[str]:
-    return {OWN, *lab_packages(), *_ROS_PACKAGES}
+    return {OWN, *lab_packages(), *_TUTORIALS, *PACKAGES}
 
 
-def _script(package: str, name: str, folder: Path) -> str:
-    """Return an executable file in a package's folder, or ""."""
+def _script(package: str, name: str, folder: Path) -> Path | None:
+    """Return an executable file in a package's folder; UsageError if there are several."""
     try:
-        return program_in(package_folder(package, folder), name)
+        home = package_folder(package, folder)
     except UsageError:
-        return ""
+        return None
+    return program_in(home, name)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.errors import InvalidFile, os_errors_as
+from lcmtools.folders import LARGEST, read_bytes
 from lcmtools.formats.strict_xml import Element, read_xml
-from lcmtools.launch.packages import LABS, LARGEST
+from lcmtools.launch.packages import LABS
 
 STANDARD_INPUT = "-"
 
@@ -25,8 +26,7 @@ def read_file(path: Path, place: str = "") -> File:
     """Read a launch file, which ``place`` includes; InvalidFile if it cannot be read."""
     before = f"{place}: " if place else ""
     what = f"{before}cannot read {_shown(path)}"
-    with os_errors_as(what, kind=InvalidFile), path.open("rb") as file:
-        content = file.read(LARGEST + 1)
+    content = read_bytes(path, what=what)
     full = path.resolve()
     return File(_read(content, _shown(path)), str(full), full.parent)
 

@@ -5,13 +5,12 @@ when the whole file is known.
 """
 
 import os
-import sys
 from collections.abc import Iterable, Mapping
 
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch import executables
-from lcmtools.launch.executables import RUN, Executable
+from lcmtools.launch.executables import Executable
 from lcmtools.launch.packages import path_from
 from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.launch.scope import Scope, located
@@ -25,10 +24,7 @@ def node_name(element: Element, scope: Scope, program: Executable) -> str:
     """Return a node's full name."""
     name = scope.text(element, "name")
     if not name and {"run", "exec"} & set(element.attributes):  # then it has its program's
-        first, *rest = program.command
-        is_run = (first, *rest[:1]) == RUN
-        word = rest[-1] if is_run else rest[0] if first == sys.executable else first
-        name = word.rpartition("/")[2].partition(".")[0].replace("-", "_")
+        name = program.command[-1].rpartition("/")[2].partition(".")[0].replace("-", "_")
     name = name or scope.required(element, "name")
     located(element, lambda: check_base_name(name, "the attribute ns"))
     return resolve(name, scope.namespace)

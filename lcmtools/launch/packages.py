@@ -12,12 +12,12 @@ from pathlib import Path
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.names import did_you_mean
-from lcmtools.packages.ros_packages import files_below, ros_packages
+from lcmtools.packages.programs import files_below
+from lcmtools.packages.ros_packages import ros_packages
 from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
 LABS = Path(__file__).parent / "files"  # packages that the labs' texts name, with launch files
-LARGEST = 1_000_000  # bytes of a file
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 
 
@@ -106,7 +106,8 @@ def find_files(words: Sequence[str]) -> list[Path]:
 def _find_alone(word: str) -> Path:
     """Return a local file, one of the labs', or the only launch file of a package."""
     names = _spellings(word)
-    own = (package.folder / "launch" for package in workspace(Path.cwd()).packages)
+    space = workspace(Path.cwd()).packages
+    own = (package.folder / "launch" for package in space if not package.is_noted)
     for name, place in product(names, (Path(), Path("launch"), *own)):
         if is_there(place / name):
             return place / name
@@ -115,6 +116,9 @@ def _find_alone(word: str) -> Path:
     known = {name: package for package, name in lab_files()}
     if name := next((name for name in names if name in known), ""):
         return _find_in(package_folder(known[name]), known[name], name)
+    for name, package in product(names, space):
+        if is_there(package.folder / "launch" / name):
+            return package.folder / "launch" / name
     if is_package(word):
         return _only_file(package_folder(word), word)
     here = [path.name for path in (*Path().glob("*"), *Path("launch").glob("*"))]

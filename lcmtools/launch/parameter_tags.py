@@ -7,8 +7,9 @@ LCM: each node gets its parameters on its command line.
 from collections.abc import Collection, Iterator, Mapping
 
 from lcmtools.errors import InvalidName
+from lcmtools.folders import read_text
 from lcmtools.formats.strict_xml import Element
-from lcmtools.launch.packages import LARGEST, path_from
+from lcmtools.launch.packages import path_from
 from lcmtools.launch.parameter_yaml import leaves, read_parameters, text_of
 from lcmtools.launch.scope import Scope, located
 from lcmtools.messages.setting import read_setting, write_setting
@@ -99,16 +100,7 @@ def _own_name(node: str, parameter: str) -> str:
 
 def _read(element: Element, name: str, scope: Scope) -> str:
     path = located(element, lambda: path_from(scope.folder, name))
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
-        if len(content) > LARGEST:
-            raise element.error(f"{path} has more than {LARGEST} bytes")
-        return content.decode()
-    except OSError as error:
-        raise element.error(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise element.error(f"cannot read {path}: it is not UTF-8 text") from None
+    return located(element, lambda: read_text(path))
 
 
 def _typed(element: Element, scope: Scope, name: str) -> Iterator[tuple[str, str]]:

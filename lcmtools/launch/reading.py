@@ -32,6 +32,7 @@ from lcmtools.names import resolve
 from lcmtools.packages.workspace import workspace
 
 _MOST_ELEMENTS = 100_000  # tags of all files together, repeated includes counted each time
+_MOST_INCLUDES = 1000  # files that include others twice, and these others, have no end
 _COMMANDS = ("load", "dump", "delete")  # of a rosparam
 
 
@@ -76,6 +77,7 @@ class _Reading:
     files: list[str] = field(default_factory=list)
     roots: list[Element] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    _included: dict[Path, File] = field(default_factory=dict)  # those read so far
     depth: int = 0
     elements: int = 0
 
@@ -140,7 +142,8 @@ class _Reading:
 
     def _node(self, element: Element, scope: Scope) -> None:
         program = find_node(element, scope)
-        if program.note and not scope.folder.is_relative_to(LABS):
+        is_noted = any(one.note == program.note for _, _, one in self.nodes)
+        if program.note and not is_noted and not scope.folder.is_relative_to(LABS):
             self.notes.append(f"{element.place}: {program.note}")
         name = node_name(element, scope, program)
         # within a node, parameters that are not private get the node's name, as in roslaunch
@@ -180,7 +183,11 @@ class _Reading:
         path = located(element, lambda: path_from(scope.folder, name))
         takes_all = scope.flag(element, "pass_all_args")
         inside, passed = given_inside(element, scope)
-        file = read_file(path, element.place)
+        if len(self.files) > _MOST_INCLUDES:
+            raise element.error(f"more than {_MOST_INCLUDES} files are included")
+        if path not in self._included:
+            self._included[path] = read_file(path, element.place)
+        file = self._included[path]
         if not takes_all:
             check_passed(element, passed, file.root)
         passed = {**({**scope.passed, **scope.arguments} if takes_all else {}), **passed}

@@ -19,6 +19,8 @@ from lcmtools.names import did_you_mean
 _QUOTES = "'\""
 _COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
 _LONGEST = 1000  # characters of an expression
+_SHOWN = 60  # characters of a text in an error
+_MOST_ADDED = 10_000  # characters of values; else a few arguments of arguments grow without end
 _CONSTANTS: Mapping[str, object] = {**CONSTANTS, "e": math.e, "true": True, "false": False}
 _COUNTS = {"dirname": (0, 0), "optenv": (1, 2), "pow": (2, 2), "fmod": (2, 2), "log": (1, 2)}
 """The numbers of arguments of functions that take more or less than one."""
@@ -77,28 +79,33 @@ def substitute(text: str, known: Known, shown: Callable[[str], str] = str) -> st
 
     ``shown`` returns the text for the path of a folder, of ``$(dirname)`` or ``$(find x)``.
     """
-    return "".join(
-        _replaced(part, known, shown) if inside else part for inside, part in _parts(text)
-    )
+    found, size = list[str](), 0
+    for inside, part in _parts(text):
+        found.append(_replaced(part, known, shown) if inside else part)
+        size += len(found[-1])
+        if size > 2 * len(text) + _MOST_ADDED:
+            start = " ".join(text[:_SHOWN].split())
+            raise UsageError(f"the values in '{start}' have more than {_MOST_ADDED} characters")
+    return "".join(found)
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
     """Return the text in parts, each with True if it is within ``$( )``."""
-    rest = text
-    while True:
-        before, mark, rest = rest.partition("$(")
-        yield False, before
-        if not mark:
-            return
-        inside, rest = _closed(rest, text)
-        yield True, inside
+    end = 0
+    while (start := text.find("$(", end)) >= 0:
+        yield False, text[end:start]
+        end = _closing(text, start + 2)
+        yield True, text[start + 2 : end]
+        end += 1
+    yield False, text[end:]
 
 
-def _closed(rest: str, text: str) -> tuple[str, str]:
-    """Return the text before the closing parenthesis, and the text after it."""
-    quotes = _QUOTES if rest.startswith("eval") else ""
+def _closing(text: str, start: int) -> int:
+    """Return the index of the parenthesis that closes the one before ``start``."""
+    quotes = _QUOTES if text.startswith("eval", start) else ""
     depth, quote = 1, ""
-    for index, character in enumerate(rest):
+    for index in range(start, len(text)):
+        character = text[index]
         if quote:
             quote = "" if character == quote else quote
         elif character in quotes:
@@ -106,7 +113,7 @@ def _closed(rest: str, text: str) -> tuple[str, str]:
         else:
             depth += {"(": 1, ")": -1}.get(character, 0)
         if depth == 0:
-            return rest[:index], rest[index + 1 :]
+            return index
     raise UsageError(f"'$(' is not closed in '{text}'")
 
 

@@ -54,19 +54,20 @@ class Coder(NamedTuple):
         return made[0]
 
     def read_available(self, cursor: Cursor) -> Message:
-        """Return the message in the rest of the bytes; fields without bytes have their defaults.
-
-        The type must contain other messages only in arrays.
-        """
-        message = self.layout.parts[0].cls()
+        """Return the message in the rest of the bytes; fields without bytes have their defaults."""
+        outermost, *parts = self.layout.parts
+        made = [outermost.cls()]
+        for part in parts:
+            made.append(getattr(made[part.owner], part.name))
         for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
             if cursor.offset == len(cursor.data):
                 break
             if leaf.is_number:
-                _read_numbers([leaf], [message], cursor)
+                _read_numbers([leaf], made, cursor)
             else:
-                setattr(message, leaf.field.attribute, _read_other(leaf, codec, message, cursor))
-        return message
+                value = _read_other(leaf, codec, made[leaf.part], cursor)
+                setattr(made[leaf.part], leaf.field.attribute, value)
+        return made[0]
 
 
 @cache

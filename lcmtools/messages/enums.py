@@ -6,6 +6,7 @@ and the type of a field that holds one. Must not know messages.
 
 import struct
 from collections.abc import Mapping
+from functools import cache
 from typing import BinaryIO, ClassVar
 
 
@@ -31,6 +32,21 @@ class EnumValue(int):
         return not self == other
 
     __hash__ = int.__hash__
+
+    def __copy__(self) -> "EnumValue":
+        """Return itself: it cannot be changed."""
+        return self
+
+    def __deepcopy__(self, _: object) -> "EnumValue":
+        """Return itself."""
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Return the enum with its values: a process that unpickles it may not know the type."""
+        cls = type(self)
+        members = tuple(cls.__members__.items())
+        name = str(getattr(cls, "__lcm_name__", cls.__name__))
+        return _unpickled, (name, cls.__module__, members, cls.__hash_number__, int(self))
 
     @classmethod
     def _get_hash_recursive(cls, parents: object) -> int:  # noqa: ARG003 - lcm-gen's interface
@@ -72,6 +88,19 @@ def enum_class(name: str, module: str, values: Mapping[str, int], number: int) -
     for value, of in values.items():
         setattr(cls, value, cls(of))
     return cls
+
+
+@cache
+def _pickled_class(
+    name: str, module: str, members: tuple[tuple[str, int], ...], number: int
+) -> type[EnumValue]:
+    return enum_class(name, module, dict(members), number)
+
+
+def _unpickled(
+    name: str, module: str, members: tuple[tuple[str, int], ...], number: int, value: int
+) -> EnumValue:
+    return _pickled_class(name, module, members, number)(value)
 
 
 def enum_type(cls: type[EnumValue]) -> EnumType:

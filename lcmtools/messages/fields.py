@@ -159,18 +159,10 @@ def stamp(message: Message) -> int | None:
     return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
 
 
-def is_utime(field: Field) -> bool:
-    """Return True for a field ``utime`` of microseconds, LCM's convention."""
-    return field.name == "utime" and field.type == "int64" and not field.dimensions
-
-
 def set_moment(message: Message, moment: int) -> None:
-    """Set a time, or another message's ``utime``, to a moment [ns since 1970]."""
-    if is_time(type(message)):
-        for name, value in zip(message.__slots__, split_stamp(moment), strict=True):
-            setattr(message, name, value)
-    else:
-        message.utime = moment // 1000  # type: ignore[attr-defined] # it has one
+    """Set a time to a moment [ns since 1970]."""
+    for name, value in zip(message.__slots__, split_stamp(moment), strict=True):
+        setattr(message, name, value)
 
 
 def _recurs(cls: type[Message], outer: tuple[type[Message], ...]) -> bool:

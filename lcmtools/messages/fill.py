@@ -1,13 +1,13 @@
 """Filling messages from plain values: mappings by field name, lists in order, text and numbers.
 
 Belongs here: the names of a message's fields, and errors for names that do not match; the words
-``now`` (for a time, and for LCM's ``utime``) and ``auto`` (for a header, whose stamp it sets), and
-a time as an integer number of nanoseconds, all accepted as by rostopic and ros2. Must not know
-YAML's syntax (see ``message_template``), the wire format or a clock.
+``now`` (for a time, and for a number such as LCM's ``utime``) and ``auto`` (for a header, whose
+stamp it sets), and a time as an integer number of nanoseconds, all accepted as by rostopic and
+ros2. Must not know YAML's syntax (see ``message_template``), the wire format or a clock.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TypeAlias, cast
 
@@ -18,9 +18,10 @@ from lcmtools.messages.fields import (
     fields,
     fields_hint,
     is_time,
-    is_utime,
+    set_moment,
     visible_fields,
 )
+from lcmtools.messages.message_time import set_number, time_unit
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
 from lcmtools.messages.shape import Element, check_given_length, each, shaped
@@ -29,14 +30,17 @@ from lcmtools.names import closest
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
 """Values to fill a message from. Text is interpreted by the field's type."""
 
+SetTime: TypeAlias = Callable[[int], None]
+"""Sets a time in a message to a moment [ns since 1970]."""
+
 _WORDS = ("now", "auto")
 _NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
 
 
-def fill(message: Message, value: Value) -> tuple[Message, ...]:
+def fill(message: Message, value: Value) -> tuple[SetTime, ...]:
     """Set the fields of a message from plain values; fields that are not named are kept.
 
-    Returns the times in it that must be set when it is sent: see ``set_moment``.
+    Returns a function for each time in it that must be set when it is sent.
 
     A mapping sets fields by name, a list sets all fields in order, None sets none; a single value
     sets the only field of a message that has one. Text is interpreted by the field's type ("0x1F"
@@ -45,7 +49,7 @@ def fill(message: Message, value: Value) -> tuple[Message, ...]:
     Raises:
         ValueMismatch: A value does not fit its field. The message is then half filled.
     """
-    times: list[Message] = []
+    times: list[SetTime] = []
     try:
         _fill(message, value, times)
     except Misfit as misfit:
@@ -53,7 +57,9 @@ def fill(message: Message, value: Value) -> tuple[Message, ...]:
     return tuple(times)
 
 
-def _fill(message: Message, value: Value, times: list[Message]) -> None:
+def _fill(message: Message, value: Value, times: list[SetTime]) -> None:
+    if tolist := getattr(value, "tolist", None):  # of numpy
+        value = tolist()
     if value is None:
         return
     if isinstance(value, Mapping):
@@ -64,13 +70,13 @@ def _fill(message: Message, value: Value, times: list[Message]) -> None:
         _fill_only_field(message, value, times)
 
 
-def _set_time(message: Message, value: Value, times: list[Message]) -> bool:
+def _set_time(message: Message, value: Value, times: list[SetTime]) -> bool:
     """Set a time or header from a word or nanoseconds; return False for other values."""
     name, is_moment = type_name(message), is_time(type(message))
     if value in _WORDS and is_moment and not name.endswith("/Duration"):
-        times.append(message)
+        times.append(partial(set_moment, message))
     elif value in _WORDS and name == "std_msgs/Header":
-        times.append(message.stamp)  # type: ignore[attr-defined] # a header has a stamp
+        times.append(partial(set_moment, message.stamp))  # type: ignore[attr-defined] # it has one
     elif is_moment and _NANOSECONDS.fullmatch(str(value)):
         _fill_in_order(message, split_stamp(int(cast("str", value))), times)
     else:
@@ -78,7 +84,7 @@ def _set_time(message: Message, value: Value, times: list[Message]) -> bool:
     return True
 
 
-def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[Message]) -> None:
+def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[SetTime]) -> None:
     cls, seen = type(message), set()
     for key, value in values.items():
         field = _field_named(cls, key, value)
@@ -91,7 +97,7 @@ def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[Mes
             check_given_length(message, field)
 
 
-def _fill_in_order(message: Message, values: Sequence[Value], times: list[Message]) -> None:
+def _fill_in_order(message: Message, values: Sequence[Value], times: list[SetTime]) -> None:
     targets = visible_fields(type(message))
     if len(targets) == 1 and _is_array_value(targets[0], values):
         _fill_field(message, targets[0], values, times)
@@ -115,7 +121,7 @@ def _is_array_value(field: Field, values: Sequence[Value]) -> bool:
     return bool(field.dimensions) and (elements_are_lists or not only_a_list)
 
 
-def _fill_only_field(message: Message, value: Value, times: list[Message]) -> None:
+def _fill_only_field(message: Message, value: Value, times: list[SetTime]) -> None:
     cls = type(message)
     hint = _colon_hint(cls, value)
     targets = visible_fields(cls)
@@ -126,15 +132,15 @@ def _fill_only_field(message: Message, value: Value, times: list[Message]) -> No
     _fill_field(message, targets[0], value, times)
 
 
-def _fill_field(message: Message, field: Field, value: Value, times: list[Message]) -> None:
+def _fill_field(message: Message, field: Field, value: Value, times: list[SetTime]) -> None:
     try:
         if field.dimensions:
             ready = _bytes_of_text(value, len(field.dimensions)) if field.is_bytes else value
             setattr(message, field.attribute, shaped(ready, field, _element(field, times)))
         elif field.message_class:
             _fill(getattr(message, field.attribute), value, times)
-        elif value == "now" and is_utime(field):
-            times.append(message)
+        elif isinstance(value, str) and value == "now" and (unit := time_unit(field)):
+            times.append(partial(set_number, message, field, unit))
         else:
             setattr(message, field.attribute, _scalar(value, field.type))
     except Misfit as misfit:
@@ -142,13 +148,13 @@ def _fill_field(message: Message, field: Field, value: Value, times: list[Messag
         raise
 
 
-def _element(field: Field, times: list[Message]) -> Element:
+def _element(field: Field, times: list[SetTime]) -> Element:
     if field.message_class:
         return partial(_new, field.message_class, times)
     return partial(_scalar, type_name=field.type)
 
 
-def _new(cls: type[Message], times: list[Message], value: Value) -> Message:
+def _new(cls: type[Message], times: list[SetTime], value: Value) -> Message:
     _fill(message := cls(), value, times)
     return message
 

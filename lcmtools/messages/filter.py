@@ -6,7 +6,9 @@ the message; its fields may also be used without it. Must not know where the mes
 
 import ast
 import contextlib
+from collections import Counter
 from collections.abc import Sequence
+from functools import cache
 from typing import cast
 
 from lcmtools.errors import ValueMismatch
@@ -105,6 +107,8 @@ class _Fields:
 
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
+        if name in _enum_values(cls):
+            return _enum_values(cls)[name]
         own_name = field_name(cls, name)
         value = getattr(owner, attribute(cls, own_name))
         kind = next((part.type for part in fields(cls) if part.name == own_name), "")
@@ -114,11 +118,22 @@ class _Fields:
 
 
 def _named_target(owner: Target, name: str, where: str) -> Target | None:
-    """Return the target of a field; None for a constant of the owner's type."""
-    is_message = owner.message_class is not None and not owner.dimensions
-    if is_message and name in constants(cast("type[Message]", owner.message_class)):
-        return None
+    """Return the target of a field; None for a constant of the owner's type, or of its enums."""
+    if owner.message_class is not None and not owner.dimensions:
+        cls = owner.message_class
+        if name in constants(cls) or name in _enum_values(cls):
+            return None
     return field_target(owner, name, where)
+
+
+@cache
+def _enum_values(cls: type[Message]) -> dict[str, int]:
+    """Return the values of the enums of a type's fields, but for names of fields and others."""
+    kinds = {part.type.cls for part in fields(cls) if isinstance(part.type, EnumType)}
+    named = [item for kind in kinds for item in kind.__members__.items()]
+    taken = {part.name for part in fields(cls)} | constants(cls).keys()
+    several = Counter(name for name, _ in set(named))
+    return {name: value for name, value in named if name not in taken and several[name] == 1}
 
 
 def _is_constant(name: str, cls: type[Message]) -> bool:

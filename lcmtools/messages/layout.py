@@ -126,6 +126,16 @@ def longest_array(cls: type[Message]) -> float:
     return max(sizes)
 
 
+@cache
+def has_byte_array(cls: type[Message]) -> bool:
+    """Return True if a type has bytes of variable size, as images, point clouds and grids do."""
+    return any(
+        leaf.field.type in ("uint8", "int8")
+        and not all(isinstance(size, int) for size in leaf.field.dimensions)
+        for leaf in layout(cls).leaves
+    )
+
+
 def is_bounded(cls: type[Message]) -> bool:
     """Return True if the size of a payload bounds the content of a message of a type.
 

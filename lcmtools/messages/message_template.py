@@ -13,8 +13,8 @@ from typing import Generic, TypeVar
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.documents import Document, Documents, parse_values
-from lcmtools.messages.fields import fields, set_moment, visible_fields
-from lcmtools.messages.fill import Value, fill
+from lcmtools.messages.fields import fields, visible_fields
+from lcmtools.messages.fill import SetTime, Value, fill
 from lcmtools.messages.registry import Message
 
 M = TypeVar("M", bound=Message)
@@ -25,13 +25,13 @@ class MessageTemplate(Generic[M]):
     """A message that is ready to be sent, once or often."""
 
     message: M
-    times: tuple[Message, ...] = ()  # in it, set whenever it is sent: see ``set_moment``
+    times: tuple[SetTime, ...] = ()  # of the times in it that are set whenever it is sent
     _payload: bytes | None = None
 
     def at(self, now: int) -> M:
         """Return the message as sent at ``now`` [ns since 1970]."""
-        for time in self.times:
-            set_moment(time, now)
+        for set_time in self.times:
+            set_time(now)
         return self.message
 
     def payload(self, now: int) -> bytes:

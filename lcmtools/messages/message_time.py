@@ -8,16 +8,18 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple, cast
 
-from lcmtools.messages.fields import fields, stamp
+from lcmtools.messages.fields import Field, fields, stamp
 from lcmtools.messages.registry import Message
 
 UNITS = {"nanoseconds": 1, "microseconds": 10**3, "milliseconds": 10**6, "seconds": 10**9}
 """Units and their lengths [ns]."""
 
 _NAME = re.compile(
-    r"(?:t|time|stamp|(?:\w+_)?utime|\w*time_?stamp)(?:_?(?:[umn]s(?:ecs?)?|micros|millis|nanos))?"
+    r"(?:t|time|stamp|(?:\w+_)?utime|\w*time_?stamp)(?:_?(?:([umn])s(?:ecs?)?|(micro|milli|nano)s))?"
 )
+_LETTERS = {"u": "micro", "m": "milli", "n": "nano"}
 _HEADERS = ("header", "hdr")
+_NUMBERS = ("int64", "float64")
 _FIRST, _LAST = 10**18, 4 * 10**18  # [ns since 1970] 2001 and 2096
 
 
@@ -61,6 +63,27 @@ def _in_unit(field: str, value: float) -> MessageTime | None:
     return None
 
 
+def time_unit(field: Field) -> str | None:
+    """Return the unit of a field whose name says that it has a time; None for other fields.
+
+    A name without a unit, such as ``utime`` or ``timestamp``, means microseconds, as in LCM's event
+    logs and examples, or seconds for a float64.
+    """
+    named = _NAME.fullmatch(field.name.lower())
+    if field.dimensions or field.type not in _NUMBERS or not named:
+        return None
+    if prefix := named[2] or _LETTERS.get(named[1]):
+        return f"{prefix}seconds"
+    return "seconds" if field.type == "float64" else "microseconds"
+
+
+def set_number(message: Message, field: Field, unit: str, moment: int) -> None:
+    """Set a field with a time in this unit to a moment [ns since 1970]."""
+    is_whole = field.type == "int64"
+    value = moment // UNITS[unit] if is_whole else moment / UNITS[unit]
+    setattr(message, field.attribute, value)
+
+
 @cache
 def _time_fields(cls: type[Message]) -> tuple[tuple[str, ...], ...]:
     """Return the attributes that lead to the fields of times, ``utime`` first."""
@@ -71,7 +94,7 @@ def _named_fields(cls: type[Message]) -> Iterator[tuple[str, ...]]:
     for field in fields(cls):
         if field.dimensions:
             continue
-        if field.type in ("int64", "float64") and _NAME.fullmatch(field.name.lower()):
+        if time_unit(field):
             yield (field.attribute,)
         elif field.message_class and field.name.lower() in _HEADERS:
             yield from ((field.attribute, *path) for path in _named_fields(field.message_class))

@@ -81,14 +81,15 @@ def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
     cls = type(message)
     plain = {
         field.name: plain_value(getattr(message, field.attribute), field, view)
-        for field in _shown_fields(message, view)
+        for field in shown_fields(message, view)
         if not view.omits(field)
     }
     is_moved = view.origin is not None and is_time(cls) and type_name(cls) in _TIME_TYPES
     return _since(plain, cast("int", view.origin)) if is_moved else plain
 
 
-def _shown_fields(message: Message, view: View) -> tuple[Field, ...]:
+def shown_fields(message: Message, view: View = NOTHING) -> tuple[Field, ...]:
+    """Return the fields of a message that are shown; see ``to_plain``."""
     cls = type(message)
     if view.is_table or not inner_lengths(cls):
         return visible_fields(cls)

@@ -9,16 +9,18 @@ from functools import cache
 from itertools import chain
 from keyword import iskeyword
 
+from lcmtools.message_value import MessageValue
+
 _MEMBERS = {
     *("encode", "decode", "get_hash", "_encode_one", "_decode_one", "_get_hash_recursive"),
     *("_get_packed_fingerprint", "_packed_fingerprint"),
     *("__slots__", "__typenames__", "__dimensions__", "__renamed__", "__lcm_name__"),
     "__constant_types__",
-    *dir(object),
+    *dir(MessageValue),
 }
 """The members of lcm-gen's classes, and those that lcmtools adds."""
 
-_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 63
+_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 8
 
 HashedField = tuple[str, str, tuple[int | str, ...]]
 """A field's name, its type by LCM's name ("" for another message), and its array sizes."""
@@ -45,9 +47,8 @@ def base_hash(parts: Iterable[HashedField]) -> int:
     """
     value = _START
     for byte in chain.from_iterable(map(_hashed_bytes, parts)):
-        # the high bits are shifted as those of a signed number
-        high = (value >> 55) | (~0x1FF if value >= _SIGN else 0)
-        value = (((value << 8) ^ high) + byte) & _BITS
+        high = value >> 55  # as of a signed number
+        value = ((value << 8 ^ (high if high < _SIGN else high - 2 * _SIGN)) + byte) & _BITS
     return value
 
 

@@ -9,13 +9,15 @@ environment, the working directory or the command line.
 
 import importlib
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import PurePath
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
+from lcmtools.escapes import ESCAPES
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import (
@@ -43,6 +45,9 @@ class Message(Protocol):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
+
+    def __init__(self, **fields: object) -> None:
+        """Create a message with default values, except for the given fields."""
 
     def encode(self) -> bytes:
         """Return the payload, as encoded by lcm-gen's code; ``codec.encode`` is safer."""
@@ -92,12 +97,16 @@ class Registry:
             self._warn_once(source, found)
         return cast("type[Message]", _load(source.prefix, found))
 
-    def message_classes(self) -> Iterator[type[Message]]:
-        """Import and yield the classes of all types, and of all their versions."""
-        known = {(n, f): one for one in reversed(self._all()) for n, f in one.fingerprints.items()}
-        for (name, _), source in sorted(known.items(), key=lambda item: item[0]):
-            with suppress(ImportError, AttributeError):  # made anew, or removed, meanwhile
-                yield cast("type[Message]", _load(source.prefix, name))
+    def message_classes(self, names: Iterable[str]) -> Iterator[type[Message]]:
+        """Import and yield the classes of types, with all their versions, in the names' order."""
+        versions: defaultdict[str, dict[int, TypeSource]] = defaultdict(dict)
+        for source in reversed(self._all()):
+            for name, number in source.fingerprints.items():
+                versions[name][number] = source
+        for name in names:
+            for _, source in sorted(versions[name].items()):
+                with suppress(ImportError, AttributeError):  # made anew, or removed, meanwhile
+                    yield cast("type[Message]", _load(source.prefix, name))
 
     def service_class(self, name: str) -> type[ServiceType]:
         """Return a service's pair of messages; UnknownType unless exactly one has the name."""
@@ -332,7 +341,7 @@ def _log(text: str) -> None:
     """Log a warning; it goes to standard error unless the program configures logging."""
     import logging
 
-    logging.getLogger("lcmtools").warning("%s", text)
+    logging.getLogger("lcmtools").warning("%s", text.translate(ESCAPES))
 
 
 def message_class(
@@ -350,11 +359,6 @@ def service_class(name: str) -> type[ServiceType]:
 def service_name(name: str) -> str:
     """Return a service's full name; see ``Registry.service_name``."""
     return default_registry().service_name(name)
-
-
-def message_classes() -> Iterator[type[Message]]:
-    """Import and yield the classes of all types, and of all their versions."""
-    return default_registry().message_classes()
 
 
 def candidates(fingerprint: int, channel: str = "") -> list[str]:

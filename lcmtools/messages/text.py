@@ -59,7 +59,7 @@ def format_message(message: Message) -> str:
 
 
 def quoted(text: str) -> str:
-    """Return a string as YAML in double quotes, '' if it is empty; all but ASCII is escaped.
+    """Return a string as YAML in double quotes, '' if it is empty; what cannot be shown is escaped.
 
     YAML has no escape for bytes that are not UTF-8: if there are any, it becomes ``!!binary``.
     """
@@ -256,6 +256,8 @@ def _escape(match: re.Match[str]) -> str:
     code = ord(character)
     if character in _ESCAPES:
         return f"\\{_ESCAPES[character]}"
+    if character.isprintable():
+        return character
     if code <= 0xFF:  # noqa: PLR2004 - the reach of two hexadecimal digits
         return f"\\x{code:02X}"
     return f"\\u{code:04X}" if code <= 0xFFFF else f"\\U{code:08X}"  # noqa: PLR2004 - of four

@@ -40,31 +40,34 @@ class Callbacks:
         self._errors = errors
         self._go_on = go_on
         self._cleared = False
-        self._ready: deque[Callable[[], None]] = deque()  # in order of arrival
+        self.ready: deque[Callable[[], None]] = deque()
+        """The calls of callbacks that wait, in order of arrival."""
 
     def on_ready(self, run: Callable[[SourceT], None], source: SourceT) -> Callable[[], None]:
         """Return the function that a source calls whenever one more message or request waits."""
-        return partial(self._ready.append, partial(run, source))
+        return partial(self.ready.append, partial(run, source))
 
     def clear(self) -> None:
         """Stop running callbacks."""
         self._cleared = True
-        self._ready.clear()
+        self.ready.clear()
         self.subscriptions.clear()
         self.services.clear()
         self.timers.clear()
 
     def run_ready(self) -> bool:
         """Run every callback that is ready; return whether there was one."""
-        has_run, left = False, len(self._ready)  # timers run before what arrives meanwhile
-        while left and self._ready:
+        has_run, left = False, len(self.ready)  # timers run before what arrives meanwhile
+        while left and self.ready:
             try:
-                run = self._ready.popleft()
+                run = self.ready.popleft()
             except IndexError:  # another thread spins too
                 break
             run()
             has_run = True
-            left = left - 1 if self._go_on() else 0
+            left -= 1
+            if left and not self._go_on():
+                break
         return self._run_timers() or has_run if self.timers else has_run
 
     def time(self) -> int:

@@ -7,8 +7,9 @@ log. Each check raises a UsageError that says what to write.
 import inspect
 import math
 from collections.abc import Callable, Sequence
+from functools import wraps
 from types import ModuleType
-from typing import cast
+from typing import TypeVar, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.fields import visible_fields
@@ -16,6 +17,10 @@ from lcmtools.messages.layout import is_generated
 from lcmtools.messages.registry import Message, message_class, service_class, type_name
 from lcmtools.messages.scalars import given
 
+FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
+
+_OF_SERVICES = ("create_service", "create_client")
+_WITH_CALLBACK = ("create_subscription", "create_service")
 _LONGEST_USUAL_PERIOD = 60.0  # [s]; a longer one is more often meant in milliseconds
 
 
@@ -24,6 +29,32 @@ def check_text(call: str, what: str, value: object) -> None:
     if not isinstance(value, str):
         hint = "the callback comes after it" if inspect.isroutine(value) else ""
         raise UsageError(f"{call}: the {what} is a text, got {described(value)}", hint)
+
+
+def type_first(function: FunctionT) -> FunctionT:
+    """Decorate a method that takes a type and a name: a call without the type raises UsageError."""
+
+    @wraps(function)
+    def call(node: object, *arguments: object, **keywords: object) -> object:
+        _check_first(function.__name__, arguments)
+        return function(node, *arguments, **keywords)
+
+    return cast("FunctionT", call)
+
+
+def _check_first(call: str, arguments: Sequence[object]) -> None:
+    """Make sure that the first argument is not the name of a topic or a service."""
+    name, *others = arguments or (None,)
+    is_service = call in _OF_SERVICES
+    find: Callable[[str], type] = service_class if is_service else message_class
+    if not isinstance(name, str) or _is_known(find, name):
+        return
+    if not others or not (isinstance(others[0], (str, type)) or is_generated(type(others[0]))):
+        kind = "Trigger" if is_service else "Twist"
+        rest = ", callback" if call in _WITH_CALLBACK else ""
+        shows = f"lcmtools {'service info' if is_service else 'info'} {name} shows it"
+        hint = f"write {call}({kind}, {name!r}{rest}) if it is {kind}; {shows}"
+        raise UsageError(f"{call}: the type is missing before {name!r}", hint)
 
 
 def check_endpoint(call: str, kinds: Sequence[object], topic: object, depth: object) -> None:
@@ -134,7 +165,7 @@ def _type_fault(call: str, kind: object, name: object, *, is_service: bool = Fal
     find: Callable[[str], type] = service_class if is_service else message_class
     if isinstance(kind, str) and (isinstance(name, type) or _is_known(find, name)):
         second = name if isinstance(name, type) else find(str(name))
-        rest = ", callback" if call in ("create_subscription", "create_service") else ""
+        rest = ", callback" if call in _WITH_CALLBACK else ""
         hint = f"write {call}({second.__name__}, {kind!r}{rest})"
         return UsageError(f"{call} takes the type first", hint)
     if isinstance(kind, str):

@@ -12,10 +12,13 @@ from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.base import Bus
+from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.listeners import PlainListeners
+from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.records import NodeRecords
-from lcmtools.bus.url import BusUrl
+from lcmtools.bus.url import BusUrl, another_domain
 from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.graph.model import Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
@@ -41,6 +44,13 @@ class Participant(Protocol):
 
     def destroy_node(self) -> None:
         """End the node, which says goodbye."""
+
+
+class Spin(Protocol):
+    """A thread that runs the callbacks of nodes."""
+
+    def stop(self) -> None:
+        """Stop running callbacks."""
 
 
 class Context:
@@ -71,11 +81,13 @@ class Context:
         self.on_shutdown_request: Callable[[], None] = self.stop
         """Called when another program requests a shutdown."""
         self.host = socket.gethostname()
+        self.pid_namespace = own_pid_namespace()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self._recording = threading.Lock()
         self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[Participant] = []
+        self.background_spins: list[Spin] = []
         self._stopping = False
         self._closed = self.is_of_parent = False
         self._is_shutdown_requested = False
@@ -83,6 +95,7 @@ class Context:
         """True once the program knows that it should end; it may then take its time."""
         self.follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
+        network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
 
     def ok(self) -> bool:
@@ -103,22 +116,31 @@ class Context:
         for wakeup in tuple(self._wakeups.values()):
             wakeup.set()
 
-    def run_once(self, callbacks: Sequence[Callbacks], timeout: float | None) -> None:
+    def run_once(
+        self,
+        callbacks: Sequence[Callbacks],
+        timeout: float | None,
+        is_over: Callable[[], bool] | None = None,
+    ) -> None:
         """Wait for something to do, for ``timeout`` seconds at most (None: without end); do it.
 
-        Returns as soon as callbacks have run, or when the time is over or the program should end.
+        Returns as soon as callbacks have run, or when the time is over or the program should end,
+        or when ``is_over`` returns True after a ``wake``.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
-        while not self._stopping:
-            have_run = [one.run_ready() for one in callbacks]
-            if any(have_run):
+        while not (self._stopping or (is_over and is_over())):
+            has_run = False
+            for one in callbacks:
+                if one.ready or one.timers:
+                    has_run = one.run_ready() or has_run
+            if has_run:
                 return
             wait = None if deadline is None else deadline - time.monotonic()
             if wait is not None and wait <= 0:
                 return
             for one in callbacks:
-                due = one.time_to_timer()
-                wait = due if wait is None or (due is not None and due < wait) else wait
+                if one.timers and (due := one.time_to_timer()) is not None:
+                    wait = due if wait is None else min(due, wait)
             self._wait(wait)
 
     def add(self, participant: Participant) -> None:
@@ -128,7 +150,7 @@ class Context:
         if self._records and not node.tool and (other := self._records.namesake(node)):
             self.notices.append(
                 f"pid {other.pid} is a node of this name too: end one of them, "
-                f"or start this one with __name:={base_name_of(node.name)}2"
+                f"or start this one {_apart_from(other, self._records, self.url)}"
             )
         self.announcer.announce_soon()
 
@@ -153,19 +175,27 @@ class Context:
         if wakeup is None:
             self._wakeups[thread] = WakeupEvent()
             return  # a ``wake`` may have missed it: the caller looks for work first
-        self.bus.wait(wakeup, _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT))
+        is_long = timeout is None or timeout > _LONGEST_WAIT
+        self.bus.wait(wakeup, _LONGEST_WAIT if is_long else timeout)
 
     def _pids_here(self) -> frozenset[int]:
         nodes = self.follower.graph().nodes
-        others = (node.pid for node in nodes if node.host == self.host and node.has_details)
+        others = (node.pid for node in nodes if self._is_here(node) and node.has_details)
         return frozenset((os.getpid(), *others))
+
+    def _is_here(self, node: Node) -> bool:
+        own = node.pid_namespace in (0, self.pid_namespace)
+        return node.host == self.host and own and not node.path
 
     def close(self) -> None:
         """End all nodes and leave the bus."""
         if self._closed:
             return
         self._closed = True
+        network_watch.forget(self._warn)
         self.stop()
+        for spin in tuple(self.background_spins):
+            spin.stop()
         for participant in tuple(self._participants):
             participant.destroy_node()
         self.announcer.close()
@@ -178,6 +208,7 @@ class Context:
         """End in a forked process: the threads, nodes, goodbyes and the bus remain the parent's."""
         self._closed = self._stopping = self.is_of_parent = True
         self.announcer.leave_to_parent()
+        self.follower.leave_to_parent()
         self.bus.leave_to_parent()
 
     def _warn(self, text: str) -> None:
@@ -218,3 +249,10 @@ class Context:
                     participant.get_logger().warning(f"shutdown requested {who}")
                     self.on_shutdown_request()
                 return
+
+
+def _apart_from(other: Node, records: NodeRecords, url: BusUrl | None) -> str:
+    """Return how to start a node of the same name; a bus has one publisher of the time."""
+    if CLOCK_TOPIC in records.topics([other.id], Role.PUBLISHER):
+        return f"on another bus, with --domain {another_domain(str(url))}"
+    return f"with __name:={base_name_of(other.name)}2"

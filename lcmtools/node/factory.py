@@ -12,6 +12,7 @@ from lcmtools import names
 from lcmtools.bus.base import Handler, refusal
 from lcmtools.errors import BusError, UsageError, explained
 from lcmtools.graph.model import Endpoint
+from lcmtools.messages.layout import has_byte_array
 from lcmtools.messages.registry import Message
 from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
@@ -78,9 +79,15 @@ class Factory:
         """
         return self.__resolver.resolve(name)
 
+    @checks.type_first
     @explained
     def create_publisher(
-        self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
+        self,
+        message_type: type[MessageT],
+        topic: str,
+        depth: int = 10,
+        *,
+        plain_channel: bool = False,
     ) -> Publisher[MessageT]:
         """Return a publisher of one type on one topic.
 
@@ -88,7 +95,7 @@ class Factory:
             message_type: The messages' class.
             topic: The topic's name, to be resolved.
             depth: Only announced, for rclpy's sake: LCM sends at once.
-            literal: The topic is the exact LCM channel and is not resolved.
+            plain_channel: The topic is the exact LCM channel and is not resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
@@ -96,7 +103,7 @@ class Factory:
         """
         self.__check_alive("create_publisher")
         checks.check_endpoint("create_publisher", [message_type], topic, depth)
-        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
+        resolved = names.check_channel(topic) if plain_channel else self.resolve_name(topic)
         context = self.__context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.follower.graph)
         self.__add_publisher(publisher)
@@ -124,6 +131,7 @@ class Factory:
         self.__add_publisher(publisher)
         return publisher
 
+    @checks.type_first
     @explained
     def create_subscription(
         self,
@@ -133,7 +141,7 @@ class Factory:
         depth: int = 10,
         *,
         group: str = "",
-        literal: bool = False,
+        plain_channel: bool = False,
     ) -> Subscription:
         """Return a subscription; its callback runs on the thread that spins.
 
@@ -145,7 +153,7 @@ class Factory:
             depth: The largest number of waiting messages; the newest are kept.
             group: Subscriptions of this node with the same group are alternatives: one that is
                 connected is enough.
-            literal: The topic is the exact LCM channel and is not resolved.
+            plain_channel: The topic is the exact LCM channel and is not resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
@@ -156,10 +164,14 @@ class Factory:
         types = message_type if isinstance(message_type, tuple) else (message_type,)
         checks.check_endpoint("create_subscription", types, topic, depth)
         checks.check_callback("create_subscription", callback, "message")
-        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
+        resolved = names.check_channel(topic) if plain_channel else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self.__callbacks.on_ready(self.__callbacks.deliver, subscription)
-        self.__receive(resolved, subscription.receive)
+        is_large = any(map(has_byte_array, types))
+        self.__receive(resolved, subscription.receive, is_large=is_large)
+        bus = self.__context.bus
+        before = bus.lost(resolved)
+        subscription.lost_by_bus = lambda: (bus.lost(resolved) - before, bus.overflows)
         self.__callbacks.subscriptions.append(subscription)
         return subscription
 
@@ -176,6 +188,7 @@ class Factory:
         checks.check_callback("create_timer", callback)
         timer = Timer(seconds, callback, self.__callbacks.time)
         self.__callbacks.timers.append(timer)
+        self.__context.wake()  # a thread that spins in the background waits for it, too
         return timer
 
     @explained
@@ -193,6 +206,7 @@ class Factory:
         timer = Timer(period, lambda: None, self.__callbacks.time)
         return Rate(self.__context, self.__callbacks, timer)
 
+    @checks.type_first
     @explained
     def create_service(
         self,
@@ -214,6 +228,7 @@ class Factory:
         self.__callbacks.services.append(service)  # type: ignore[arg-type] # their message types differ
         return service
 
+    @checks.type_first
     @explained
     def create_client(
         self, service_type: ServiceType[RequestT, ResponseT], name: str
@@ -227,7 +242,7 @@ class Factory:
         resolved = self.__resolve_service("create_client", service_type, name)
         client = Client(self.__context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self.__context.ok()
-        client.before_call = self.__context.announcer.announce_changes
+        client.before_call = self.__before_call
         self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client
@@ -285,10 +300,15 @@ class Factory:
         self.__publishers.append(publisher)
         self.__context.announcer.announce_soon()
 
-    def __receive(self, channel: str, handler: Handler) -> None:
-        self.__context.bus.subscribe(channel, handler)
+    def __receive(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+        self.__context.bus.subscribe(channel, handler, is_large=is_large)
         self.__received.append((channel, handler))
         self.__context.announcer.announce_soon()
+
+    def __before_call(self) -> None:
+        if self.__context.is_of_parent:
+            raise refusal(is_of_parent=True)
+        self.__context.announcer.announce_changes()
 
     def __check_alive(self, call: str) -> None:
         if self.__context.is_of_parent:

@@ -9,17 +9,18 @@ import contextlib
 import threading
 import time
 
-from lcmtools.bus.base import Bus
+from lcmtools.bounded import BoundedDict
+from lcmtools.bus.base import Bus, refusal
 from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.builder import MOST_NODES, GraphBuilder
 from lcmtools.graph.model import Graph
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Head, Probe, encode_probe, head_of
 from lcmtools.wire.packet import Packet
 
-_MOST_ANNOUNCED = 10_000
-"""Nodes whose announcements are kept until the next request for the graph."""
+_MOST_ANNOUNCED, _MOST_ANNOUNCED_BYTES = MOST_NODES, 8 << 20
+"""Nodes, and bytes of their announcements, that are kept until the next request for the graph."""
 _READ_PERIOD = 0.2
 """[s] between two reads of the socket. On stock systems its buffer holds about 180 announcements;
 200 nodes send 40 in this time."""
@@ -34,24 +35,30 @@ class GraphFollower:
         self._lock = threading.Lock()  # guards the builder
         self._builder: GraphBuilder | None = None
         self._announced_lock = threading.Lock()  # held for a moment only, while receiving
-        self._announced: dict[bytes, tuple[Head, bytes, int]] = {}
+        self._announced = self._none_announced()
         self._socket_lock = threading.Lock()
         self._socket: ChannelSocket | None = None
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
+        self._is_of_parent = False
 
     def graph(self) -> Graph:
         """Return the announced nodes; the first call sends a probe.
 
         A node's counters date from its last change in anything but the counters.
+
+        Raises:
+            BusOfParent: This is a forked process, and the node is its parent's.
         """
+        if self._is_of_parent:  # its lock may never be free
+            raise refusal(is_of_parent=True)
         with self._lock:
             if self._builder is None:
                 self._start()
                 self._builder = GraphBuilder()
             self._read_socket()
             with self._announced_lock:
-                announced, self._announced = self._announced, {}
+                announced, self._announced = self._announced, self._none_announced()
             for head, payload, arrival in announced.values():
                 self._builder.add_head(head, Packet(NODE_CHANNEL, payload, arrival))
             return self._builder.snapshot(time.time_ns())
@@ -64,6 +71,10 @@ class GraphFollower:
         with self._socket_lock:
             if self._socket is not None:
                 self._socket.close()
+
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process."""
+        self._is_of_parent = True
 
     def _start(self) -> None:
         self._socket = self._open_socket()
@@ -101,5 +112,9 @@ class GraphFollower:
         """Keep each node's latest announcement; decoding all would be most of the work."""
         head = head_of(payload)
         with self._announced_lock:
-            if len(self._announced) < _MOST_ANNOUNCED or head.identity in self._announced:
-                self._announced[head.identity] = head, payload, arrival
+            size = len(payload) + len(head.identity)
+            self._announced.put(head.identity, (head, payload, arrival), size)
+
+    @staticmethod
+    def _none_announced() -> BoundedDict[bytes, tuple[Head, bytes, int]]:
+        return BoundedDict(_MOST_ANNOUNCED, _MOST_ANNOUNCED_BYTES)

@@ -13,6 +13,7 @@ from lcmtools import errors
 from lcmtools.clock import Clock, split_stamp
 from lcmtools.color import RED, YELLOW, paint, stream_wants_color
 from lcmtools.errors import explained
+from lcmtools.escapes import ESCAPES_IN_LINES
 from lcmtools.types.rosgraph_msgs import Log
 
 _LABELS = {getattr(Log, name): name for name in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")}
@@ -141,7 +142,8 @@ def _print(entry: Log, text: str, stream: TextIO) -> None:
         BrokenPipeError: The reader of the log has ended.
     """
     stamp = entry.header.stamp
-    line = f"[{_LABELS[entry.level]}] [{stamp.sec}.{stamp.nsec:09d}] [{entry.name}]: {text}"
+    shown = text.translate(ESCAPES_IN_LINES)  # it may be from a message
+    line = f"[{_LABELS[entry.level]}] [{stamp.sec}.{stamp.nsec:09d}] [{entry.name}]: {shown}"
     color = _COLORS.get(entry.level)
     if color and stream_wants_color(stream, os.environ):
         line = paint(line, color)

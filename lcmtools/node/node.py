@@ -11,6 +11,7 @@ from lcmtools import names
 from lcmtools.clock import CLOCK_TOPIC, Clock, ManualClock, SystemClock, join_stamp
 from lcmtools.errors import InvalidName, explained
 from lcmtools.graph import model
+from lcmtools.graph.full_line import NodeLines
 from lcmtools.graph.protocol import SOFTWARE
 from lcmtools.node import checks
 from lcmtools.node.callback_errors import CallbackErrors
@@ -71,8 +72,10 @@ class Node(Parametric, Factory):
             command=" ".join(sys.argv),
             tool=tool,
             software=SOFTWARE,
+            pid_namespace=context.pid_namespace,
         )
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
+        self.__lines = NodeLines()
         self.__errors = CallbackErrors(self.__logger, context.announcer.announce_soon)
         self.__callbacks = Callbacks(self.__logger, self.__errors, context.ok)
         Parametric.__init__(self, self.name, arguments.parameters, context.declared_parameters)
@@ -137,7 +140,8 @@ class Node(Parametric, Factory):
 
     def destroy_node(self) -> None:
         """Say goodbye and stop receiving. A second call does nothing."""
-        self.__errors.report()
+        if not self.__context.is_of_parent:
+            self.__errors.report()
         self.__context.remove(self)
         super().destroy_node()
         if self.__rosout:
@@ -145,11 +149,14 @@ class Node(Parametric, Factory):
 
     def describe(self) -> model.Node:
         """Return the announced description of this node."""
+        bus, endpoints = self.__context.bus, self.endpoints()
         return self.__identity._replace(
-            ports=tuple(self.__context.bus.ports),
-            endpoints=self.endpoints(),
+            ports=tuple(bus.ports),
+            endpoints=endpoints,
             busy=self.__callbacks.busy(),
+            overflows=bus.overflows,
             errors=self.__errors.newest(),
+            full_lines=self.__lines.update(endpoints, bus.unsent(), time.monotonic()),
         )
 
     def graph(self) -> model.Graph:

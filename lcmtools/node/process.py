@@ -12,7 +12,7 @@ from types import FrameType
 
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.records import NodeRecords
-from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.errors import LcmtoolsError, UsageError, explained
 from lcmtools.messages.supply import has_supply
 from lcmtools.node import checks
@@ -73,6 +73,7 @@ def init(
     _process.context.note, _process.note = _process.note, ""
     if not has_supply():
         provide_user_types()
+    _process.context.notices += misread_options(bus_url, source)
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)
@@ -80,6 +81,7 @@ def init(
         hint = misspelt(words, word) or "write from:=to without spaces"
         _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():
+        _give_back_signals()  # after a ``shutdown`` on another thread
         _process.handlers = {
             number: signal.signal(number, _interrupted) for number in ending_signals()
         }
@@ -149,6 +151,9 @@ if hasattr(os, "register_at_fork"):
 
 
 def _give_back_signals() -> None:
+    """Restore the program's handlers; outside the main thread the next signal does it."""
+    if threading.current_thread() is not threading.main_thread():
+        return
     for number, handler in _process.handlers.items():
         if signal.getsignal(number) is _interrupted:
             signal.signal(number, handler)
@@ -158,6 +163,10 @@ def _give_back_signals() -> None:
 def _interrupted(number: int, _frame: FrameType | None) -> None:
     """Handle a signal: make all spin functions return; interrupt any that has not in 0.5 s."""
     context = _process.context
+    if context is None and _process.handlers:  # ``shutdown`` was called on another thread
+        _give_back_signals()
+        signal.raise_signal(number)
+        return
     if context is None or context.is_closed():
         return
     is_double = _process.doubles.is_double()

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import BusError, UsageError, ValueMismatch, explained
+from lcmtools.errors import BusError, BusOfParent, UsageError, ValueMismatch, explained
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import PayloadEncoder
 from lcmtools.messages.registry import Message, fingerprint, type_name
@@ -47,15 +47,21 @@ class PayloadPublisher:
         self._last_time = 0
 
     def publish_payload(self, payload: bytes) -> None:
-        """Send a message that is already encoded."""
+        """Send a message that is already encoded.
+
+        Raises:
+            BusOfParent: This is a forked process, and the publisher is its parent's.
+        """
         try:
             self._bus.publish(self.topic, payload, self._type_name, latched=self.is_latched)
         except BusError as error:
-            if self.on_failure is None:
+            if self.on_failure is None or isinstance(error, BusOfParent):
                 raise
             self.on_failure(error)
             return
-        self.count(payload, time.time_ns())
+        self._messages += 1  # as ``count``, without another call
+        self._bytes += len(payload)
+        self._last_time = time.time_ns()
 
     def count(self, payload: bytes, now: int) -> None:
         """Count a message that was sent at this time, for the announced description."""
@@ -137,6 +143,7 @@ class Publisher(PayloadPublisher, Generic[MessageT]):
         Raises:
             ValueMismatch: The message is of another type, or a field's value does not fit.
             UsageError: The publisher was destroyed.
+            BusOfParent: This is a forked process, and the publisher is its parent's.
         """
         if not isinstance(message, self.message_type):
             raise misfit(self.topic, self._type_name, self.message_type, message)

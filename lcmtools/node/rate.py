@@ -3,6 +3,7 @@
 import threading
 import time
 
+from lcmtools.bus.base import refusal
 from lcmtools.errors import UsageError
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
@@ -27,8 +28,11 @@ class Rate:
 
         Raises:
             UsageError: A callback calls it: no other, not even that of ``/clock``, could run.
+            BusOfParent: This is a forked process, and the node is its parent's.
         """
         context, callbacks = self._context, self._callbacks
+        if context.is_of_parent:
+            raise refusal(is_of_parent=True)
         if callbacks.spinning_thread == threading.get_ident():
             hint = "let create_timer call it periodically, or loop without spin"
             raise UsageError("rate.sleep() in a callback keeps all others waiting", hint)

@@ -186,6 +186,7 @@ class Client(Generic[RequestT, ResponseT]):
             ServiceError: The server reports a failure, or answers with another message.
             ValueMismatch: The request is of another type, or a field's value does not fit.
             UsageError: The node was destroyed.
+            BusOfParent: This is a forked process, and the client is its parent's.
         """
         if self.is_destroyed:
             raise UsageError(f"the client of {self.name} was destroyed with its node")

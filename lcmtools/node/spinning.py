@@ -1,8 +1,8 @@
-"""Running the callbacks of nodes: ``spin`` and ``spin_once``."""
+"""Running the callbacks of nodes: ``spin``, ``spin_in_background`` and ``spin_once``."""
 
 import contextlib
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.base import refusal
 from lcmtools.errors import UsageError, explained
@@ -11,6 +11,64 @@ from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.node import Node
 
+_LONGEST_CALLBACK = 2.0  # [s] that ``stop`` waits for
+
+
+class BackgroundSpin:
+    """A thread that runs the callbacks of nodes. Made by ``spin_in_background``.
+
+    As a context manager, it stops at the end of the block.
+
+    Attributes:
+        nodes: The nodes.
+    """
+
+    def __init__(self, nodes: tuple[Node, ...]) -> None:
+        self.nodes = nodes
+        self._context = nodes[0].context
+        self._is_stopped = False
+        self._has_started = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="background spin", daemon=True)
+        self._context.background_spins.append(self)
+        self._thread.start()
+        self._has_started.wait()
+
+    def __enter__(self) -> "BackgroundSpin":
+        """Use it as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop."""
+        self.stop()
+
+    def is_running(self) -> bool:
+        """Return whether callbacks run: until ``stop``, ``shutdown`` or the end of all nodes."""
+        return self._thread.is_alive()
+
+    def stop(self) -> None:
+        """Stop running callbacks, and wait until the current one returns, for 2 s at most.
+
+        The nodes go on otherwise: they can publish, and spin again. A second call does nothing, and
+        a callback may call it.
+        """
+        self._is_stopped = True
+        self._context.wake()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_LONGEST_CALLBACK)
+
+    def _run(self) -> None:
+        callbacks = [node.callbacks for node in self.nodes]
+        try:
+            with _spinning(callbacks):
+                self._has_started.set()
+                while self._context.ok() and not self._is_over():
+                    self._context.run_once(callbacks, None, self._is_over)
+        finally:
+            self._context.background_spins.remove(self)
+
+    def _is_over(self) -> bool:
+        return self._is_stopped or all(node.is_destroyed for node in self.nodes)
+
 
 @explained
 def spin(*nodes: Node) -> None:
@@ -18,33 +76,68 @@ def spin(*nodes: Node) -> None:
 
     Raises:
         UsageError: There is no node, or one was destroyed or runs in another ``spin``.
+        BusOfParent: This is a forked process, and a node is its parent's.
     """
-    if not nodes:
-        raise UsageError("lcmtools.spin() has no node to run", "write lcmtools.spin(node)")
-    for node in nodes:
-        _check_node("spin", node)
-    context = nodes[0].context
-    for node in nodes if context.ok() else ():
-        if node.is_destroyed:
-            raise UsageError(f"lcmtools.spin: the node {node.name} was destroyed before")
-        if node.callbacks.spinning_thread is not None:
-            hint = "call it once, and not in a callback"
-            raise UsageError(f"lcmtools.spin({node.name}) runs already", hint)
+    context = _check_nodes("spin", nodes)
+    if context.ok():
+        _check_are_idle("spin", nodes)
     nodes[0].warn_of_unknown_parameters()
-    _run(context, [node.callbacks for node in nodes])
+    callbacks = [node.callbacks for node in nodes]
+    with _spinning(callbacks), contextlib.suppress(KeyboardInterrupt):
+        while context.ok():
+            context.run_once(callbacks, None)
     context.is_ending = not context.ok()
 
 
-def _run(context: Context, callbacks: Sequence[Callbacks]) -> None:
+@explained
+def spin_in_background(*nodes: Node) -> BackgroundSpin:
+    """Run the nodes' callbacks on a thread of their own, and return at once.
+
+    It ends with ``stop`` of the returned object, or with ``shutdown``. Ctrl-C in the calling thread
+    does not end it, unless ``init`` handles signals. If these nodes run in the background already,
+    that is returned, so that the cell of a notebook can be executed again.
+
+    Raises:
+        UsageError: There is no node, or one was destroyed or runs in another ``spin``.
+        BusOfParent: This is a forked process, and a node is its parent's.
+    """
+    context = _check_nodes("spin_in_background", nodes)
+    for running in tuple(context.background_spins):
+        if isinstance(running, BackgroundSpin) and running.nodes == nodes and running.is_running():
+            return running
+    _check_are_idle("spin_in_background", nodes)
+    nodes[0].warn_of_unknown_parameters()
+    return BackgroundSpin(nodes)
+
+
+@contextlib.contextmanager
+def _spinning(callbacks: Sequence[Callbacks]) -> Iterator[None]:
+    """Mark callbacks as run by this thread."""
     for one in callbacks:
         one.spinning_thread = threading.get_ident()
     try:
-        with contextlib.suppress(KeyboardInterrupt):
-            while context.ok():
-                context.run_once(callbacks, None)
+        yield
     finally:
         for one in callbacks:
             one.spinning_thread = None
+
+
+def _check_nodes(call: str, nodes: Sequence[Node]) -> Context:
+    """Return the context of nodes; refuse what is none."""
+    if not nodes:
+        raise UsageError(f"lcmtools.{call}() has no node to run", f"write lcmtools.{call}(node)")
+    for node in nodes:
+        _check_node(call, node)
+    return nodes[0].context
+
+
+def _check_are_idle(call: str, nodes: Sequence[Node]) -> None:
+    for node in nodes:
+        if node.is_destroyed:
+            raise UsageError(f"lcmtools.{call}: the node {node.name} was destroyed before")
+        if node.callbacks.spinning_thread is not None:
+            hint = "call it once, and not in a callback"
+            raise UsageError(f"lcmtools.{call}({node.name}) runs already", hint)
 
 
 def _check_node(call: str, node: object) -> None:
@@ -67,7 +160,8 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
     Returns as soon as callbacks have run, or when the time is over or the program should end.
     """
     _check_node("spin_once", node)
-    if timeout == 0 and node.context.ok():  # a simulator does this in each of its steps
+    context = node.context
+    if timeout == 0 and context.ok():  # a simulator does this in each of its steps
         node.callbacks.run_ready()
     else:
-        node.context.run_once((node.callbacks,), timeout)
+        context.run_once((node.callbacks,), timeout)

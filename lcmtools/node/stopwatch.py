@@ -25,7 +25,8 @@ class Stopwatch:
     def __exit__(self, *_: object) -> None:
         """End a call, even if it failed."""
         took = time.monotonic_ns() - self._began.pop()
-        self._longest = max(self._longest, took)
+        if took > self._longest:  # noqa: PLR1730 - half the time of ``max``
+            self._longest = took
         if not self._began:
             self._busy += took
 

@@ -3,6 +3,7 @@
 import threading
 from collections import deque
 from collections.abc import Callable
+from typing import NamedTuple
 
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import PayloadDecoder
@@ -10,6 +11,20 @@ from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.stopwatch import Stopwatch
 
 _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
+
+
+class Losses(NamedTuple):
+    """The messages that a subscription has lost, as far as that can be known.
+
+    Short messages that are lost on the network leave no trace here, because the kernel hides those
+    of other channels, and with them the gaps in a sender's numbers: ``lcmtools hz`` shows them.
+    """
+
+    displaced: int  # messages that newer ones have displaced from its queue
+    incomplete: int  # large messages of which parts did not arrive
+    # Datagrams that full receive buffers of this process have lost, at most, on any of its topics:
+    # the kernel counts them together with those that its filters drop meanwhile.
+    overflows: int
 
 
 class Subscription:
@@ -52,6 +67,12 @@ class Subscription:
         self._bytes = 0
         self._last_time = 0
         self._next_warning = 0.0
+        self.lost_by_bus: Callable[[], tuple[int, int]] = lambda: (0, 0)
+        """Returns the two other numbers of ``losses``."""
+
+    def losses(self) -> Losses:
+        """Return the messages lost so far."""
+        return Losses(self.drops, *self.lost_by_bus())
 
     def receive(self, payload: bytes, time: int) -> None:
         """Queue one message; called on the receiving thread."""
@@ -97,6 +118,7 @@ class Subscription:
             messages=self._messages,
             bytes=self._bytes,
             drops=self.drops,
+            incomplete=self.lost_by_bus()[0],
             last_time=self._last_time,
             calls=self.stopwatch.calls,
             busy=self.stopwatch.busy(),

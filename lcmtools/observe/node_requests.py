@@ -6,16 +6,25 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
-from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    decode_announcement,
+    decode_probe,
+)
 from lcmtools.observe.reading.find import find_nodes
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import Program, is_gone, is_here, programs
 from lcmtools.observe.reports.describe import behind_text, host_text
+from lcmtools.wire.packet import Packet
 
 _PING_PERIOD = 1.0  # [s]
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
+_MOST_REQUESTS = 1000  # whose answers are recognized
 
 
 def _nonce() -> int:
@@ -24,24 +33,33 @@ def _nonce() -> int:
 
 
 def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
-    """Return the round trip time of one request to a node [s].
+    """Return the round trip time of a request to a node [s]; it is repeated if no answer comes.
+
+    A node may answer several requests at once, and repeats the number of the latest: an answer to
+    somebody's later request counts.
 
     Raises:
         NothingReceived: The node did not answer in time, or has ended.
     """
     if node.stale is Staleness.ENDED:
         raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
-    nonce = _nonce()
     monitor.receive(0.0)  # a backlog must not count in the measured time
-    start = time.monotonic()
-    monitor.probe(node.name, nonce)
-    while (left := start + timeout - time.monotonic()) > 0:
-        for announcement in _announcements(monitor, left):
-            if announcement.answers == nonce and announcement.node.id == node.id:
-                return time.monotonic() - start
+    begun = BoundedDict[int, float](_MOST_REQUESTS)  # requests, by their nonces
+    deadline, next_request = time.monotonic() + timeout, 0.0
+    while (now := time.monotonic()) < deadline:
+        if now >= next_request:
+            requested, next_request, nonce = now, now + _ASK_AGAIN, _nonce()
+            begun[nonce] = requested
+            monitor.probe(node.name, nonce)
+        for packet in monitor.receive(min(deadline, next_request) - now):
+            if (other := _nonce_for(node, packet)) and other not in begun:
+                begun[other] = requested
+            answer = _announcement(packet)
+            if answer and answer.answers in begun and answer.node.id == node.id:
+                return time.monotonic() - begun[answer.answers]
     raise NothingReceived(
         f"{node.name} did not answer within {timeout:g} s",
-        f"its process is {node.pid} on {node.host}; lcmtools wtf shows more",
+        f"its process is {node.pid} on {host_text(node)}; lcmtools wtf shows more",
     )
 
 
@@ -88,7 +106,7 @@ class NodeEnd:
         what = f"{self.node.name} does not answer"
         if self.has_answered:
             what = f"{self.node.name} was asked to shut down and still runs after {timeout:g} s"
-        where = "" if is_here(self.node) else f"on {self.node.host}, "
+        where = "" if is_here(self.node) else f"on {host_text(self.node)}, "
         return f"{what}; {where}to end it by force, type: kill -9 {self.node.pid}"
 
 
@@ -103,7 +121,8 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
             for end in left:
                 end.check_process()
                 monitor.ask_to_end(end.node, end.nonce)
-        for announcement in _announcements(monitor, min(request_time, deadline) - now):
+        packets = monitor.receive(min(request_time, deadline) - now)
+        for announcement in filter(None, map(_announcement, packets)):
             for end in ends:
                 end.update(announcement)
     for end in ends:
@@ -173,15 +192,20 @@ def program_names(program: Program) -> set[str]:
     return names
 
 
-def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement]:
-    for packet in monitor.receive(seconds):
-        if packet.channel == NODE_CHANNEL and (announcement := decode_announcement(packet.payload)):
-            yield announcement
+def _announcement(packet: Packet) -> Announcement | None:
+    return decode_announcement(packet.payload) if packet.channel == NODE_CHANNEL else None
 
 
-def _process_key(node: Node) -> tuple[str, str, int]:
+def _nonce_for(node: Node, packet: Packet) -> int:
+    """Return the number of a request to a node; 0 for anything else."""
+    probe = decode_probe(packet.payload) if packet.channel == PROBE_CHANNEL else None
+    return probe.nonce if probe and probe.target == node.name else 0
+
+
+def _process_key(node: Node) -> tuple[str, str, int, int]:
     """A key for a node's process: computers may share names, and often have the same pids."""
-    return node.host, node.sender.address if node.sender else node.bus, node.pid
+    place = node.sender.address if node.sender else node.bus
+    return node.host, place, node.pid, node.pid_namespace
 
 
 def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
@@ -198,7 +222,7 @@ def _distinction(nodes: Sequence[Node]) -> str:
         return f"write a pid: {', '.join(pids)}"
     has_names = len({node.host for node in nodes}) > 1
     keys = map(_process_key, nodes)
-    places = [f"{host if has_names else address}:{pid}" for host, address, pid in keys]
+    places = [f"{host if has_names else address}:{pid}" for host, address, pid, _ in keys]
     return f"write HOST:PID: {', '.join(places)}"
 
 

@@ -5,9 +5,10 @@ a simulator that follows the time of another one publishes none.
 """
 
 from lcmtools.clock import CLOCK_TOPIC
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
 
 _SERVICES = "sim_msgs/"  # types of services that only simulators offer
+_PAUSED = 1_000_000_000  # [ns] without a message of a clock, which sends ten a second at least
 
 
 def is_simulator(node: Node) -> bool:
@@ -27,7 +28,38 @@ def simulators(graph: Graph) -> list[Node]:
 
 def publishes_time(node: Node) -> bool:
     """Return whether a node publishes the simulated time."""
-    return any(e.topic == CLOCK_TOPIC and e.role is Role.PUBLISHER for e in node.endpoints)
+    return any(e.topic == CLOCK_TOPIC for e in _published(node))
+
+
+def _published(node: Node) -> list[Endpoint]:
+    return [end for end in node.endpoints if end.role is Role.PUBLISHER]
+
+
+def silence(node: Node, endpoint: Endpoint, now: int) -> int:
+    """Return the time from an endpoint's last message to its node's last announcement [ns].
+
+    Before the first message, it is the time since the node's start. ``now`` is the time here
+    [ns since 1970].
+    """
+    return (node.sent or node.time_there(now)) - (endpoint.last_time or node.start_time)
+
+
+def is_paused(node: Node, now: int) -> bool:
+    """Return whether a node publishes the simulated time, and none for a second, by its counter."""
+    return any(e.topic == CLOCK_TOPIC and silence(node, e, now) > _PAUSED for e in _published(node))
+
+
+def pause_text(graph: Graph) -> str:
+    """Return "the simulator /sim is paused: ..." as the reason why messages are missing.
+
+    "" if the simulated time passes, or there is none.
+    """
+    for node in graph.nodes:
+        if not node.stale and is_paused(node, graph.time):
+            if is_simulator(node):
+                return f"the simulator {node.name} is paused: lcmtools sim resume"
+            return f"the simulated time, published by {node.name}, stands still"
+    return ""
 
 
 def has_simulated_time(graph: Graph) -> bool:

@@ -9,12 +9,14 @@ from dataclasses import dataclass, field
 from math import prod
 
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.expansion import Expansion, TooManyFields
 from lcmtools.packages.generated import unknown_type
 from lcmtools.packages.unit import Generated, Output
 from lcmtools.packages.versions import version_place
 from lcmtools.wire.datagram import MESSAGE_MAX
 
 _MOST_HINTS = 50  # problems with a hint at a similar type, which takes milliseconds to find
+_MOST_ELEMENTS = 10_000_000  # of a new message, which Python creates in half a second
 _MASK = (1 << 64) - 1
 
 
@@ -49,6 +51,7 @@ class Build:
 
     def check(self) -> None:
         """Remove the types that cannot be used."""
+        self._drop_exploding()
         self._drop_too_large()
         self._drop_endless()
         self._drop_incomplete()
@@ -88,12 +91,25 @@ class Build:
             self._numbers[name] = total
         return total, is_fixed
 
+    def _drop_exploding(self) -> None:
+        """Remove types with too many fields, before anything follows all of these."""
+        parts = {name: [part for part, _ in one.fields()] for name, one in self.types.items()}
+        expansion = Expansion(parts)
+        for one in list(self.types.values()):
+            try:
+                expansion.fields(one.name)
+            except TooManyFields as error:  # noqa: PERF203 - each type fails on its own
+                self._refuse(one, f"{one.name} {error}", "")
+
     def _drop_too_large(self) -> None:
-        """Remove types with more elements than LCM carries bytes: Python would create them all."""
+        """Remove types with too many elements: Python would create them all."""
         counts: dict[str, int] = {}
         for one in list(self.types.values()):
-            if self._elements(one.name, counts) > MESSAGE_MAX:
-                what = f"{one.name} is larger than LCM's {MESSAGE_MAX} bytes"
+            count = self._elements(one.name, counts)
+            if count > _MOST_ELEMENTS:
+                what = f"{one.name} has {count} elements, more than {_MOST_ELEMENTS}"
+                if count > MESSAGE_MAX:
+                    what = f"{one.name} is larger than LCM's {MESSAGE_MAX} bytes"
                 self._refuse(one, what, "give the array's size in a field:  double values[size];")
 
     def _drop_endless(self) -> None:

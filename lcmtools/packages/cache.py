@@ -25,7 +25,7 @@ from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.unit import Generated, Output, load
 from lcmtools.packages.versions import with_versions
 
-_FORM = "5"  # version of the files; a change invalidates the cache
+_FORM = "6"  # version of the files; a change invalidates the cache
 _PREFIX = "lcmtools_types_"
 VERSION_PREFIX = f"{_PREFIX}v_"
 """The beginning of a package with other versions of types."""

@@ -25,7 +25,8 @@ def comments(source: str) -> dict[str, Comment]:
     for line in source.splitlines():
         code, comment = _split(line)
         if not code:
-            above = [*above, comment] if comment else []
+            above = above if comment else []
+            above += [comment] if comment else []
             continue
         if _STRUCT.match(code):
             found[""] = _comment(" ".join(above))

@@ -16,6 +16,7 @@ from string import Template
 
 from lcmtools.errors import InvalidName, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.names import did_you_mean
+from lcmtools.packages.cpp_nodes import PROJECT
 
 TEMPLATES = Path(__file__).parent / "template"
 
@@ -32,10 +33,19 @@ _FILES = {
     "launch.yaml": "launch/{node}.yaml",
     "test_node.py": "tests/test_{node}.py",
 }
+_CPP_FILES = {
+    "pyproject_cpp.toml": "pyproject.toml",
+    "README_cpp.md": "README.md",
+    "gitignore": ".gitignore",
+    "CMakeLists.txt": "CMakeLists.txt",
+    "node.cpp": "src/{node}.cpp",
+    "launch.yaml": "launch/{node}.yaml",
+}
 _MESSAGE_FILES = {
     "msg.py": "{package}/msg/__init__.py",
     "message.lcm": "{package}/msg/{message}.lcm",
 }
+_CPP_MESSAGE_FILES = {"message.lcm": "msg/{message}.lcm"}
 _USUAL_TOPICS = {
     "geometry_msgs": ("Twist", "cmd_vel"),
     "nav_msgs": ("Odometry", "odometry"),
@@ -54,6 +64,7 @@ class NewPackage:
     message: str = ""  # its message's name; "" for none
     dependencies: Sequence[str] = ()  # packages of message types that it uses
     license: str = ""  # an SPDX name ("MIT"); "" for none
+    is_cpp: bool = False  # the node is in C++
 
 
 def check(new: NewPackage, known: Collection[str]) -> None:
@@ -101,6 +112,7 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
                 f"{folder / present[0]} already exists", "--force overwrites existing files"
             )
         _write(texts, folder)
+        (folder / "src").mkdir(exist_ok=True)  # for sources in C++, which may be added later
     return sorted(texts)
 
 
@@ -111,10 +123,20 @@ def check_node_name(name: str) -> None:
         raise InvalidName(f"a node cannot be called '{name}'", "use another name")
 
 
-def node_text(package: str, node: str, dependencies: Sequence[str]) -> str:
+def node_text(new: NewPackage) -> str:
     """Return the text of a node's file."""
-    words = _words(NewPackage(package, node, dependencies=dependencies))
-    return Template(_template("node.py")).substitute(words)
+    return _filled("node.cpp" if new.is_cpp else "node.py", _words(new))
+
+
+def cmake_text(package: str) -> str:
+    """Return the text of a CMakeLists.txt without a node."""
+    return _filled("CMakeLists.txt", {"package": package})
+
+
+def cmake_entry(node: str, source: str, types: Sequence[str]) -> str:
+    """Return the lines of a CMakeLists.txt that declare a node with the types that it includes."""
+    words = {"node": node, "source": source, "generated": " ".join(types)}
+    return _filled("cmake_node", words)
 
 
 def _check_module(name: str, kind: str) -> None:
@@ -148,16 +170,22 @@ def _write(texts: Mapping[Path, str], folder: Path) -> None:
 
 
 def _texts(new: NewPackage) -> dict[Path, str]:
-    files = _FILES | (_MESSAGE_FILES if new.message else {})
+    usual, with_message = (
+        (_CPP_FILES, _CPP_MESSAGE_FILES) if new.is_cpp else (_FILES, _MESSAGE_FILES)
+    )
+    files = usual | (with_message if new.message else {})
     words = _words(new)
-    return {
-        Path(target.format_map(words)): Template(_template(source)).substitute(words)
-        for source, target in files.items()
+    texts = {
+        Path(target.format_map(words)): _filled(source, words) for source, target in files.items()
     }
+    if new.is_cpp:
+        entry = cmake_entry(new.node, f"src/{new.node}.cpp", words["generated"].split())
+        texts[Path(PROJECT)] += entry
+    return texts
 
 
-def _template(name: str) -> str:
-    return (TEMPLATES / f"{name}.txt").read_text("utf-8")
+def _filled(template: str, words: Mapping[str, str]) -> str:
+    return Template((TEMPLATES / f"{template}.txt").read_text("utf-8")).substitute(words)
 
 
 def _words(new: NewPackage) -> dict[str, str]:
@@ -178,6 +206,10 @@ def _words(new: NewPackage) -> dict[str, str]:
         "topic": topic,
         "sent": sent,
         "sent_type": f"{new.name}/{new.message}" if new.message else "std_msgs/Int32",
+        "sent_class": f"{new.name}::{new.message}" if new.message else "std_msgs::Int32",
+        "generated": " ".join(
+            dict.fromkeys([heard, f"{new.name}/{new.message}" if new.message else "std_msgs"])
+        ),
         "sent_field": "count" if new.message else "data",
         "own_import": f"\n{own_import}" if new.message else "",
         "other_import": "" if new.message else "from lcmtools.types.std_msgs import Int32\n",

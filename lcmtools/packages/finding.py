@@ -1,7 +1,8 @@
 """Finding the node that a user means by one or two words.
 
 Belongs here: precedence, and the reasons why there is no such node. A node of the workspace takes
-precedence over lcmtools' own; an undeclared file with its name is never ignored silently.
+precedence over lcmtools' own, which does over those of installed packages and noted workspaces. An
+undeclared file with its name is never ignored silently.
 """
 
 import re
@@ -9,8 +10,10 @@ from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.folders import read_bytes
 from lcmtools.messages.type_source import shown
 from lcmtools.names import did_you_mean
+from lcmtools.packages.cpp_nodes import has_cpp_main
 from lcmtools.packages.runnable_nodes import (
     ANSWERS,
     OWN,
@@ -49,10 +52,12 @@ def find_node(
 
 
 def has_main(file: Path) -> bool:
-    """Return True if a Python file has a function main."""
+    """Return True if a source in Python or C++ has a function main."""
+    if file.suffix != ".py":
+        return has_cpp_main(file)
     try:
-        return bool(_MAIN.search(file.read_text("utf-8", "replace")))
-    except OSError:
+        return bool(_MAIN.search(read_bytes(file).decode("utf-8", "replace")))
+    except LcmtoolsError:
         return False
 
 
@@ -66,14 +71,17 @@ def _named(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, l
     first, rest = words[0], list(words[1:])
     of_package = {node.name: node for node in known if node.package == first}
     named = [node for node in known if node.name == first]
-    if of_package and rest and rest[0] in of_package:
-        return of_package[rest[0]], rest[1:]
+    for word in (rest[0], rest[0].removesuffix(".py")) if rest else ():
+        if word in of_package:
+            return of_package[word], rest[1:]
     if of_package and not named:
         wrong = rest[0] if rest else ""
-        hint = did_you_mean(wrong, of_package) or f"it has {', '.join(of_package)}"
+        is_own = any(node.folder for node in of_package.values())
+        adding = "; lcmtools pkg add-node NAME adds one" if is_own else ""
+        hint = did_you_mean(wrong, of_package) or f"it has {', '.join(of_package)}{adding}"
         raise UsageError(f"the package {first} has no node '{wrong}'", hint)
     own = [node for node in named if node.package == OWN]
-    chosen = [node for node in named if node.folder] or own or named
+    chosen = [node for node in named if node.is_near] or own or named
     if len(chosen) > 1:
         hint = " or ".join(f"{node.package} {node.name}" for node in chosen)
         raise UsageError(f"several packages have a node '{first}'", f"write {hint}")
@@ -92,25 +100,36 @@ def undeclared(
     """Return the error for a file that exists but is not declared as a node, else None."""
     space = workspace(*starts)
     packages = {package.folder: package for package in space.packages}
-    for folder in package_folders(*starts):
+    named = [folder for folder, package in packages.items() if package.name == words[0]]
+    for folder in dict.fromkeys((*package_folders(*starts), *named)):
         package = packages.get(folder)
         is_named = package is not None and package.name == words[0]
         word = words[1] if is_named and len(words) > 1 else words[0]
         name = word.removesuffix(".py")
-        for file in (*folder.glob(f"*/{name}.py"), *folder.glob(f"src/*/{name}.py")):
+        if not name.isidentifier():
+            continue
+        python = (*folder.glob(f"*/{name}.py"), *folder.glob(f"src/*/{name}.py"))
+        for file in (*python, *folder.glob(f"src/{name}.cpp")):
             is_complete = has_main(file)
-            if not name.isidentifier() or (with_main and not is_complete):
+            if with_main and not is_complete:
                 continue
             if package is None:
                 problem = next((p for p in space.problems if str(folder) in str(p)), "")
                 return UsageError(f"{shown(file)} is not a node yet", str(problem))
             node = Runnable(package.name, name, "", folder)
-            if file.parent.name == package.name and not _is_known(node, known):
-                main = "" if is_complete else "give it a function main(args=None), and "
-                hint = f"{main}write  {entry(node)}  in {TABLE} of {shown(folder)}/pyproject.toml"
-                hint += f", or type: lcmtools pkg add-node {name}" if is_complete else ""
+            is_module = file.suffix == ".py" and file.parent.name != package.name
+            if not is_module and not _is_known(node, known):
+                hint = _declaring(node, folder, file, is_complete=is_complete)
                 return UsageError(f"{shown(file)} is not a node yet", hint)
     return None
+
+
+def _declaring(node: Runnable, folder: Path, file: Path, *, is_complete: bool) -> str:
+    if file.suffix != ".py":
+        return f"type: lcmtools pkg add-node {file.name}" if is_complete else "it has no main"
+    main = "" if is_complete else "give it a function main(args=None), and "
+    hint = f"{main}write  {entry(node)}  in {TABLE} of {shown(folder)}/pyproject.toml"
+    return hint + (f", or type: lcmtools pkg add-node {node.name}" if is_complete else "")
 
 
 def _is_known(node: Runnable, known: Sequence[Runnable]) -> bool:
@@ -123,15 +142,16 @@ def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> Usag
     hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"
     if rest and rest[0] in names:
         homes = [node.package for node in known if node.name == rest[0]]
-        near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
+        typed = rest[0] if OWN in homes else f"{homes[0]} {rest[0]}"
+        verb = "have" if homes[1:] else "has"
+        other = f"{' and '.join(homes)} {verb} such a node: lcmtools run {typed}"
+        near = did_you_mean(first, packages) or other
         return UsageError(f"there is no package '{first}'", near)
-    if script := next((one for one in (first, f"{first}.py") if _is_script(one)), ""):
-        hint = f"a file is run by Python: python {script}"
-    return UsageError(f"there is no node '{first}'", hint)
-
-
-def _is_script(file: str) -> bool:
-    return file.endswith(".py") and Path(file).is_file()
+    if Path(f"{first}.py").is_file():
+        hint = f"a file is run with its suffix: lcmtools run {first}.py"
+    may_be_package = bool(rest) and rest[0].removesuffix(".py").isidentifier()
+    kind = "file" if "/" in first else "package or node" if may_be_package else "node"
+    return UsageError(f"there is no {kind} '{first}'", hint)
 
 
 def package_places(here: Path) -> dict[str, tuple[Path, bool]]:
@@ -144,14 +164,15 @@ def package_places(here: Path) -> dict[str, tuple[Path, bool]]:
 
 
 def find_packages(name: str | None, here: Path) -> list[Package]:
-    """Return the packages of the workspace around ``here``, or the one with this name.
+    """Return the one package with this name; for None those around ``here``, else all.
 
     Raises:
         UsageError: There is none with this name.
         LcmtoolsError: There is none at all.
     """
     known = workspace(here).packages
-    found = [one for one in known if name in (None, one.name)]
+    near = [one for one in known if not one.is_noted] or known
+    found = [one for one in known if one.name == name] if name else near
     if not found and name:
         raise unknown_package(name, [one.name for one in known], here)
     if not found:

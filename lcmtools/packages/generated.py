@@ -18,10 +18,12 @@ from lcmtools.messages.python_names import base_hash, python_name
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
+from lcmtools.packages.python_code import as_values
 from lcmtools.packages.ros_files import LcmSource, to_lcm
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.unit import TREE, Generated, Output, Tables
 
+_BASE = "lcmtools.packages.own_message.OwnMessage"
 _TABLES = ("__slots__", "__typenames__", "__dimensions__")
 _LCM_NAMES = {
     "bool": "boolean",
@@ -37,14 +39,18 @@ _LCM_NAMES = {
 }
 """Type names of C, Python and ROS, and LCM's names for them."""
 
-_COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
+_NEARLY_THE_SAME = 0.8  # similarity of two letters exchanged; point_t and int8_t have less
+_MOST_PROBLEMS = 20  # of a file that are told
+# Each pattern passes over a text once, whatever is in it: one that looks for an end which may be
+# missing, or begins within a word, would do so again from every place.
+_COMMENT = re.compile(rb"//[^\n]*|/\*.*?(?:\*/|(?P<unclosed>\Z))", re.DOTALL)
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _HASH = re.compile(r"tmphash = \(0x[0-9a-f]+")
 _PACKAGE = re.compile(r"\bpackage\s+([\w.]+)")
-_PACKAGES = re.compile(r"\{[^}]*\}|\bpackage\s+")  # outside of structs
-_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{(.*?)\}", re.DOTALL)
+_PACKAGES = re.compile(r"\{[^}]*\}?|\bpackage\s+")  # outside of structs
+_STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{([^{}]*)\}")
 _CONSTANTS = re.compile(r"\bconst\s+(\w+)\s([^;]*)")
-_CONSTANT = re.compile(r"(\w+)\s*=")
+_CONSTANT = re.compile(r"\b(\w+)\s*=")
 _DECLARATION = re.compile(r"\bpackage\s+([\w.]+)|\b(?:struct|enum)\s+(\w+)\s*\{")
 _IMPORT = re.compile(rf"^import {TREE}.*\n", re.MULTILINE)
 _NUMBER = re.compile(r"(?:tmphash = \(|return )(0x[0-9a-f]+)")  # in ``_get_hash_recursive``
@@ -106,7 +112,7 @@ def _as_lcm(source: LcmFile) -> LcmSource:
             return read
     else:
         text = _without_comments(source.content).decode("utf-8", "replace")
-        read = LcmSource(text, [], {}, _constant_types(text))
+        read = LcmSource(text, _unclosed_comment(source), {}, _constant_types(text))
     if strange := _STRANGE.search(read.text):
         line = read.text[: strange.start()].count("\n") + 1
         hint = "a .lcm file has words, numbers and ;{}[].=-"
@@ -126,6 +132,14 @@ def _constant_types(text: str) -> dict[str, dict[str, str]]:
         }
         for struct in _STRUCT.finditer(text)
     }
+
+
+def _unclosed_comment(source: LcmFile) -> list[Problem]:
+    for comment in _COMMENT.finditer(source.content):
+        if comment["unclosed"] is not None:
+            line = source.content.count(b"\n", 0, comment.start()) + 1
+            return [Problem(str(source.path), line, "this comment is not closed", "write */")]
+    return []
 
 
 def _without_comments(content: bytes) -> bytes:
@@ -150,7 +164,7 @@ def _refused(files: Sequence[Path], folder: Path) -> dict[Path, Problem]:
 def _output(copy: _Copy, root: Path, refused: Problem | None) -> Output:
     """Read the modules that lcm-gen has written below a folder for one file."""
     source, read, own = copy.source, copy.read, copy.own
-    if faults := [*read.problems, *([refused] if refused else [])]:
+    if faults := [*read.problems[:_MOST_PROBLEMS], *([refused] if refused else [])]:
         named = [f"{source.package}/{source.path.stem}"] if source.package else []
         lost = [*named, *_declared(read.text)]
         return Output([], [_fault(one, copy, lost) for one in faults])
@@ -162,6 +176,7 @@ def _output(copy: _Copy, root: Path, refused: Problem | None) -> Output:
         name = f"{package}/{own.get(short, short)}".lstrip("/")
         python = module.read_text("utf-8").replace(f"{TREE}.{root.name}.", f"{TREE}.")
         python = _IMPORT.sub("", python)  # ``loading`` provides what it imports
+        python = as_values(python, _BASE)
         for member, value in _members(copy, name).items():
             python += f"{short}.{member} = {value!r}\n"
         one = _read_module(python, name, copy)
@@ -199,11 +214,18 @@ def _declared(text: str) -> list[str]:
     return found
 
 
+def declared_packages(source: LcmFile) -> list[str]:
+    """Return the packages in a file that may be wrong."""
+    if source.package:
+        return [source.package]
+    return _PACKAGE.findall(_without_comments(source.content).decode("utf-8", "replace"))
+
+
 def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
     """Return the problem for a type with a field of an unknown type."""
     short = missing.rpartition("/")[2]
     line = line_of(one.file, missing.replace("/", "."), short)
-    near = _LCM_NAMES.get(short) or _like(missing, one, known)
+    near = _LCM_NAMES.get(short) or _like_primitive(short) or _like(missing, one, known)
     same = missing.rpartition("/")[0] == one.name.rpartition("/")[0]
     written = short if same else missing.replace("/", ".")
     if one.file.package:
@@ -226,6 +248,15 @@ def _like(missing: str, one: Generated, known: set[str]) -> str:
     else:
         found = shorts.get(short) or next(iter(closest(missing, known)), "")
     return found.replace("/", ".")
+
+
+def _like_primitive(name: str) -> str:
+    """Return the primitive type of LCM that is misspelled; "" if none is."""
+    from difflib import get_close_matches
+
+    names = [*PRIMITIVES, *_LCM_NAMES] if name.islower() else []
+    near = get_close_matches(name, names, 1, _NEARLY_THE_SAME)
+    return _LCM_NAMES.get(near[0], near[0]) if near else ""
 
 
 def _renamed(text: str, *more: Iterable[str]) -> dict[str, str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
 _OPTIONS = {
@@ -33,9 +34,11 @@ _HINTS = {
     "expected token ;": "a ';' is missing before this",
     "expected token }": "a '}' is missing, or lacks a space before it",
     "missing struct token.": "a file is  package name;  and then  struct Name { ... }",
-    "array sizes must": "declare the size before it:  int32_t size;  double values[size];",
-    "unknown variable array": "declare  int32_t size;  above the array",
 }
+_ARRAY = re.compile(r"([A-Za-z_][\w.]*)\s+([A-Za-z_]\w*)\s*\[\s*\]", re.ASCII)
+_LENGTH = re.compile(
+    r"(?:Unknown variable array index|Array dimension) '(\w+)'(?:\. Index| must be an integer)"
+)
 
 
 def find_lcm_gen() -> str:
@@ -119,6 +122,8 @@ def _copy(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     if source.name == "__init__.py" and target.exists():
         write_whole(target, _joined(source, target))
+    elif source.suffix == ".py":
+        write_whole(target, as_portable_values(source.read_text("utf-8")))
     elif source.suffix == ".hpp":
         write_whole(target, _FUNCTION.sub(_CAST, source.read_text("utf-8")))
     else:
@@ -129,12 +134,23 @@ def _problem(files: Sequence[Path], output: str) -> Problem:
     """Parse lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
     known = set(map(str, files))
     lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for before, line in pairwise(lines):
+    for number, (before, line) in enumerate(pairwise(lines), 2):
         if (place := re.fullmatch(r"(.+) : (\d+)", line)) and place[1] in known:
-            hints = (hint for start, hint in _HINTS.items() if before.lower().startswith(start))
-            return Problem(place[1], int(place[2]), before.rstrip("."), next(hints, ""))
+            hint = _hint(before, "".join(lines[number : number + 1]))
+            return Problem(place[1], int(place[2]), before.rstrip("."), hint)
     what = lines[0] if lines else "lcm-gen rejects it without a reason"
     return Problem(str(files[0]) if len(files) == 1 else "", 0, what)
+
+
+def _hint(fault: str, line: str) -> str:
+    """Return the remedy for an error of lcm-gen in a line of a file."""
+    if unknown := _LENGTH.match(fault):
+        return f"declare  int32_t {unknown[1]};  above the array"
+    if array := _ARRAY.search(line):
+        kind, name = array.groups()
+        length = f"{name}_length"
+        return f"declare its length:  int32_t {length};  {kind} {name}[{length}];"
+    return next((hint for start, hint in _HINTS.items() if fault.lower().startswith(start)), "")
 
 
 def _joined(new: Path, old: Path) -> str:

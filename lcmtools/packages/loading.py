@@ -95,6 +95,8 @@ class TypeLoader:
         cls.__typenames__ = [
             kind.replace(f"{TREE}.", f"{self._source.prefix}.", 1) for kind in cls.__typenames__
         ]
+        # lcm-gen's own way counts a type as often as it occurs
+        cls._packed_fingerprint = self._source.fingerprints[name].to_bytes(8, "big")  # type: ignore[attr-defined] # lcm-gen's
         try:
             cls()
         except Exception as error:  # a class from a strange file may raise anything

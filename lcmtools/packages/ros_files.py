@@ -148,8 +148,9 @@ def _names(path: Path, package: str) -> Iterator[Problem]:
 def _lcm_type(kind: str) -> str:
     if kind in MEANT:
         raise InvalidFile(f"unknown type '{kind}'", f"did you mean {MEANT[kind]}?")
-    if kind not in PRIMITIVES and kind.islower() and (near := closest(kind, PRIMITIVES)):
-        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {near[0]}?")
+    known = {**MEANT, **{name: name for name in PRIMITIVES}}
+    if kind not in PRIMITIVES and kind.islower() and (near := closest(kind, known)):
+        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {known[near[0]]}?")
     return PRIMITIVES.get(kind, re.sub(r"/(?:(?:msg|srv)/)?", ".", kind))
 
 

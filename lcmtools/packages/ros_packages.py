@@ -1,25 +1,24 @@
-"""ROS packages near a folder: those with a package.xml, by name, and the programs in them.
+"""ROS packages near a folder: those with a package.xml, by name.
 
 They are searched in the folder and those above it, two levels deep, and in their ``src``: in a
-catkin or colcon workspace, and in a repository. Other users' packages are never used.
+catkin or colcon workspace, and in a repository; then in noted workspaces and in ROS_PACKAGE_PATH.
+Other users' packages are never used.
 """
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 
-from lcmtools.errors import UsageError
-from lcmtools.names import did_you_mean
+from lcmtools.packages.noted import noted_workspaces
 from lcmtools.packages.workspace import is_meant, subfolders, text_of_own
 
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>", re.ASCII)
+_ENDS = frozenset(("package.xml", "CATKIN_IGNORE", "rospack_nosubdirs"))
 _MOST_LEVELS = 16
 _MOST_FOLDERS = 2000  # at each level
-_MOST_FILES = 10_000
-"""The most files of a package that are searched: it may be a home folder."""
 
 
 def ros_name(folder: Path) -> str:
@@ -36,7 +35,29 @@ def ros_packages(*starts: Path) -> dict[str, Path]:
             here = _packages_at(level) if level != level.parent else {}
             if here and is_meant(level, start, list(here.values())):
                 found = {**here, **found}
+    for folder in noted_workspaces(os.environ).folders:
+        found = {**_packages_at(folder), **found}
+    return {**_packages_in(os.environ.get("ROS_PACKAGE_PATH", "")), **found}
+
+
+@lru_cache(maxsize=2)
+def _packages_in(path: str) -> dict[str, Path]:
+    """Return the packages below the folders of ROS_PACKAGE_PATH; the first if two have a name."""
+    found: dict[str, Path] = {}
+    for start in filter(None, path.split(os.pathsep)):
+        for folder in islice(_below(start), _MOST_FOLDERS):
+            if name := ros_name(folder):
+                found.setdefault(name, folder)
     return found
+
+
+def _below(start: str) -> Iterator[Path]:
+    """Yield the folders below one, as rospack does: none in a package, and none that is hidden."""
+    for folder, names, files in os.walk(start):
+        is_end = not _ENDS.isdisjoint(files)
+        names[:] = [] if is_end else sorted(one for one in names if not one.startswith("."))
+        if "CATKIN_IGNORE" not in files:
+            yield Path(folder)
 
 
 @lru_cache(maxsize=_MOST_LEVELS)
@@ -56,40 +77,3 @@ def _candidates(level: Path) -> Iterator[Path]:
         yield from children
         for child in children:
             yield from sorted(subfolders(child))
-
-
-def files_below(folder: Path) -> Iterator[Path]:
-    """Return a package's files in order, without those in hidden folders."""
-    for count, path in enumerate(sorted(folder.rglob("*"))):
-        if count == _MOST_FILES:
-            return
-        if not any(part.startswith(".") for part in path.relative_to(folder).parts):
-            yield path
-
-
-def program_in(folder: Path, name: str) -> str:
-    """Return an executable file in a package's folder, as found by rosrun, or ""."""
-    fitting = (path for path in files_below(folder) if path.name in (name, f"{name}.py"))
-    return next((str(path) for path in fitting if _is_program(path)), "")
-
-
-def ros_program(words: Sequence[str], here: Path) -> str:
-    """Return the program for the words PACKAGE NAME ...; "" if there is no such ROS package.
-
-    UsageError is raised if the package has no such program.
-    """
-    folder = ros_packages(here).get(words[0])
-    if folder is None:
-        return ""
-    programs = [path.name for path in files_below(folder) if _is_program(path)]
-    if len(words) == 1:
-        hint = f"it has {', '.join(programs)}" if programs else "it has none: chmod +x makes one"
-        raise UsageError(f"the program of the ROS package {words[0]} is missing", hint)
-    if found := program_in(folder, words[1]):
-        return found
-    hint = did_you_mean(words[1], programs) or "chmod +x makes a script one; C++ needs ROS"
-    raise UsageError(f"the ROS package {words[0]} has no program '{words[1]}'", hint)
-
-
-def _is_program(path: Path) -> bool:
-    return path.is_file() and os.access(path, os.X_OK)

@@ -1,7 +1,8 @@
 """Nodes that can be run by name, from installed packages or from the workspace, uninstalled.
 
 Belongs here: listing nodes and importing one. A node is an entry point "lcmtools.nodes", either of
-a distribution or in the pyproject.toml of a workspace package. Must not know the command line.
+a distribution or in the pyproject.toml of a workspace package, or an executable that such a package
+builds. Must not know the command line.
 """
 
 import importlib
@@ -12,10 +13,12 @@ from dataclasses import dataclass
 from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.folders import read_bytes
+from lcmtools.packages.cpp_nodes import cpp_sources, cpp_summary
+from lcmtools.packages.ros_modules import provide_type_modules
 from lcmtools.packages.type_files import GROUPS
 from lcmtools.packages.workspace import Package, read_project, table, workspace
 from lcmtools.ros_words import python_names
@@ -53,6 +56,13 @@ class Runnable:
     name: str
     target: str  # its main function, as "module:function"
     folder: Path | None = None  # the folder its code is imported from; None if installed
+    is_noted: bool = False  # True for a package of a noted workspace
+    source: Path | None = None  # its source if it is a program in C++, which has no main function
+
+    @property
+    def is_near(self) -> bool:
+        """True for a package of the workspace around the current folder."""
+        return self.folder is not None and not self.is_noted
 
     @property
     def import_name(self) -> str:
@@ -61,6 +71,8 @@ class Runnable:
 
     def summary(self) -> str:
         """Return the first line of its module's docstring, read without importing it, or ""."""
+        if self.source:
+            return cpp_summary(self.source)
         import ast
 
         top, *rest = self.target.partition(":")[0].split(".")
@@ -72,9 +84,9 @@ class Runnable:
             files = (
                 (place.with_suffix(".py"), place / "__init__.py") if rest else [Path(spec.origin)]
             )
-            text = next((file.read_bytes() for file in files if file.is_file()), b"")
+            text = next((read_bytes(file) for file in files if file.is_file()), b"")
             return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0].strip()
-        except (ImportError, OSError, SyntaxError, ValueError):  # running it will report the error
+        except (ImportError, LcmtoolsError, SyntaxError, ValueError):  # running it reports it
             return ""
 
     def load(self) -> NodeProgram:
@@ -87,8 +99,8 @@ class Runnable:
         """
         if self.folder is not None and not _TARGET.fullmatch(self.target):
             raise self._lost(f"'{self.target}' is not a function", f"write  {entry(self)}  in")
-        if self.folder is not None:
-            _make_importable(self.folder)
+        if self.package != OWN:
+            provide_imports(self.folder)
         module, _, path = self.target.partition(":")
         try:
             value: object = importlib.import_module(module)
@@ -139,19 +151,6 @@ def in_place_of_ros(module: str) -> str:
     return ""
 
 
-def _provide_messages(package: Package) -> None:
-    """Let ``from air_lab0.msg import Stat`` work if a package has no such module itself."""
-    from lcmtools.packages.user_types import package_messages
-
-    for part in ("msg", "srv"):
-        place = package.import_folder() / package.name / part
-        if not ((place / "__init__.py").is_file() or place.with_suffix(".py").is_file()):
-            module = ModuleType(f"{package.name}.{part}")
-            find = package_messages(module.__name__, str(package.folder / part))
-            vars(module)["__getattr__"] = find
-            sys.modules.setdefault(module.__name__, module)
-
-
 def runnables(*starts: Path) -> list[Runnable]:
     """Return all nodes that can be run, sorted by package; the workspace's come first."""
     from importlib.metadata import entry_points
@@ -169,6 +168,14 @@ def runnables(*starts: Path) -> list[Runnable]:
     return [found[key] for key in sorted(found)]
 
 
+def fixed_nodes() -> frozenset[str]:
+    """Return the names of lcmtools' own nodes, without those that students write themselves."""
+    from importlib.metadata import entry_points
+
+    own = (entry.name for entry in entry_points(group=GROUP) if _package_of(entry) == OWN)
+    return frozenset(own) - frozenset(ANSWERS)
+
+
 def installed_packages() -> list[str]:
     """Return the installed packages that have nodes or messages, sorted."""
     from importlib.metadata import entry_points
@@ -178,10 +185,21 @@ def installed_packages() -> list[str]:
 
 
 def workspace_nodes(package: Package) -> list[Runnable]:
-    """Return the nodes in a package's pyproject.toml; a wrong one raises when it is loaded."""
+    """Return the nodes in a package's pyproject.toml and its CMakeLists.txt.
+
+    A wrong one raises when it is loaded or built.
+    """
     named = table(read_project(package.folder), "project", "entry-points", GROUP)
     folder = package.import_folder()
-    return [Runnable(package.name, name, str(target), folder) for name, target in named.items()]
+    nodes = [
+        Runnable(package.name, name, str(target), folder, package.is_noted)
+        for name, target in named.items()
+    ]
+    return nodes + [
+        Runnable(package.name, name, "", package.folder, package.is_noted, source)
+        for name, source in cpp_sources(package.folder).items()
+        if name not in named
+    ]
 
 
 def entry(node: Runnable) -> str:
@@ -189,12 +207,22 @@ def entry(node: Runnable) -> str:
     return f'{node.name} = "{node.package}.{node.name}:main"'
 
 
+def provide_imports(folder: Path | None) -> None:
+    """Let a user's code import the packages around its folder and ROS's modules of types."""
+    if folder is not None:
+        _make_importable(folder)
+    provide_type_modules(*filter(None, [folder]), Path.cwd())
+
+
 def _make_importable(folder: Path) -> None:
-    sys.path.insert(0, str(folder))
+    from lcmtools.packages.user_types import user_types
+
+    user_types().add_start(folder)
+    if str(folder) not in sys.path[:1]:
+        sys.path.insert(0, str(folder))
     for package in workspace(folder, Path.cwd()).packages:
         if str(package.import_folder()) not in sys.path:
             sys.path.append(str(package.import_folder()))
-        _provide_messages(package)
 
 
 def _package_of(entry: "EntryPoint") -> str:

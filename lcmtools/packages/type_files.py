@@ -9,8 +9,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
+from lcmtools.folders import LARGEST
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages.workspace import LONGEST_FILE, ROS_FOLDERS
+from lcmtools.packages.workspace import ROS_FOLDERS
 
 VARIABLE = "LCMTOOLS_TYPE_PATH"
 """Folders with .lcm files, also in subfolders, separated by ':'."""
@@ -68,6 +69,12 @@ def shipped_folder() -> Path:
     return installed if installed.is_dir() else package.parent / "lcm_types"
 
 
+def is_type_file(path: Path) -> bool:
+    """Return True for a relative path of a type file, as logs store it with a type."""
+    is_plain = not path.is_absolute() and "\0" not in str(path)
+    return is_plain and bool(path.stem) and path.suffix in _SUFFIXES
+
+
 def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]:
     """Return the type files below folders, each once, sorted by folder, and the problems."""
     files: dict[Path, LcmFile] = {}
@@ -109,10 +116,10 @@ def _paths(folder: Path) -> Iterator[Path | Problem]:
 def _read(path: Path) -> LcmFile | Problem:
     try:
         if not path.is_file():
-            what = "this link leads nowhere" if path.is_symlink() else "this is not a file"
+            what = "this is not a file" if path.exists() else "this link leads nowhere"
             return Problem(str(path), 0, what)
-        if path.stat().st_size > LONGEST_FILE:
-            what = f"a {path.suffix} file must have less than {LONGEST_FILE} bytes"
+        if path.stat().st_size > LARGEST:
+            what = f"a {path.suffix} file must have less than {LARGEST} bytes"
             return Problem(str(path), 0, what)
         package = ""
         if path.suffix != ".lcm":

@@ -1,8 +1,8 @@
 """Users' own types: where they come from, their precedence, and compiling them.
 
-"Near" types are from LCMTOOLS_TYPE_PATH and the workspace: they take precedence over the shipped
-types, because they are under development. "Far" types are from installed packages: they come last,
-and only for types that are otherwise unknown, because finding them takes a moment.
+"Near" types are from LCMTOOLS_TYPE_PATH and workspaces, noted ones last: they take precedence over
+the shipped types, because they are under development. "Far" types are from installed packages: they
+come last, and only for types that are otherwise unknown, because finding them takes a moment.
 """
 
 import time
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from lcmtools.errors import UnknownType, os_errors_as
+from lcmtools.errors import LcmtoolsError, UnknownType
+from lcmtools.folders import read_text
 from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import fields
 from lcmtools.messages.python_names import python_name
@@ -35,11 +36,12 @@ from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
     LcmFile,
     installed_folders,
+    is_type_file,
     read_folders,
     shipped_folder,
     variable_folders,
 )
-from lcmtools.packages.workspace import type_folders
+from lcmtools.packages.workspace import noted_type_folders, type_folders
 
 if TYPE_CHECKING:  # most commands do not need logs
     from lcmtools.wire.log_index import RecordedType
@@ -82,7 +84,7 @@ class UserTypes:
         self._recorded_names: defaultdict[int, dict[str, None]] = defaultdict(dict)
 
     def near(self) -> TypeSource | None:
-        """The types of LCMTOOLS_TYPE_PATH and of the workspace; None if there are none."""
+        """The types of LCMTOOLS_TYPE_PATH and of workspaces; None if there are none."""
         return self._current(self._near, _NEAR_AGAIN, self.near_folders)
 
     def far(self) -> TypeSource | None:
@@ -102,7 +104,7 @@ class UserTypes:
 
     def add_recorded(self, types: "Iterable[RecordedType]") -> None:
         """Add the types stored with a log."""
-        types = list(types)
+        types = [one for one in types if is_type_file(Path(one.path))]
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
         for one in types:
             self._recorded_names[one.fingerprint][one.name] = None
@@ -121,11 +123,20 @@ class UserTypes:
 
     def near_folders(self) -> list[Path]:
         """The folders that take precedence over the shipped types."""
-        return [*variable_folders(self._environment), *type_folders(*self._starts)]
+        around = type_folders(*self._starts)
+        noted = noted_type_folders(self._environment)
+        return [*variable_folders(self._environment), *around, *noted]
 
     def far_folders(self) -> list[Path]:
         """All folders, installed packages last."""
         return [*self.near_folders(), *installed_folders()]
+
+    def near_packages(self) -> set[str]:
+        """Return the packages that the near files declare; compiles none, a file may be wrong."""
+        from lcmtools.packages.generated import declared_packages
+
+        files, _ = read_folders(self.near_folders())
+        return {package for file in files for package in declared_packages(file)}
 
     def add_start(self, folder: Path) -> None:
         """Also search the workspace of another folder."""
@@ -163,7 +174,7 @@ def _say(text: str) -> None:
 def _recorded_file(one: "RecordedType") -> LcmFile:
     path = Path(one.path)
     package = one.name.rpartition("/")[0] if path.suffix != ".lcm" else ""
-    return LcmFile(path, one.source.encode(), package)
+    return LcmFile(path, one.source.encode("utf-8", "surrogateescape"), package)
 
 
 def user_types() -> UserTypes:
@@ -203,25 +214,32 @@ def source_file(kind: type[Message]) -> str:
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
     file = source_file(kind)
-    with os_errors_as(f"cannot read {file}, which defines {type_name(kind)}"):
-        return Path(file).read_text("utf-8").strip()
+    what = f"cannot read {file}, which defines {type_name(kind)}"
+    return read_text(Path(file), what=what, kind=LcmtoolsError).strip()
 
 
-def package_messages(module: str, file: str) -> Callable[[str], type[Message | ServiceType]]:
+def package_messages(
+    module: str, *places: str | Path
+) -> Callable[[str], type[Message | ServiceType] | list[str]]:
     """Return the ``__getattr__`` of air_lab0/msg, for ``from air_lab0.msg import Stat``.
 
     In air_lab0/srv it returns services: ``from air_lab0.srv import Drive``, ``Drive.Request``.
 
     Args:
         module: The module's ``__name__``: "air_lab0.msg".
-        file: Its ``__file__``, whose workspace is searched wherever the program was started.
+        places: Its ``__file__``, or folders, whose workspaces are searched wherever the program
+            was started.
     """
     package = module.rpartition(".")[0] or module
 
-    def find(name: str) -> type[Message | ServiceType]:
-        if name.startswith("_"):
+    def find(name: str) -> type[Message | ServiceType] | list[str]:
+        if name.startswith("_") and name != "__all__":
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
-        user_types().add_start(Path(file).resolve().parent)
+        for place in map(Path, places):
+            folder = place.resolve()
+            user_types().add_start(folder if folder.is_dir() else folder.parent)
+        if name == "__all__":
+            return python_names_in(package)
         own = name.rstrip("_")  # of a type "pass", which is imported as "pass_"
         is_spelled = python_name(own) == name and f"{package}/{name}" not in type_names()
         named = f"{package}/{own if is_spelled else name}"
@@ -231,6 +249,12 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message | S
             raise AttributeError(str(error)) from None
 
     return find
+
+
+def python_names_in(package: str) -> list[str]:
+    """Return the messages and services of a package by their names in Python."""
+    known = (one.rpartition("/") for one in (*type_names(), *service_names()))
+    return [python_name(short) for of, _, short in known if of == package]
 
 
 def _named(word: str) -> list[str]:

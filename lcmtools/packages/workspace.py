@@ -3,23 +3,24 @@
 Of ROS packages next to them, which have a package.xml, only the types are used.
 
 The workspace is the nearest folder, from the current one upwards, that contains packages, directly
-or in ``src``. Other users' folders are never used. Must not know nodes or messages.
+or in ``src``. Packages of noted workspaces come last. Other users' folders are never used. Must
+not know nodes or messages.
 """
 
 import os
 import re
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
+from lcmtools.folders import read_bytes, read_text
+from lcmtools.packages.noted import noted_workspaces
 
 MARK = "[tool.lcmtools]"
 """The table that marks a pyproject.toml as a package's."""
-LONGEST_FILE = 1_000_000
-"""Bytes of a pyproject.toml or .lcm file; a longer one is something else."""
 
 ROS_FOLDERS = ("msg", "srv", "action")
 """The folders with types in a ROS package."""
@@ -33,6 +34,7 @@ class Package(NamedTuple):
 
     name: str
     folder: Path
+    is_noted: bool = False  # True if it is only found because its workspace is noted
 
     def import_folder(self) -> Path:
         """The folder from which its code is imported."""
@@ -41,28 +43,37 @@ class Package(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """The workspace around a folder."""
+    """The packages of workspaces."""
 
     packages: list[Package]  # sorted by name; if two have the same name, the nearer one
     problems: list[InvalidFile]  # errors of broken packages, which do not affect others
 
 
 def workspace(*starts: Path) -> Workspace:
-    """Return the packages of the workspaces around these folders."""
+    """Return the packages of the workspaces around these folders, and of noted ones."""
     found: dict[str, Package] = {}
     problems: list[InvalidFile] = []
-    for folder in package_folders(*starts):
+    near = package_folders(*starts)
+    others = noted_type_folders(os.environ)
+    noted = [folder for folder in others if _is_own(folder) and folder not in near]
+    for folder in (*near, *noted):
         try:
             name = package_name(folder)
         except InvalidFile as error:  # noqa: PERF203 - each package fails on its own
             problems.append(error)
         else:
-            found.setdefault(name, Package(name, folder))
+            found.setdefault(name, Package(name, folder, folder in noted))
     return Workspace([found[name] for name in sorted(found)], problems)
 
 
+def noting(package: Path) -> Path:
+    """Return the folder to note so that a package is found: its workspace, else the package's."""
+    is_found = package in packages_in(package.parent) and not _is_shared(package.parent)
+    return package.parent if is_found else package
+
+
 def package_folders(*starts: Path) -> list[Path]:
-    """Return the folders of these packages, unread; those of the first start come first."""
+    """Return the folders of packages around ``starts``, unread; those of the first come first."""
     return [folder for folder in type_folders(*starts) if _is_own(folder)]
 
 
@@ -72,6 +83,12 @@ def type_folders(*starts: Path) -> list[Path]:
     for start in starts:
         found.update(dict.fromkeys(_workspace(start)))
     return list(found)
+
+
+def noted_type_folders(environment: Mapping[str, str]) -> list[Path]:
+    """Return the folders of these packages in noted workspaces."""
+    spaces = noted_workspaces(environment).folders
+    return list(dict.fromkeys(one for space in spaces for one in packages_in(space)))
 
 
 def load_toml(text: str) -> dict[str, object]:
@@ -88,9 +105,7 @@ def read_project(folder: Path) -> dict[str, object]:
     """Read a package's pyproject.toml; InvalidFile, with the line, if it is not TOML."""
     path = folder / "pyproject.toml"
     try:
-        return load_toml(path.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidFile(f"cannot read {path}: {error}") from error
+        return load_toml(read_text(path))
     except ValueError as error:
         place = re.search(r"\(at line (\d+), column \d+\)", str(error))
         line = f":{place[1]}" if place else ""
@@ -127,13 +142,24 @@ def _workspace(start: Path) -> list[Path]:
     return []
 
 
+def packages_in(folder: Path) -> list[Path]:
+    """Return the packages of a workspace, which may be a single one."""
+    if _is_package(folder):
+        return [folder]
+    return [*_children(folder), *_children(folder / "src")]
+
+
 def is_meant(level: Path, start: Path, found: list[Path]) -> bool:
     """Return True if the packages in a folder are for ``start``, which is it or below it.
 
     In a folder writable by all, such as /tmp, only if ``start`` is it or is in a package.
     """
-    is_shared = level.stat().st_mode & stat.S_IWOTH
-    return not is_shared or level == start or any(start.is_relative_to(one) for one in found)
+    is_near = level == start or any(start.is_relative_to(one) for one in found)
+    return is_near or not _is_shared(level)
+
+
+def _is_shared(folder: Path) -> bool:
+    return bool(folder.stat().st_mode & stat.S_IWOTH)
 
 
 def _children(folder: Path) -> list[Path]:
@@ -167,8 +193,8 @@ def text_of_own(path: Path) -> str:
     """Return the text of a file if it is this user's and of usual length; else ""."""
     try:
         state = path.stat()
-        if state.st_uid in (os.getuid(), 0) and state.st_size <= LONGEST_FILE:
-            return path.read_text("utf-8", "replace")
-    except OSError:
+        if state.st_uid in (os.getuid(), 0):
+            return read_bytes(path).decode("utf-8", "replace")
+    except (OSError, InvalidFile):
         pass
     return ""

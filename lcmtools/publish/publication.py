@@ -36,7 +36,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     subscribers: int | None = None,
     timeout: float | None = None,
     simulated: bool = False,
-    literal: bool = False,
+    plain_channel: bool = False,
     url: str | BusUrl | None = None,
     arguments: NodeArguments | None = None,
     notify: Notify = lambda _: None,
@@ -64,7 +64,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
             to a second for one.
         timeout: Longest wait for these nodes and for /clock [s]; None for no limit.
         simulated: Take time stamps from /clock.
-        literal: The topic is the exact LCM channel.
+        plain_channel: The topic is the exact LCM channel.
         url: The bus; None for the one that the environment and the settings file select.
         arguments: The node's name, namespace and remaps.
         notify: Called with sentences for the user, for example while it waits for subscribers.
@@ -86,7 +86,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     schedule = schedule_for(incoming, rate=rate, count=count, latch=latch, keep_alive=keep_alive)
     bus = _bus_url(url)
     with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
-        publisher = node.create_publisher(kind, topic, literal=literal)
+        publisher = node.create_publisher(kind, topic, plain_channel=plain_channel)
         publisher.is_latched = latch or schedule.stay > 0
         wait = SubscriberWait(node, publisher, bus, notify)
         if simulated:
@@ -101,13 +101,13 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         return scheduled.count
 
 
-def check_topic(topic: str, *, literal: bool) -> None:
+def check_topic(topic: str, *, plain_channel: bool) -> None:
     """Refuse a topic that no node could announce; the node checks the naming rules.
 
     Raises:
         UsageError: The topic is refused; the error has the reason.
     """
-    if not (topic if literal else topic.strip("/ ")):
+    if not (topic if plain_channel else topic.strip("/ ")):
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
     if any("\ud800" <= character <= "\udfff" for character in topic):
         raise UsageError(f"{topic!a} is not UTF-8", "nodes cannot use other channels")

@@ -16,7 +16,7 @@ from lcmtools.messages.setting import ParameterValue, read_setting
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
 from lcmtools.node import node as nodes
 from lcmtools.node.parameters import service_name
-from lcmtools.node.service import request_channel
+from lcmtools.node.service import Client, request_channel
 from lcmtools.observe.reading.find import find_node
 from lcmtools.publish.own_node import own_node
 from lcmtools.types import lcmtools_msgs as msgs
@@ -91,6 +91,16 @@ def request_parameters(
         ServiceError: It has failed.
     """
     client = own.create_client(msgs.Parameters, service_name(node))
+    return exchange_parameters(client, node, timeout, texts)
+
+
+def exchange_parameters(
+    client: Client[msgs.Parameters_Request, msgs.Parameters_Response],
+    node: str,
+    timeout: float,
+    texts: Mapping[str, str] | None = None,
+) -> Parameters:
+    """Do the same with a client that the caller keeps."""
     request = msgs.Parameters_Request()
     for name, text in (texts or {}).items():
         change = msgs.Parameter()

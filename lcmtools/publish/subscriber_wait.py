@@ -18,6 +18,7 @@ from lcmtools.names import did_you_mean, is_hidden
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.spinning import spin_once
+from lcmtools.observe.reading.senders import is_here
 from lcmtools.publish.incoming import Notify
 
 _LONGEST = 1.0  # [s] to wait for any subscriber, if no number was given
@@ -102,7 +103,7 @@ class SubscriberWait:
 
     def _has_plain_listeners(self) -> bool:
         """True if programs that are not nodes receive from the bus, on any channel."""
-        nodes = {node.pid for node in self._node.graph().nodes} | {os.getpid()}
+        nodes = {one.pid for one in self._node.graph().nodes if is_here(one)} | {os.getpid()}
         return any(process.pid not in nodes for process in listening_processes(self._sockets))
 
     def _misfits(self) -> str:

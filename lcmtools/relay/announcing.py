@@ -1,18 +1,27 @@
 """Converting announcements of nodes on one bus for the other bus. Pure.
 
 They get the names that their topics have there, lose the topics that do not pass, and carry their
-path, so that no program takes their processes for ones on the other bus.
+path, so that no program takes their processes for ones on the other bus. Programs that announce
+nothing are told of by what is heard of them.
 """
 
-from collections.abc import Callable
+import heapq
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from itertools import chain
+from operator import attrgetter
 
-from lcmtools.graph.model import STALE_AFTER, Endpoint, RelayStep, Role
-from lcmtools.graph.protocol import Announcement
+from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, RelayStep, Role, Traffic
+from lcmtools.graph.protocol import MOST_OBSERVED, Announcement
+from lcmtools.messages.registry import candidates
+from lcmtools.observe.reports.describe import Computers
 from lcmtools.observe.simulators import is_simulator
 from lcmtools.relay.rules import Direction, Reason, Route
+from lcmtools.wire.packet import Sender
 
 _MOST_STEPS = 16
+_RECENT = 10_000_000_000  # [ns] since its last message that a program is told of
+_YOUNG = 100_000_000  # [ns] after its first one
 _OF_SERVICES = (Role.SERVICE, Role.CLIENT)
 
 
@@ -47,7 +56,13 @@ class Announced:
             return None
         path = (self._step, *node.path)
         passed = announcement._replace(
-            node=node._replace(name=name, endpoints=tuple(ends), path=path, ports=())
+            node=node._replace(
+                name=name,
+                endpoints=tuple(ends),
+                observed=renamed(node.observed, self._onward),
+                path=path,
+                ports=(),
+            )
         )
         if announcement.leaving:
             self._kept.pop(node.id, None)
@@ -56,8 +71,12 @@ class Announced:
         return passed
 
     def recent(self, now: int) -> list[Announcement]:
-        """Return the latest converted announcements of nodes that are not silent."""
-        return [kept for kept, time in self._kept.values() if now - time <= STALE_AFTER]
+        """Return the latest converted announcements of nodes that are not silent.
+
+        Each tells how long it was kept, so that clocks can be compared by it.
+        """
+        recent = ((one, now - time) for one, time in self._kept.values())
+        return [_kept_for(age, one) for one, age in recent if age <= STALE_AFTER]
 
     def forget(self) -> None:
         """Forget all, because another relay passes them on now."""
@@ -87,3 +106,40 @@ class Announced:
         """Return the topic on the other bus whose messages reach a subscription."""
         name = self._onward.name(end.topic)
         return "" if isinstance(name, Reason) or route(name, end.types).reason else name
+
+
+def heard_of_programs(graph: Graph, bus: str = "") -> Iterator[Traffic]:
+    """Yield the recent messages of programs that are not nodes, the newest first, up to a bound.
+
+    Senders have the names of their computers. Those of a new sender are left out for a moment, in
+    which a node announces itself. ``bus`` is the name of their bus, if they are told on another.
+    """
+    own = (seen for seen in graph.foreign() if not seen.observer)
+    known = (seen for seen in own if not is_young(seen, graph.time))
+    recent = (seen for seen in known if graph.time - seen.last_time < _RECENT)
+    computers = Computers(graph.nodes)
+    for seen in heapq.nlargest(MOST_OBSERVED, recent, key=attrgetter("last_time")):
+        sender = seen.sender and Sender(computers.of_traffic(seen), seen.sender.port)
+        yield seen._replace(sender=sender, bus=bus)
+
+
+def is_young(seen: Traffic, now: int) -> bool:
+    """Return whether the sender may be a node that has not announced itself yet."""
+    return now - seen.first_time <= _YOUNG
+
+
+def renamed(observed: Iterable[Traffic], onward: Direction) -> tuple[Traffic, ...]:
+    """Return what passes of programs' messages, with the names of the channels on the other bus."""
+    routes = ((seen, onward.route(seen.channel, possible_types(seen))) for seen in observed)
+    return tuple(seen._replace(channel=route.name) for seen, route in routes if not route.reason)
+
+
+def possible_types(seen: Traffic) -> set[str]:
+    """Return the types that messages may have: attached to them, or from their fingerprints."""
+    return {*seen.types, *chain.from_iterable(map(candidates, seen.fingerprints))}
+
+
+def _kept_for(age: int, announcement: Announcement) -> Announcement:
+    last, *others = announcement.node.path
+    path = (last._replace(kept=age), *others)
+    return announcement._replace(node=announcement.node._replace(path=path))

@@ -2,18 +2,19 @@
 
 import math
 import socket
-import threading
 import time
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Protocol
 
-from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.processes import is_local
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError, UsageError
+from lcmtools.errors import BusError, UsageError, os_errors_as
+from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.names import check_channel
 from lcmtools.observe.reading.losses import Loss, losses
+from lcmtools.relay.bulk_connection import BULK_BYTES, BulkConnection
 from lcmtools.relay.echo import EchoFilter
 from lcmtools.relay.line_queue import LineMessage
 from lcmtools.wire.packet import Packet, Sender
@@ -33,6 +34,14 @@ class BusEnd(Protocol):
     is_quick: bool  # True if sending a short message never blocks
     trouble: str  # the reason why the bus cannot be reached; "" for none
 
+    @property
+    def dropped(self) -> int:
+        """The number of messages that were not sent, because the bus was too slow."""
+
+    @property
+    def dropped_of(self) -> Mapping[str, int]:
+        """The same for each channel."""
+
     def receive(self, timeout: float) -> list[Packet]:
         """Return what others have sent, waiting up to ``timeout`` [s] for the first."""
 
@@ -46,21 +55,24 @@ class BusEnd(Protocol):
     def losses(self) -> Mapping[Sender, Loss]:
         """Return the messages that did not arrive here."""
 
+    def clear(self) -> None:
+        """Send nothing of what still waits, where that is possible."""
+
     def close(self) -> None:
         """Leave the bus."""
 
 
-class _UdpmEnd:  # an end at a multicast group: short messages are sent at once, large ones paced
-    takes_origin, is_quick = False, True
+class _UdpmEnd:  # an end at a multicast group
+    takes_origin, is_quick, dropped = False, True, 0
+    dropped_of: Mapping[str, int] = MappingProxyType({})
 
     def __init__(self, url: BusUrl) -> None:
+        self._url = url
         self._tap = Tap(url, whole=True, spread=True)
         self._tap.longest_nap = _NAP
-        self._paced = PacedSender(url)
         self._tap.bind()
-        self.ports: tuple[int, ...] = (self._tap.port, self._paced.port)
+        self.ports: tuple[int, ...] = (self._tap.port,)
         self._own: set[Sender] = set()
-        self._sending = threading.Lock()
         self.trouble = ""
 
     def receive(self, timeout: float) -> list[Packet]:
@@ -68,13 +80,9 @@ class _UdpmEnd:  # an end at a multicast group: short messages are sent at once,
         return [p for p in packets if not (p.sender and p.sender.port in ports and own(p.sender))]
 
     def send(self, message: LineMessage) -> None:
-        channel, payload = message.channel, message.payload
         try:
-            if len(payload) > PACED_ABOVE_BYTES or channel in self._paced.channels:
-                self._paced.send(channel, payload)
-            else:
-                with self._sending:
-                    self._tap.send(channel, payload)
+            with os_errors_as(f"cannot send to {self._url.host}", kind=BusError):
+                self._tap.sender.send(message.channel, message.payload)
         except BusError as error:
             self.trouble = str(error)
             raise
@@ -84,8 +92,10 @@ class _UdpmEnd:  # an end at a multicast group: short messages are sent at once,
         numbered = {k: v for k, v in self._tap.numbered.items() if not self._is_own(k)}
         return losses(numbered)
 
+    def clear(self) -> None:
+        pass
+
     def close(self) -> None:
-        self._paced.close()
         self._tap.close()
 
     def _is_own(self, sender: Sender) -> bool:
@@ -104,7 +114,15 @@ class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin w
         self.trouble = ""
         # longer than for local programs: a lossy long-distance line can stall for seconds
         patient = url.with_option("patience", str(_PATIENCE))
-        self._listener = ZenohObserver(patient, self._note)
+        self._listener = ZenohObserver(patient, self._note, is_relay=True)
+
+    @property
+    def dropped(self) -> int:
+        return self._listener.dropped
+
+    @property
+    def dropped_of(self) -> Mapping[str, int]:
+        return self._listener.dropped_of
 
     def receive(self, timeout: float) -> list[Packet]:
         try:
@@ -121,6 +139,9 @@ class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin w
 
     def losses(self) -> Mapping[Sender, Loss]:
         return losses(self._listener.numbered)
+
+    def clear(self) -> None:
+        pass
 
     def close(self) -> None:
         self._listener.close()
@@ -139,26 +160,51 @@ class _TcpqEnd:  # an end at a server, which sends everything back
         self.trouble = ""
         self._echo = EchoFilter()
         self._listener = LcmObserver(url, self._note)
+        self._bulk = BulkConnection(url, self._note_sending)
+        self._bulk_channels: set[str] = set()
+
+    @property
+    def dropped(self) -> int:
+        return self._bulk.failed + self._bulk.queue.dropped
+
+    @property
+    def dropped_of(self) -> Mapping[str, int]:
+        return self._bulk.queue.dropped_of
 
     def receive(self, timeout: float) -> list[Packet]:
         try:
-            packets = self._listener.receive(timeout)
+            self._bulk.attend(self._listener.own_address)
+            packets = self._listener.receive(timeout, self._bulk.sockets)
         except EOFError:  # it is closing
             time.sleep(timeout)
             return []
+        packets += self._bulk.receive()
         is_echo = self._echo.is_echo
         return [packet for packet in packets if not is_echo(packet.channel, packet.payload)]
 
     def send(self, message: LineMessage) -> None:
         check_channel(message.channel)
-        self._echo.sends(message.channel, message.payload)
+        is_large = len(message.payload) > BULK_BYTES and message.channel not in TALK_CHANNELS
+        if is_large and self._bulk.sockets:
+            self._bulk_channels.add(message.channel)
+        if message.channel in self._bulk_channels:
+            self._bulk.queue.add([message])
+            return
+        self._note_sending(message)
         self._listener.send(message.channel, message.payload)
 
     def losses(self) -> Mapping[Sender, Loss]:
         return {}
 
+    def clear(self) -> None:
+        self._bulk.queue.clear()
+
     def close(self) -> None:
+        self._bulk.close()
         self._listener.close()
+
+    def _note_sending(self, message: LineMessage) -> None:
+        self._echo.sends(message.channel, message.payload)
 
     def _note(self, _text: str, trouble: str) -> None:
         self.trouble = trouble

@@ -9,7 +9,7 @@ the other relay sent must have arrived; what arrives even later is dropped.
 from collections.abc import Iterable
 
 from lcmtools.graph.relay_report import Link, State
-from lcmtools.relay.line_queue import LATE
+from lcmtools.relay.fair_queue import LATE
 
 _HOLD = 0.7  # [s]
 _DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``bus.zenoh.config``), a server in about 1

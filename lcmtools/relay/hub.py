@@ -2,39 +2,44 @@
 
 Each message goes to all clients with a pattern that matches its channel, including its sender. One
 thread serves all clients and waits for none: data that a slow client does not accept wait for it,
-up to a limit; then its oldest messages are dropped, so that it gets the newest ones and the others
-get all. Messages that have waited for a second are dropped too. A client that has received nothing
-for that long is disconnected, discarding what the system would still send it: no command arrives
-late.
+up to a limit, and the newest reach it, those of channels with little data first (see
+``fair_queue``). Messages that have waited for a second are dropped. A client that has received
+nothing for that long is disconnected, discarding what the system would still send it: no command
+arrives late.
 """
 
 import contextlib
 import errno
-import math
 import selectors
 import socket
 import struct
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from itertools import islice
 from typing import NoReturn
 
 from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
+from lcmtools.bus.line_buffer import LineBuffer
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.full_line import LineRates
+from lcmtools.graph.model import FullLine, Traffic
+from lcmtools.graph.protocol import NODE_CHANNEL, TALK_CHANNELS, head_of
 from lcmtools.observe.reading.presence import Presence, own_node
-from lcmtools.relay.line_queue import LATE
+from lcmtools.relay.announcing import heard_of_programs
+from lcmtools.relay.bulk_connection import BULK_BYTES
+from lcmtools.relay.fair_queue import LATE, FairQueue
 from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.tcpq import Frame
 
 _READ_BYTES = 1 << 18  # read from one client before it is the next one's turn
 _MOST_WAITING = 32 << 20  # most bytes that wait for a client
-_AT_ONCE = 64  # frames that are passed to the system together
+_AT_ONCE = 4096  # bytes of frames that are passed to the system together
 _MOST_CLIENTS = 500
 _MOST_PATTERNS = 10_000  # of one client
 _MOST_CHANNELS = 10_000  # channels whose receivers are remembered
@@ -43,6 +48,7 @@ _SAME = 20  # first characters of a reason that identify a fault
 _CHECK_PERIOD = 0.25  # [s] between checks for clients that do not greet, or receive nothing
 _AT_ONCE_GONE = struct.pack("ii", 1, 0)  # for SO_LINGER: discard unsent data
 _TURN = 0.25  # [s]
+_LOOK_PERIOD = 0.5  # [s] between two looks at which clients are nodes, and which are not
 _NO_MORE = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
@@ -57,24 +63,38 @@ class HubCounts:
 
 
 class _Client:  # one client: its connection, its patterns, and the frames that wait for it
-    def __init__(self, connection: socket.socket, name: str, now: float) -> None:
+    def __init__(self, connection: socket.socket, sender: Sender, now: float) -> None:
         self.connection = connection
-        self.name = name
+        self.name = str(sender)
+        self.sender = sender  # of its messages; for a second connection, that of the first one
+        self.large: _Client | None = None  # its second connection, for large messages
         self.since = now
         self.reader = tcpq.FrameReader()
         self.patterns: dict[str, ChannelPattern] = {}
         self.times: Counter[str] = Counter()  # how often each pattern is subscribed to
-        self.dropped = 0
         self.heard = now  # the last time that it may have received something
-        self._waiting: deque[bytes | memoryview] = deque([tcpq.SERVER_GREETING])
-        self._due: deque[float] = deque([math.inf])  # times until which they may be sent
-        self._waiting_bytes = len(tcpq.SERVER_GREETING)
-        self._is_begun = False  # True if a part of the first frame has been sent
+        self.counted = 0  # dropped messages that the hub has counted
+        self.buffer = LineBuffer(connection)
+        self._waiting: FairQueue[bytes] = FairQueue(_MOST_WAITING)
+        self._rates = LineRates()
+        self.is_blocked = False  # True if the connection must accept more before anything is sent
+        self._begun = [memoryview(tcpq.SERVER_GREETING)]  # frames that must be sent to their ends
 
     @property
     def is_waiting(self) -> bool:
         """True if something waits to be sent."""
-        return bool(self._waiting)
+        return bool(self._begun or self._waiting)
+
+    @property
+    def dropped(self) -> int:
+        """The number of messages dropped for it so far."""
+        return self._waiting.dropped
+
+    def full_line(self, now: float) -> FullLine | None:
+        """Return its connection if that takes less than it gets; None if it takes all."""
+        waiting = self._waiting
+        rates = self._rates.update(waiting.passed_of, waiting.dropped_of, now)
+        return FullLine(self.name, self.dropped, tuple(rates.items())) if rates else None
 
     def matches(self, channel: str) -> bool:
         """Return whether it subscribes to a channel."""
@@ -93,45 +113,39 @@ class _Client:  # one client: its connection, its patterns, and the frames that 
             del self.times[pattern]
             self.patterns.pop(pattern, None)
 
-    def add(self, frame: bytes, now: float) -> int:
-        """Queue a frame; return the number of older ones that are dropped for it."""
-        self._waiting.append(frame)
-        self._due.append(now + LATE)
-        self._waiting_bytes += len(frame)
-        return self._drop(now)
+    def add(self, frame: Frame, now: float) -> None:
+        """Queue a message's frame."""
+        self._waiting.add(frame.name, frame.data, len(frame.data), now + LATE, now)
 
-    def _drop(self, now: float) -> int:
-        """Drop late frames and, if too many wait, the oldest; return the number of dropped ones."""
-        dropped, first = 0, int(self._is_begun)
-        while len(self._waiting) > first and (
-            self._due[first] < now
-            or (self._waiting_bytes > _MOST_WAITING and len(self._waiting) > first + 1)
-        ):
-            self._waiting_bytes -= len(self._waiting[first])
-            del self._waiting[first], self._due[first]
-            dropped += 1
-        self.dropped += dropped
-        return dropped
+    def drop_late(self, now: float) -> None:
+        """Drop what has waited for too long."""
+        self._waiting.drop_outdated(now)
 
-    def send(self, now: float) -> int:
-        """Send as much as the connection accepts; return the number of frames that were too late.
+    def send(self, now: float) -> None:
+        """Send as much as the connection accepts.
 
         OSError is raised if the connection is broken.
         """
-        dropped = self._drop(now)
+        self.buffer.adjust(self.connection, now)
+        most = self.buffer.piece_bytes
         with contextlib.suppress(BlockingIOError):
-            while self._waiting:
-                sent = self.connection.sendmsg(list(islice(self._waiting, _AT_ONCE)))
-                self._waiting_bytes -= sent
-                self._is_begun = False
-                while self._waiting and sent >= len(self._waiting[0]):
-                    sent -= len(self._waiting.popleft())
-                    self._due.popleft()
-                if sent:
-                    self._waiting[0] = memoryview(self._waiting[0])[sent:]
-                    self._is_begun = True
-                    break
-        return dropped
+            while most > 0 and (self._begun or self._begin(now)):
+                whole = len(self._begun) > 1 and sum(map(len, self._begun)) <= most
+                sent = self.connection.sendmsg(self._begun if whole else [self._begun[0][:most]])
+                most -= sent
+                self._forget(sent)
+        self.is_blocked = self.is_waiting
+
+    def _forget(self, sent: int) -> None:
+        while self._begun and sent >= len(self._begun[0]):
+            sent -= len(self._begun.pop(0))
+        if sent:
+            self._begun[0] = self._begun[0][sent:]
+
+    def _begin(self, now: float) -> bool:
+        """Take frames to send next; return whether there are any."""
+        self._begun = [memoryview(frame) for frame in self._waiting.pop(now, _AT_ONCE)]
+        return bool(self._begun)
 
 
 class Hub(AbstractContextManager["Hub"]):
@@ -151,9 +165,11 @@ class Hub(AbstractContextManager["Hub"]):
         self.counts = HubCounts()
         self._clients: dict[socket.socket, _Client] = {}
         self._receivers: dict[str, list[_Client]] = {}
+        self._large: set[str] = set()  # channels that have had large messages
         self._changed: set[_Client] = set()
         self._said: set[tuple[str, str]] = set()
         self._next_check = 0.0
+        self._builder = GraphBuilder()
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._listener, selectors.EVENT_READ)
 
@@ -179,6 +195,7 @@ class Hub(AbstractContextManager["Hub"]):
                 self._accept()
             elif client is not None:
                 if events & selectors.EVENT_WRITE:
+                    client.is_blocked = False
                     self._changed.add(client)
                 if events & selectors.EVENT_READ:
                     messages += self._serve(client)
@@ -186,6 +203,17 @@ class Hub(AbstractContextManager["Hub"]):
         if time.monotonic() >= self._next_check:
             self._check(time.monotonic())
         return messages
+
+    def observed(self) -> tuple[Traffic, ...]:
+        """Return the messages of clients that are not nodes."""
+        graph = self._builder.snapshot(time.time_ns())
+        here = {one.sender for one in self._clients.values()}
+        traffic = tuple(seen for seen in graph.traffic if seen.sender in here)
+        return tuple(heard_of_programs(graph._replace(traffic=traffic)))
+
+    def full_lines(self, now: float) -> tuple[FullLine, ...]:
+        """Return the connections that take less than they get; ``now`` is monotonic [s]."""
+        return tuple(line for one in self._clients.values() if (line := one.full_line(now)))
 
     def publish(self, channel: str, payload: bytes) -> None:
         """Send one of the hub's own messages to the clients."""
@@ -207,7 +235,7 @@ class Hub(AbstractContextManager["Hub"]):
         connection.setblocking(False)  # noqa: FBT003 - the socket module's own
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         keep_little_waiting(connection)
-        client = _Client(connection, f"{address}:{port}", time.monotonic())
+        client = _Client(connection, Sender(address, port), time.monotonic())
         self._clients[connection] = client
         self.counts.clients = len(self._clients)
         self._selector.register(connection, selectors.EVENT_READ)
@@ -223,9 +251,11 @@ class Hub(AbstractContextManager["Hub"]):
         if not data:
             self._close(client)
             return
+        now = time.time_ns()
         try:
             for frame in client.reader.read(data):
                 if frame.kind == tcpq.PUBLISH:
+                    self._observe(frame, client.sender, now)
                     self.counts.messages += 1
                     self.counts.bytes += len(frame.data)
                     self._pass(frame)
@@ -235,8 +265,18 @@ class Hub(AbstractContextManager["Hub"]):
         except tcpq.StreamError as error:
             self._close(client, error.what)
 
+    def _observe(self, frame: Frame, sender: Sender, now: int) -> None:
+        packet = Packet(frame.name, tcpq.payload_of(frame), now, sender)
+        if frame.name == NODE_CHANNEL:
+            self._builder.add_head(head_of(packet.payload), packet)
+        else:
+            self._builder.add(packet)
+
     def _subscribe(self, client: _Client, frame: Frame) -> None:
         self._receivers.clear()
+        if frame.name.startswith(tcpq.LARGE):
+            self._pair(client, frame.name.removeprefix(tcpq.LARGE))
+            return
         if frame.kind != tcpq.SUBSCRIBE:
             client.unsubscribe(frame.name)
             return
@@ -248,40 +288,62 @@ class Hub(AbstractContextManager["Hub"]):
             text = f"a subscription of {client.name} receives nothing: {error.what}"
             self._say(client.name, frame.name, text)
 
+    def _pair(self, client: _Client, first: str) -> None:
+        """Let a client's second connection get its large messages."""
+        if first.rpartition(":")[0] == client.name.rpartition(":")[0]:
+            for other in self._clients.values():
+                if other.name == first and other is not client:
+                    other.large, client.sender = client, other.sender
+
+    def _receivers_of(self, channel: str) -> list[_Client]:
+        found = [one for one in self._clients.values() if one.matches(channel)]
+        return [one.large or one for one in found] if channel in self._large else found
+
     def _pass(self, message: Frame) -> None:
+        if len(message.data) > BULK_BYTES and message.name not in self._large:
+            if len(self._large) >= _MOST_CHANNELS:
+                self._large.clear()
+            self._large.add(message.name)
+            self._receivers.pop(message.name, None)
         receivers = self._receivers.get(message.name)
         if receivers is None:
-            receivers = [one for one in self._clients.values() if one.matches(message.name)]
+            receivers = self._receivers_of(message.name)
             if len(self._receivers) >= _MOST_CHANNELS:
                 self._receivers.clear()
             self._receivers[message.name] = receivers
         now = time.monotonic()
         for client in receivers:
-            self._count(client, client.add(message.data, now))
+            client.add(message, now)
+            self._count(client)
         self._changed.update(receivers)
 
-    def _count(self, client: _Client, dropped: int) -> None:
-        if dropped:
-            self.counts.dropped += dropped
+    def _count(self, client: _Client) -> None:
+        """Count what was dropped for a client since the last time."""
+        if client.dropped > client.counted:
+            self.counts.dropped += client.dropped - client.counted
+            client.counted = client.dropped
             slow = f"{client.name} reads too slowly; its oldest messages are dropped"
             self._say(client.name, "slow", slow)
 
     def _send(self) -> None:
         changed, self._changed = self._changed, set()
         for client in changed:
-            if client.connection not in self._clients:
+            if client.is_blocked or client.connection not in self._clients:
                 continue
             try:
-                self._count(client, client.send(time.monotonic()))
+                client.send(time.monotonic())
             except OSError:
                 self._close(client)
                 continue
+            self._count(client)
             wanted = selectors.EVENT_READ | (selectors.EVENT_WRITE if client.is_waiting else 0)
             self._selector.modify(client.connection, wanted)
 
     def _check(self, now: float) -> None:
         self._next_check = now + _CHECK_PERIOD
         for client in list(self._clients.values()):
+            client.drop_late(now)
+            self._count(client)
             if not client.reader.is_greeted and now - client.since > _GREETING_TIME:
                 self._close(client, f"it sent nothing for {_GREETING_TIME:g} s")
             elif not is_unanswered(client.connection):
@@ -295,6 +357,9 @@ class Hub(AbstractContextManager["Hub"]):
         self._selector.unregister(client.connection)
         client.connection.close()
         del self._clients[client.connection]
+        for other in self._clients.values():
+            if other.large is client:
+                other.large = None
         self._receivers.clear()
         self.counts.clients = len(self._clients)
         if reason:
@@ -332,9 +397,13 @@ def serve(
     one to end.
     """
     presence = Presence(own_node(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown)
+    next_look = 0.0
     try:
         while True:
             presence.attend()
+            if (now := time.monotonic()) >= next_look:
+                next_look = now + _LOOK_PERIOD
+                presence.tell(hub.observed(), hub.full_lines(now))
             for frame in hub.turn(_TURN):
                 if frame.name in TALK_CHANNELS:
                     presence.answer(frame.name, tcpq.payload_of(frame))

@@ -1,23 +1,20 @@
-"""A bounded queue of messages for a line. Pure except for a lock.
+"""The messages that wait for a line: the protocol's own first, the others as in ``fair_queue``.
 
-If the line is as fast as the messages, none wait. Otherwise, only the newest message of some topics
-waits, and if all take too much room, the topic that takes the most loses its oldest ones: images
-make room before commands do. The protocol's own messages go first. Messages that have waited for a
-second are dropped: a late command would move a robot when nobody expects it.
+Of some topics, only the newest message waits.
 """
 
 import math
 import threading
 import time
 from collections import deque
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from lcmtools.bounded import count
+from lcmtools.relay.fair_queue import LATE, MOST_WAITING_BYTES, FairQueue
 from lcmtools.wire.stamp import Origin
 
-MOST_WAITING_BYTES = 64 << 20
-_AT_ONCE = 1 << 16  # bytes that are popped at a time
-LATE = 1.0  # [s] after which a message is no longer sent
-_COST = 200  # overhead of a message [byte]
+_AT_ONCE = 4096  # bytes that are popped at a time
 
 
 class LineMessage(NamedTuple):
@@ -34,16 +31,27 @@ class LineQueue:
     """The messages that wait for one bus."""
 
     def __init__(self, most_bytes: int = MOST_WAITING_BYTES) -> None:
-        self.dropped = 0  # the number of messages that were dropped
-        self._most_bytes = most_bytes
-        self._waiting: deque[LineMessage] = deque()
+        self._waiting: FairQueue[LineMessage] = FairQueue(most_bytes)
         self._first: deque[LineMessage] = deque()
-        self._bytes = 0
-        self._of_channel: dict[str, int] = {}  # bytes of waiting messages by channel
         self._changed = threading.Condition()
         self._closed = False
         self._is_sending = False  # True if messages are being sent
         self._cleared = -math.inf  # messages that were due by this time must not be sent
+
+    @property
+    def dropped(self) -> int:
+        """The number of messages that were dropped."""
+        return self._waiting.dropped
+
+    @property
+    def dropped_of(self) -> Mapping[str, int]:
+        """The number of dropped messages of each channel."""
+        return self._waiting.dropped_of
+
+    @property
+    def passed_of(self) -> Mapping[str, int]:
+        """The number of popped messages of each channel."""
+        return self._waiting.passed_of
 
     @property
     def is_waiting(self) -> bool:
@@ -57,14 +65,13 @@ class LineQueue:
 
     def add(self, messages: list[LineMessage]) -> None:
         """Queue messages."""
+        now = time.monotonic()
         with self._changed:
             for message in messages:
                 if message.newest:
-                    self._replace(message.channel)
-                self._waiting.append(message)
-                self._count(message, 1)
-            while self._bytes > self._most_bytes and len(self._waiting) > 1:
-                self._replace(max(self._of_channel, key=self._of_channel.__getitem__))
+                    self._waiting.drop_first(message.channel)
+                size = len(message.payload)
+                self._waiting.add(message.channel, message, size, message.due, now)
             self._changed.notify()
 
     def add_first(self, message: LineMessage) -> None:
@@ -74,7 +81,7 @@ class LineQueue:
             self._changed.notify()
 
     def pop(self, timeout: float) -> list[LineMessage]:
-        """Return messages to send, in order, waiting up to ``timeout`` [s] for the first.
+        """Return messages to send, waiting up to ``timeout`` [s] for the first.
 
         One large message is popped at a time, so that newer ones can replace others.
         """
@@ -82,12 +89,8 @@ class LineQueue:
             self._is_sending = False
             self._changed.wait_for(lambda: self._first or self._waiting or self._closed, timeout)
             popped, self._first = list(self._first), deque()
-            self._is_sending = bool(self._waiting)
-            size = 0
-            while self._waiting and size < _AT_ONCE:
-                popped.append(self._waiting.popleft())
-                self._count(popped[-1], -1)
-                size += len(popped[-1].payload) + _COST
+            popped += self._waiting.pop(time.monotonic(), _AT_ONCE)
+            self._is_sending = bool(popped)
             return popped
 
     def is_late(self, message: LineMessage) -> bool:
@@ -95,7 +98,8 @@ class LineQueue:
         if message.due > max(time.monotonic(), self._cleared):
             return False
         with self._changed:
-            self.dropped += 1
+            self._waiting.dropped += 1
+            count(self._waiting.dropped_of, message.channel)
         return True
 
     def close(self) -> None:
@@ -108,27 +112,4 @@ class LineQueue:
         """Drop all messages except the protocol's, including popped ones that are not state."""
         with self._changed:
             self._cleared = time.monotonic() + LATE
-            self.dropped += len(self._waiting)
             self._waiting.clear()
-            self._of_channel.clear()
-            self._bytes = 0
-
-    def _replace(self, channel: str) -> None:
-        """Drop the oldest waiting message of a channel, if there is one."""
-        if channel not in self._of_channel:
-            return
-        for place, message in enumerate(self._waiting):
-            if message.channel == channel:
-                del self._waiting[place]
-                self._count(message, -1)
-                self.dropped += 1
-                return
-
-    def _count(self, message: LineMessage, times: int) -> None:
-        size = times * (len(message.payload) + _COST)
-        self._bytes += size
-        left = self._of_channel.get(message.channel, 0) + size
-        if left:
-            self._of_channel[message.channel] = left
-        else:
-            del self._of_channel[message.channel]

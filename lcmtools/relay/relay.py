@@ -43,6 +43,7 @@ from lcmtools.wire.packet import Packet
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
 _TURN = 0.05  # [s]
 _WAIT = 0.1  # [s]
+_SOON = 0.25  # [s] at least between two announcements of what was heard
 _SWITCH = 0.0002  # [s] that one thread may run while another one is ready
 _FLUSH = 0.5  # [s] at most at the end, for waiting messages
 
@@ -88,7 +89,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._carries = False
         lines = (side.identifier for side in self._sides if not side.end.is_quick)
         self._hold = Hold(lines, time.monotonic())
-        self._next_report = 0.0
+        self._next_report = self._next_observed = 0.0
         self._error: BaseException | None = None
         self._troubles = ["", ""]
         self._has_notified: bool | None = None
@@ -142,6 +143,7 @@ class Relay(AbstractContextManager["Relay"]):
             if changed or early or now >= self._next_report:
                 self._report(now)
             self._decide(now)
+            self._tell_observed(now)
             for presence in self._presences:
                 presence.attend()
             return replace(self._known.own, ends=self._states())
@@ -251,6 +253,16 @@ class Relay(AbstractContextManager["Relay"]):
         for side in self._sides:
             side.talk(protocol.RELAY_CHANNEL, self._payload(side))
 
+    def _tell_observed(self, now: float) -> None:
+        """Tell each bus, once a second and soon after a change, what is heard on the other one."""
+        is_new = any(side.has_new_route for side in self._sides)
+        if now < self._next_observed - (protocol.PERIOD - _SOON if is_new else 0.0):
+            return
+        self._next_observed = now + protocol.PERIOD
+        full = tuple(line for side in self._sides for line in side.full_line(now))
+        for side, presence in zip(self._sides, reversed(self._presences), strict=True):
+            presence.tell(side.observed() if self._carries else (), full)
+
     def _decide(self, now: float) -> None:
         active, own = self._known.carrying(), self._known.own.id
         for side in self._sides:
@@ -273,6 +285,7 @@ class Relay(AbstractContextManager["Relay"]):
         else:
             for side, announced in zip(self._sides, self._announced, strict=True):
                 side.queue.clear()  # it would mix with the next relay's messages
+                side.end.clear()
                 announced.forget()
         self._report(now)
 

@@ -113,6 +113,11 @@ class Direction:
                 return root + channel[len(start) :]
         return Reason.ELSEWHERE
 
+    def typed_name(self, channel: str) -> str:
+        """Return the name in the options of a channel of the bus that the rules are for."""
+        name = self.name(channel) if self._back else channel
+        return channel if isinstance(name, Reason) else name
+
     def _reason(
         self, topic: str, channel: str, types: Collection[str], *, obeyed: bool
     ) -> Reason | None:

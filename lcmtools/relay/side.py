@@ -7,21 +7,26 @@ import time
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from lcmtools.bus.paced import PACED_ABOVE_BYTES
+from lcmtools.bounded import BoundedDict
+from lcmtools.bus.udp_sender import PACED_ABOVE_BYTES
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import STALE_AFTER, Graph
+from lcmtools.graph.builder import MOST_NODES, GraphBuilder
+from lcmtools.graph.full_line import LineRates
+from lcmtools.graph.model import STALE_AFTER, FullLine, Graph, Traffic
 from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
 from lcmtools.graph.relay_report import End
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.simulators import is_simulator
+from lcmtools.relay.announcing import heard_of_programs, is_young, renamed
 from lcmtools.relay.ends import BusEnd
-from lcmtools.relay.line_queue import LATE, LineMessage, LineQueue
+from lcmtools.relay.fair_queue import LATE
+from lcmtools.relay.line_queue import LineMessage, LineQueue
 from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
 _MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
+_MOST_BYTES = 64 << 20  # of the latest messages that are kept
 _WAIT = 0.1  # [s]
 _SMALL = 16 << 10  # largest message [byte] kept for a topic that is not known to be latched
 
@@ -37,15 +42,19 @@ class Side:
         self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}
+        self.has_new_route = False  # since the last ``observed``
+        self._rates = LineRates()
         self._builder = GraphBuilder()
         self._graph: Graph | None = None
-        self._own_nodes: dict[str, int] = {}  # with the times of their last announcements
-        self._revisions: dict[bytes, bytes] = {}
+        # Nodes on this bus with the times of their last announcements.
+        self._own_nodes = BoundedDict[str, int](MOST_NODES, _MOST_BYTES)
+        self._revisions = BoundedDict[bytes, bytes](MOST_NODES, _MOST_BYTES)
         self._lock = threading.Lock()  # guards the graph
         self._routes: dict[tuple[str, bytes], Route] = {}
-        self._next: dict[str, float] = {}
-        self._last: dict[tuple[str, Sender | None], LineMessage] = {}
+        self._next = BoundedDict[str, float](_MOST_ROUTES)
+        self._last = BoundedDict[tuple[str, Sender | None], LineMessage](_MOST_ROUTES, _MOST_BYTES)
         self._messages = self._bytes = self._left_out = self._failed = 0
+        self.late = 0  # messages from this bus that were held up before they came here
 
     def sort(
         self, packets: list[Packet], other: "Side", *, passes: bool
@@ -53,8 +62,8 @@ class Side:
         """Return the messages of the protocol among these, and the messages for the other bus."""
         talk, passed = [], []
         takes_origin = other.end.takes_origin
-        idle, routes, left_out = self.idle, self._routes, 0
-        due = time.monotonic() + LATE
+        idle, routes, left_out, late = self.idle, self._routes, 0, 0
+        due, oldest = time.monotonic() + LATE, time.time_ns() - LATE * 1e9
         for packet in packets:
             channel, payload = packet.channel, packet.payload
             if channel in TALK_CHANNELS:
@@ -63,6 +72,8 @@ class Side:
                 route = routes.get((channel, payload[:8])) or self._route(packet, other)
                 if route.reason or (route.period and self._is_too_soon(packet, route.period)):
                     left_out += passes
+                elif packet.time < oldest and not route.latched:  # held up before it came here
+                    late += passes
                 else:
                     origin = origin_of(packet) if takes_origin else None
                     until = math.inf if route.latched else due
@@ -71,28 +82,29 @@ class Side:
                     if route.latched or len(payload) <= _SMALL:
                         self._keep(packet, message)  # also while standing by, for a takeover
         self._left_out += left_out
+        self.late += late
+        with self._lock:
+            self._builder.add_all([x for x in packets if x.channel not in TALK_CHANNELS])
         return talk, passed if passes else []
 
     def _keep(self, packet: Packet, message: LineMessage) -> None:
-        if len(self._last) >= _MOST_ROUTES:  # in case a program keeps inventing senders
-            self._last.clear()
-        self._last[packet.channel, packet.sender] = message
+        self._last.put((packet.channel, packet.sender), message, len(packet.payload))
 
     def add_announcement(self, packet: Packet) -> Announcement | None:
         """Add an announcement to the graph; return it."""
         with self._lock:
             announcement = self._builder.add(packet)
         if announcement is not None and not announcement.node.path:
-            self._own_nodes[announcement.node.id] = 0 if announcement.leaving else packet.time
+            identifier = announcement.node.id
+            time_ = 0 if announcement.leaving else packet.time
+            self._own_nodes.put(identifier, time_, len(identifier))
         return announcement
 
     def is_news(self, packet: Packet) -> bool:
         """Return whether an announcement has more news than new counts."""
         head = head_of(packet.payload)
-        is_same = self._revisions.get(head.identity) == head.revision
-        if len(self._revisions) >= _MOST_ROUTES:
-            self._revisions.clear()
-        self._revisions[head.identity] = head.revision
+        is_same = self._revisions.use(head.identity) == head.revision
+        self._revisions.put(head.identity, head.revision, len(head.identity) + len(head.revision))
         return not is_same
 
     def has(self, identifier: str) -> bool:
@@ -105,6 +117,27 @@ class Side:
             if self._graph is None:
                 self._graph = self._builder.snapshot(time.time_ns())
             return self._graph
+
+    def observed(self) -> tuple[Traffic, ...]:
+        """Return the recent messages of programs that are not nodes, as the other bus is told."""
+        with self._lock:
+            graph = self._builder.snapshot(time.time_ns())
+        self.has_new_route = any(is_young(seen, graph.time) for seen in graph.foreign())
+        return renamed(heard_of_programs(graph, self.bus), self.direction)
+
+    def full_line(self, now: float) -> tuple[FullLine, ...]:
+        """Return the line to this bus, if it takes less than it gets; ``now`` is monotonic [s]."""
+        queue, of_end = self.queue, self.end.dropped_of
+        dropped = dict(queue.dropped_of)
+        for channel, number in of_end.items():
+            dropped[channel] = dropped.get(channel, 0) + number
+        taken = dict(queue.passed_of).items()
+        passed = {name: number - of_end.get(name, 0) for name, number in taken}
+        rates = self._rates.update(passed, dropped, now)
+        if not rates:
+            return ()
+        named = ((self.direction.typed_name(name), rate) for name, rate in rates.items())
+        return (FullLine(self.bus, queue.dropped + self.end.dropped, tuple(named)),)
 
     def forget_routes(self) -> None:
         """Recompute which topics pass, because nodes have come or gone."""
@@ -174,7 +207,7 @@ class Side:
 
     def state(self, other: "Side | None" = None) -> End:
         """Return the state of the end, with its counts; its messages go to ``other``."""
-        trouble = self.end.trouble
+        trouble, late = self.end.trouble, other.late if other else 0
         return End(
             self.identifier,
             self.bus,
@@ -184,7 +217,7 @@ class Side:
             messages=self._messages,
             bytes=self._bytes,
             left_out=self._left_out,
-            dropped=self._failed + self.queue.dropped,
+            dropped=self._failed + self.queue.dropped + self.end.dropped + late,
             lost=sum(loss.lost for loss in self.end.losses().values()),
             commands=other.awaited(self.commands) if other and self.commands else (),
         )
@@ -198,14 +231,14 @@ class Side:
             self._routes.clear()
             self._last.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
+        self.has_new_route = True
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:
             self.commands[packet.channel] = str(name)
         return route
 
     def _types(self, packet: Packet) -> Collection[str]:
         """Return the possible types of a message: announced, or from its fingerprint."""
-        with self._lock:
-            announced = self._builder.types_of(packet.channel)
+        announced = {*self.graph().topic(packet.channel).types, packet.type_name} - {""}
         fingerprint = packet.fingerprint
         return {*announced, *(candidates(fingerprint) if fingerprint is not None else ())}
 

@@ -13,6 +13,7 @@ the start, so that the oldest relay stays active when another one comes.
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from lcmtools.graph.model import STALE_AFTER
 from lcmtools.graph.relay_report import End, Knowledge, Link, State
@@ -58,6 +59,11 @@ class _Sets:  # disjoint sets
         return first != second
 
 
+class _Heard(NamedTuple):  # the latest report of another relay's end at an own end
+    time: int  # [ns]
+    address: str  # of its sender, if the bus shows it
+
+
 class KnownRelays:
     """The relays that one relay knows of, itself among them.
 
@@ -67,9 +73,8 @@ class KnownRelays:
     def __init__(self, own: Link) -> None:
         self.own = own
         self._others: dict[str, tuple[Link, int]] = {}  # with the time of its newest report
-        self._addresses: dict[str, str] = {}
         self._forgotten: dict[str, int] = {}  # with their last numbers, as others may repeat these
-        self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
+        self._heard: dict[str, dict[str, _Heard]] = {end.id: {} for end in own.ends}
 
     def add_report(self, report: Knowledge, at_end: str, now: int, address: str = "") -> bool:
         """Add a report that arrived at an own end; return whether more than counts changed.
@@ -78,8 +83,7 @@ class KnownRelays:
         """
         before = self._essence()
         if report.end not in self._heard or report.end != at_end:  # not this end's own echo
-            self._heard[at_end][report.end] = now
-            self._addresses[report.end] = address
+            self._heard[at_end][report.end] = _Heard(now, address)
         for link in report.links:
             known = self._others.get(link.id)
             number = known[0].number if known else self._forgotten.get(link.id, -1)
@@ -120,15 +124,15 @@ class KnownRelays:
         """Return the senders at an own end that belong to relays which should not carry."""
         heard = self._heard[at_end]
         others = (end for link in self.links()[1:] if link.id not in active for end in link.ends)
-        ends = ((self._addresses[end.id], end.ports) for end in others if end.id in heard)
+        ends = ((heard[end.id].address, end.ports) for end in others if end.id in heard)
         return frozenset(Sender(address, port) for address, ports in ends for port in ports)
 
     def _refresh(self, now: int) -> None:
         ends = []
         for end in self.own.ends:
             heard = self._heard[end.id]
-            for silent in [one for one, time in heard.items() if now - time > STALE_AFTER]:
-                del heard[silent], self._addresses[silent]
+            for silent in [one for one, last in heard.items() if now - last.time > STALE_AFTER]:
+                del heard[silent]
             ends.append(replace(end, heard=tuple(sorted(heard))))
         self.own = replace(self.own, ends=(ends[0], ends[1]))
 

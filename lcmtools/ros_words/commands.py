@@ -14,31 +14,67 @@ _SERVICE_TYPES = "lcmtools srv list lists the service types of all packages"
 _NO_QOS = "LCM has no QoS: delivery is best effort"
 _NO_DAEMON = "there is no daemon to wait for: the nodes answer at once"
 _AS_IT_COMES = "messages are written as they arrive"
+_NO_ACTIONS = "LCM has no actions: publish goal and result as messages, or write a service"
+_NO_ENVIRONMENT = "no terminal needs to be prepared: there is nothing to source or to load"
+_NO_INSTALLATION = "no package of ROS needs to be installed; lcmtools run --list shows the nodes"
+_ONE_PROGRAM = "lcmtools run starts a node as a program of its own, lcmtools node kill ends it"
+_PACKAGES = "lcmtools pkg list shows the packages; their dependencies are in pyproject.toml"
+_WORLDS = "lcmtools lab start NAME starts a lab's simulator, lcmtools run sim WORLD any world"
 _PACK = "--compress zstd or lz4"
 _SPLIT = "--split 1GB, or 10m, starts a new file at that size or time"
 
 COMMANDS: Mapping[str, str | tuple[str, ...]] = {
+    "action": _NO_ACTIONS,
+    "apt": _NO_INSTALLATION,
+    "apt-get": _NO_INSTALLATION,
+    "bag burst": "lcmtools bag play plays one message for each ., after SPACE",
     "bag compress": _COMPRESS,
     "bag convert": "lcmtools bag export writes other formats, bag import reads bags of ROS",
     "bag decompress": _COMPRESS,
+    "bag decrypt": "logs are not encrypted",
+    "bag encrypt": "logs are not encrypted",
     "catkin_init_workspace": NO_BUILD,
+    "component": _ONE_PROGRAM,
     "daemon": "there is none: the nodes answer at once",
     "gazebo": _LOOK,
+    "gz": _LOOK,
     "gzclient": _LOOK,
     "gzserver": "lcmtools run sim starts the simulator",
+    "ign": _LOOK,
+    "lifecycle": _ONE_PROGRAM,
+    "load_ros": _NO_ENVIRONMENT,
+    "module": _NO_ENVIRONMENT,
+    "morse": _WORLDS,
+    "msg users": "lcmtools find TYPE lists the topics of a type",
+    "multicast": "lcmtools wtf checks whether multicast works",
     "param delete": "a node has its parameters for as long as it runs; param set gives one another"
     " value",
+    "pkg depends": _PACKAGES,
+    "pkg depends-on": _PACKAGES,
+    "pkg depends1": _PACKAGES,
+    "pkg executables": "lcmtools run --list lists the nodes, lcmtools run PACKAGE those of one",
+    "pkg langs": "nodes are written in Python; plain LCM programs in any language take part",
+    "pkg list-names": "lcmtools pkg list shows the packages",
+    "pkg plugins": _PACKAGES,
+    "pkg profile": _PACKAGES,
+    "pkg rosdep": _PACKAGES,
+    "pkg xml": _PACKAGES,
     "rosbag": ("bag",),
-    "roscd": 'cd "$(lcmtools pkg find NAME)"',
     "rosclean": "each launch keeps its logs in ~/.local/state/lcmtools/log",
     "roscore": "LCM has no master: start the nodes, for example lcmtools run sim",
+    "roscp": 'cp "$(lcmtools pkg find NAME)/FILE" .',
     "rosdep": "a package's Python dependencies are in its pyproject.toml; pip installs them",
+    "rosed": 'nano "$(lcmtools pkg find NAME)/FILE"',
+    "rosinstall": "git clone gets a package; lcmtools run finds it in the current folder",
     "roslaunch": ("launch",),
+    "rosls": 'ls "$(lcmtools pkg find NAME)"',
+    "rosmake": ("pkg", "build"),
     "rosmaster": "LCM has no master: start the nodes, for example lcmtools run sim",
     "rosmsg": ("msg",),
     "rosnode": ("node",),
     "rospack": ("pkg",),
     "rosparam": ("param",),
+    "rospub": ("pub",),
     "rosservice": ("service",),
     "rossrv": ("srv",),
     "rostest": "pytest runs a package's tests; lcmtools lab check checks the programs of a lab",
@@ -51,20 +87,30 @@ COMMANDS: Mapping[str, str | tuple[str, ...]] = {
     "rqt_graph": ("graph",),
     "rqt_gui": _PANELS,
     "rqt_plot": "lcmtools gui plot TOPIC/FIELD draws in the browser, lcmtools plot in the terminal",
-    "rqt_reconfigure": "lcmtools param list -v shows the parameters, param set changes one",
+    "rqt_reconfigure": "lcmtools gui parameters, in the browser; lcmtools param set in a shell",
     "rqt_robot_steering": "lcmtools gui steer TOPIC, or run steering TOPIC in the terminal",
+    "rqt_service_caller": "lcmtools gui services, in the browser; lcmtools service call in a shell",
+    "rqt_tf_tree": "lcmtools echo /tf",
     "rqt_topic": ("spy",),
     "rviz": _LOOK,
     "rviz2": _LOOK,
+    "security": "LCM has no security: lcmtools relay connects buses that you keep apart",
+    "service echo": "lcmtools service info NAME shows the node, service call NAME calls it",
     "service node": "lcmtools service info NAME shows the node, its host and its process",
     "service uri": "lcmtools service info NAME shows the node, its host and its process",
-    "source": "nothing needs to be sourced: lcmtools finds packages from the current folder",
+    "source": _NO_ENVIRONMENT,
     "srv md5": "lcmtools msg md5 NAME_Request, and NAME_Response, print the fingerprints",
     "srv package": _SERVICE_TYPES,
     "srv packages": _SERVICE_TYPES,
+    "static_transform_publisher": "lcmtools pub -r 10 /tf tf2_msgs/TFMessage publishes transforms",
+    "sudo": _NO_INSTALLATION,
     "teleop_twist_keyboard": ("run", "teleop"),
+    "test": "pytest runs a package's tests; lcmtools lab check checks the programs of a lab",
+    "tf2_echo": "lcmtools echo /tf",
     "tf_echo": "lcmtools echo /tf",
+    "tf_monitor": "lcmtools hz /tf",
     "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
+    "view_frames": "lcmtools echo /tf",
 }
 """A hint where there is no such command here, or the words in its place."""
 OPTIONS: Mapping[str, str] = {
@@ -105,6 +151,8 @@ OPTIONS: Mapping[str, str] = {
     "bag record --regex": "TOPIC may be a pattern in quotes: '/husky*/**'",
     "bag record --repeat-latched": "each file of --split begins with what is latched",
     "bag record --size": _SPLIT,
+    "pkg create --build-type": "a package needs no build: leave it out",
+    "pkg create --node-name": "--node names the node",
     "launch -p": "LCM has no master; --lcm-url and --domain choose the bus",
     "launch --required": "required is a key of a node in the file",
     "run --prefix": "put it in front: gdb --args lcmtools run NODE",
@@ -114,3 +162,13 @@ PREFIXES = ("ament", "catkin", "colcon", "gz", "ros", "rqt", "rviz", "tf2_")
 """The beginnings of programs' names."""
 NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 """Dependencies that have no messages."""
+PACKAGE_OPTIONS: Mapping[str, str] = {
+    **dict.fromkeys(("--license", "-l"), "--license"),
+    "--node-name": "--node",
+    "--destination-directory": "DIR",
+    **dict.fromkeys(("--author", "-a", "--maintainer", "-m", "--meta", "--rosdistro"), ""),
+    **dict.fromkeys(("--description", "-D", "--pkg_version", "-V", "--build-type"), ""),
+    **dict.fromkeys(("--package-format", "--library-name", "--maintainer-email"), ""),
+    "--maintainer-name": "",
+}
+"""Options with a value, of catkin_create_pkg and ros2 pkg create: lcmtools' own, or "" for none."""

@@ -11,6 +11,7 @@ fragment       "LC03" seqno:u32 message_size:u32 offset:u32 number:u16 count:u16
 
 import struct
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 MAGIC_SHORT = b"LC02"
@@ -23,6 +24,7 @@ MESSAGE_MAX = 1 << 28
 """liblcm's receivers refuse larger messages, in bytes."""
 
 _SHORT_HEADER = struct.Struct(">4sI")
+_pack_short = _SHORT_HEADER.pack
 _FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
 SHORT_HEADER_BYTES, FRAGMENT_HEADER_BYTES = _SHORT_HEADER.size, _FRAGMENT_HEADER.size
 CHANNEL_MAX = 63
@@ -67,8 +69,7 @@ def parse(datagram: bytes) -> ShortMessage | Fragment | MalformedDatagram:
 
 def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
     """Return the datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
-    name = _channel_bytes(channel)
-    return _SHORT_HEADER.pack(MAGIC_SHORT, seqno & 0xFFFFFFFF) + name + payload
+    return _pack_short(MAGIC_SHORT, seqno & 0xFFFFFFFF) + _channel_bytes(channel) + payload
 
 
 def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
@@ -101,6 +102,7 @@ def datagrams(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
         yield from fragments(seqno, channel, payload)
 
 
+@lru_cache(1024)  # called for each message sent
 def _channel_bytes(channel: str) -> bytes:
     # surrogateescape: a channel that is not UTF-8 keeps its bytes, on the way in and out
     return channel.encode("utf-8", "surrogateescape") + b"\0"

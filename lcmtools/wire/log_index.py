@@ -25,6 +25,7 @@ from base64 import b64decode, b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any, NamedTuple
 
 from lcmtools.wire.log_events import HEAD_BYTES
@@ -35,6 +36,9 @@ SUFFIX = ".index"
 """The index of ``ride.lcmlog`` is ``ride.lcmlog.index``."""
 
 
+_MOST = (1 << 64) - 1
+_LATEST = 1000 << 63
+"""The largest time of an event [ns], which the log has in microseconds."""
 _BLOCK_BYTES = 8 << 20  # a block ends after this many bytes ...
 _BLOCK_TIME = 2_000_000_000  # ... or this much time in the log [ns] ...
 _BLOCK_SHARE = 256  # ... but not before it has this part (1/256) of all bytes before it
@@ -226,11 +230,29 @@ def parse_index(lines: Iterable[str]) -> LogIndex | None:
     return known
 
 
+def _number(value: object, least: int = 0, most: int = _MOST) -> int:
+    """Return a whole number; ValueError if it is another value, or one that no log has."""
+    if type(value) is not int or not least <= value <= most:
+        raise ValueError(value)
+    return value
+
+
+def _time(value: object) -> int:
+    return _number(value, -_LATEST, _LATEST)
+
+
+def _text(value: object) -> str:
+    """Return a text; ValueError for surrogates that do not stand for a byte."""
+    text = str(value)
+    text.encode("utf-8", "surrogateescape")
+    return text
+
+
 def _rows(lines: Iterable[str]) -> Iterator[tuple[str, Any]]:
     for line in lines:
         try:
             row = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):  # nested too deeply
             return
         if not (isinstance(row, dict) and len(row) == 1):
             return
@@ -239,40 +261,52 @@ def _rows(lines: Iterable[str]) -> Iterator[tuple[str, Any]]:
 
 def _add_row(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - any value of JSON
     if key == "block":
-        index.blocks.append(_block(value))
+        block = _block(value)
+        if block.start < index.end:
+            raise ValueError("blocks follow each other")
+        index.blocks.append(block)
     elif key == "sender":
         number, at, name, *_ = value
-        sender = Sender(str(at[0]), int(at[1])) if at else None
-        index.senders[int(number)] = RecordedSender(sender, str(name))
+        sender = Sender(_text(at[0]), _number(at[1])) if at else None
+        index.senders[_number(number, -1)] = RecordedSender(sender, _text(name))
     elif key == "type":
         name, digits, path, source, *_ = value
-        one = RecordedType(name, int(digits, 16), str(path), str(source))
+        one = RecordedType(_text(name), _number(int(digits, 16)), _text(path), _text(source))
         is_new = index.types.get(name, one).fingerprint == one.fingerprint
         index.types[name if is_new else f"{name}@{digits}"] = one
     elif key == "node":
         time, number, text, *_ = value
-        index.nodes.append(RecordedNode(int(time), int(number), b64decode(text)))
+        index.nodes.append(RecordedNode(_time(time), _number(number, -1), b64decode(text)))
     elif key == "lost":
         time, counts, *_ = value
-        found = {int(number): (int(a), int(b)) for number, (a, b, *_) in counts.items()}
-        index.lost.append(LostMessages(int(time), found))
+        found = {int(n): (_number(a, -_MOST), _number(b)) for n, (a, b, *_) in counts.items()}
+        index.lost.append(LostMessages(_time(time), found))
     elif key == "end":
-        index.size = int(value)
+        index.size = _number(value)
 
 
 def _block(value: Sequence[Any]) -> Block:
     start, end, first, last, counts, *back = value
-    channels = {
-        name: ChannelCount(
-            messages, size + 0, senders, first + begin, first + stop, gap + 0, number
-        )
-        for name, (messages, size, senders, begin, stop, gap, number, *_) in counts.items()
-    }
-    for one in channels.values():
-        runs = one.senders
-        if (runs[0][1] if len(runs) == 1 else sum(run[1] for run in runs)) != one.messages:
-            raise ValueError("each message has a sender")
-    return Block(int(start), int(end), int(first), int(last), channels, *map(int, back[:1]))
+    channels = {name: _count(_time(first), count[:7]) for name, count in counts.items()}
+    block = Block(_number(start), _number(end), _time(first), _time(last), channels)
+    block.back = _number(back[0], most=_LATEST) if back else 0
+    if block.event_bytes > block.end - block.start:
+        raise ValueError("more events than there is place for")
+    return block
+
+
+def _count(first: int, values: Sequence[Any]) -> ChannelCount:
+    """Return the count of a channel in a block, checked at the speed of long indexes."""
+    messages, size, senders, begin, stop, gap, number = values
+    numbers = (messages, size, begin, stop, gap, *chain.from_iterable(senders))
+    if {*map(type, numbers)} != {int} or not -_LATEST <= min(numbers) <= max(numbers) <= _LATEST:
+        raise ValueError("not whole numbers")
+    runs = senders[0][1] if len(senders) == 1 else sum(run for _, run in senders)
+    if runs != messages or min(messages - 1, size, gap) < 0:
+        raise ValueError("each message has a sender")
+    if number is not None:
+        _number(number)
+    return ChannelCount(messages, size, senders, first + begin, first + stop, gap, number)
 
 
 def disorder(blocks: Iterable[Block]) -> int:

@@ -6,6 +6,7 @@ Sans-I/O: bytes, senders and times come in as arguments, and no datagram makes i
 import struct
 from collections.abc import Iterable
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import (
     CHANNEL_MAX,
@@ -18,7 +19,7 @@ from lcmtools.wire.datagram import (
     parse,
 )
 from lcmtools.wire.packet import Datagram, Packet, Sender
-from lcmtools.wire.reassembly import Reassembler
+from lcmtools.wire.reassembly import INCOMPLETE, Reassembler
 from lcmtools.wire.sequence import Sequence
 
 HEAD_BYTES = 1024
@@ -27,7 +28,8 @@ HEAD_BYTES = 1024
 PROTOCOL_PREFIX = "/_lcmtools/"
 """The prefix of the channels of announcements and probes, which are read whole."""
 
-_MOST_SENDERS = _MOST_CHANNELS = 1000  # senders and channels that are remembered
+_MOST_SENDERS, _MOST_CHANNELS = 4000, 1000  # that are remembered
+_MOST_MALFORMED = 1000  # senders whose faults are remembered
 _LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # latest end of a channel in a short message
 _number = struct.Struct(">4xI").unpack_from  # the sequence number of a message
 _new = tuple.__new__  # creates a named tuple in half the time
@@ -45,17 +47,17 @@ class Reader:
         self._whole = whole
         self._always_whole = always_whole
         self._reassembler = Reassembler()
-        self._channels: dict[bytes, str] = {}
+        self._channels: dict[bytes, str] = {}  # cleared when full: a look-up is all that it saves
         self._joined: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
         """True if it needs more than the first fragment of messages."""
         self.largest_whole = 0
         """The size of the largest fragmented message on channels that are assembled [byte]."""
-        self.malformed: dict[Sender, str] = {}
+        self.malformed = BoundedDict[Sender, str](_MOST_MALFORMED)
         """The last error of each sender whose datagrams could not be read."""
-        self.sequences: dict[Sender, Sequence] = {}
+        self.sequences = BoundedDict[Sender, Sequence](_MOST_SENDERS)
         """Each sender's sequence numbers, which show its losses."""
-        self.ttls: dict[Sender, int] = {}
+        self.ttls = BoundedDict[Sender, int](_MOST_SENDERS)
         """Each sender's time to live: the number of routers that its datagrams may pass."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
@@ -82,12 +84,11 @@ class Reader:
             packets.append(packet)
             if sender is not before:
                 before, known_ttl = sender, self.ttls.get(sender)
-                sequence = self.sequences.get(sender) or self._sequence(sender)
+                sequence = self.sequences.use(sender) or self._sequence(sender)
             sequence.add(seqno)
             if ttl != known_ttl and ttl is not None and packet.channel != SELF_TEST_CHANNEL:
                 known_ttl = ttl
-                if sender in self.sequences:
-                    self.ttls[sender] = ttl
+                self.ttls[sender] = ttl
         return packets
 
     def _read_other(self, data: bytes, sender: Sender, time: int) -> tuple[Packet, int] | None:
@@ -98,17 +99,16 @@ class Reader:
         if isinstance(message, Fragment):
             joined = self._join(message, sender, time)
             return joined and (joined, message.seqno)
-        if isinstance(message, MalformedDatagram) and (
-            len(self.malformed) < _MOST_SENDERS or sender in self.malformed
-        ):
+        if isinstance(message, MalformedDatagram):
             self.malformed[sender] = message.reason
         return None
 
     def _decode_channel(self, name: bytes) -> str:
         """Return the channel for encoded bytes; cached, because a stream repeats one name."""
         channel = name.decode("utf-8", "surrogateescape")
-        if len(self._channels) < _MOST_CHANNELS:
-            self._channels[name] = channel
+        if len(self._channels) >= _MOST_CHANNELS:
+            self._channels.clear()
+        self._channels[name] = channel
         return channel
 
     def want_whole(self, channels: tuple[str, ...]) -> None:
@@ -125,7 +125,8 @@ class Reader:
         self.largest_whole = max(self.largest_whole, fragment.message_size)
         if channel is not None or sender in self.sequences:  # else begun before this
             self._sequence(sender).begin(seqno)
-        whole = self._reassembler.add(sender, fragment)
+        self._reassembler.drop_before(time - INCOMPLETE)
+        whole = self._reassembler.add(sender, fragment, time)
         if whole is None:
             return None
         self._joined.pop((sender, seqno), None)
@@ -137,18 +138,16 @@ class Reader:
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
             return fragment.channel is None and key in self._joined
         self.needs_all = True
-        if len(self._joined) >= _MOST_SENDERS:
+        if len(self._joined) >= _MOST_CHANNELS:
             self._joined.pop(next(iter(self._joined)))
         self._joined[key] = None
         return True
 
     def _sequence(self, sender: Sender) -> Sequence:
-        """Return a sender's sequence; for more than a thousand senders, no more are kept."""
-        known = self.sequences.get(sender)
+        """Return a sender's sequence."""
+        known = self.sequences.use(sender)
         if known is None:
-            known = Sequence()
-            if len(self.sequences) < _MOST_SENDERS:
-                self.sequences[sender] = known
+            known = self.sequences[sender] = Sequence()
         return known
 
 

@@ -2,7 +2,8 @@
 
 Sans-I/O. Each LCM instance numbers its messages, so a gap is a lost message. A late message closes
 its gap again; numbers that restart are another run of the program. An incomplete message counts as
-lost once a later one has begun.
+lost once a later one of several parts has begun, or many others have come: while a sender paces a
+large message, it sends small ones with later numbers.
 """
 
 _MODULUS = 1 << 32
@@ -10,6 +11,8 @@ _MOST_LATE = 1000
 """A number at most this far behind the newest is late; one further behind is a restart."""
 _MOST_RESTARTS = 1
 """Restarts expected of one program on a port; if several share it, there are many more."""
+_MOST_BETWEEN = 100
+"""Messages that come at most between the parts of a large one that is still on its way."""
 _MOST_LOST = 1 << 20
 """A jump over more messages than this is a restart, not a loss."""
 
@@ -17,7 +20,7 @@ _MOST_LOST = 1 << 20
 class Sequence:
     """The sequence numbers of one sender's messages, in order of arrival."""
 
-    __slots__ = ("_lost", "_missing", "_newest", "messages", "restarts")
+    __slots__ = ("_begun", "_lost", "_missing", "_newest", "messages", "restarts")
 
     def __init__(self) -> None:
         self.messages = 0
@@ -25,7 +28,7 @@ class Sequence:
         self.restarts = 0
         """The number of restarts; many if several programs share the port."""
         self._lost = 0
-        self._newest = -1
+        self._newest = self._begun = -1
         self._missing: set[int] = set()
 
     @property
@@ -41,7 +44,8 @@ class Sequence:
     @property
     def lost(self) -> int:
         """The number of messages between the first and the newest that did not arrive."""
-        return self._lost - (self._newest in self._missing)  # more parts of that one may come
+        is_coming = self._begun in self._missing and self._newest - self._begun <= _MOST_BETWEEN
+        return self._lost - is_coming  # more parts of that one may come
 
     def begin(self, seqno: int) -> None:
         """Take the number of a message whose first parts have arrived."""
@@ -49,7 +53,7 @@ class Sequence:
         if 0 < step <= _MOST_LOST:
             if step > 1:
                 self._leap(seqno, step)
-            self._newest = seqno
+            self._newest = self._begun = seqno
             self._lost += 1
             self._missing.add(seqno)
 

@@ -16,6 +16,11 @@ from lcmtools.wire.datagram import MESSAGE_MAX
 SERVER_GREETING = struct.pack(">II", 0x287617FA, 0x0100)
 CLIENT_GREETING = struct.pack(">II", 0x287617FB, 0x0100)
 PUBLISH, SUBSCRIBE, UNSUBSCRIBE = 1, 2, 3
+LARGE = "/_lcmtools/large/"
+"""Begins a pattern that matches no channel; the address of a client's first connection follows.
+
+Who subscribes to it gets the large messages for that client.
+"""
 
 _WORD, _HEAD = 4, 8  # bytes of a number; bytes of the kind and the first size
 _MOST_NAME = {PUBLISH: 255, SUBSCRIBE: 4096, UNSUBSCRIBE: 4096}
@@ -35,9 +40,10 @@ class Frame(NamedTuple):
 
 
 class FrameReader:
-    """Splits the bytes of one client into frames, in whatever pieces they come."""
+    """Splits the bytes of a client, or a server, into frames, in whatever pieces they come."""
 
-    def __init__(self) -> None:
+    def __init__(self, greeting: bytes = CLIENT_GREETING) -> None:
+        self._greeting = greeting
         self.is_greeted = False  # True if the client has sent its greeting
         self._bytes = bytearray()
 
@@ -58,10 +64,10 @@ class FrameReader:
         del waiting[:place]
 
     def _read_greeting(self) -> int:
-        start = bytes(self._bytes[: len(CLIENT_GREETING)])
-        if not CLIENT_GREETING[:_WORD].startswith(start[:_WORD]):
+        start = bytes(self._bytes[: len(self._greeting)])
+        if not self._greeting[:_WORD].startswith(start[:_WORD]):
             raise StreamError(f"it does not speak tcpq, it begins with {start!r}")
-        self.is_greeted = len(start) == len(CLIENT_GREETING)
+        self.is_greeted = len(start) == len(self._greeting)
         return len(start) if self.is_greeted else 0
 
     def _end_of_frame(self, start: int) -> int:
@@ -89,6 +95,11 @@ def publish_frame(channel: str, payload: bytes) -> bytes:
     """Return the frame of a message."""
     size = len(payload).to_bytes(_WORD, "big")
     return b"".join((_named(PUBLISH, channel), size, payload))
+
+
+def subscribe_frame(pattern: str) -> bytes:
+    """Return the frame of a subscription."""
+    return _named(SUBSCRIBE, pattern)
 
 
 def payload_of(frame: Frame) -> bytes:

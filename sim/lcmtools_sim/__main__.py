@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from lcmtools.errors import LcmtoolsError, needing_extra
+from lcmtools.escapes import ESCAPES
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -18,7 +19,8 @@ def main(args: Sequence[str] | None = None) -> int:
             from lcmtools_sim.main import run
         return run(list(sys.argv[1:] if args is None else args))
     except LcmtoolsError as error:
-        print(f"lcmtools run sim: {error}", file=sys.stderr)  # noqa: T201 - the command's edge
+        line = f"lcmtools run sim: {error}".translate(ESCAPES)
+        print(line, file=sys.stderr)  # noqa: T201 - the command's edge
         return error.exit_code
     except KeyboardInterrupt:
         return 0

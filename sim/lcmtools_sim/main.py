@@ -13,6 +13,7 @@ from dataclasses import replace
 from lcmtools import __version__
 from lcmtools.arguments import split_arguments
 from lcmtools.errors import MissingExtra
+from lcmtools.escapes import ESCAPES, ESCAPES_IN_LINES
 from lcmtools_sim.engines import chosen_engine, engine_version
 from lcmtools_sim.options import Options, parse_options
 from lcmtools_sim.scene import Scene, contents, fleet, selected, with_robot
@@ -60,12 +61,13 @@ def _inform(options: Options) -> int | None:
         text = f"{options.check}: {'read in part' if code else 'ok'}, {contents(scene)}"
     else:
         return None
-    print(text)  # noqa: T201 - the command's edge
+    print(text.translate(ESCAPES_IN_LINES))  # noqa: T201 - the command's edge
     return code
 
 
 def _warn(text: str) -> None:
-    print(f"lcmtools run sim: {text}", file=sys.stderr)  # noqa: T201 - the command's edge
+    line = f"lcmtools run sim: {text}".translate(ESCAPES)
+    print(line, file=sys.stderr)  # noqa: T201 - the command's edge
 
 
 def _check_starts(scene: Scene, engine: str) -> None:

@@ -175,6 +175,21 @@ def test_url_that_wins_over_a_domain_says_so(
     assert error.splitlines()[0] == "lcmtools: --domain 3 has no effect: --lcm-url takes precedence"
 
 
+@pytest.mark.parametrize("command", ["list", "config", "relay {url} {url}"])
+def test_an_option_of_a_url_that_has_no_effect_is_named(
+    command: str,
+    bus_url: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    url = f"{bus_url}&tt1=1"
+    monkeypatch.setenv("LCM_DEFAULT_URL", url)
+    main(command.format(url=url).split())
+    note = f"{url}: tt1=1 has no effect; did you mean ttl?"
+    source = "BUS" if "relay" in command else "LCM_DEFAULT_URL"
+    assert capsys.readouterr().err.splitlines()[0] == f"lcmtools: {source} {note}"
+
+
 def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(
     complaint: Complaint, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,6 +1,7 @@
 """Commands of ROS and catkin, typed behind lcmtools, do what is meant and say how it is typed."""
 
 import re
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,9 @@ Run = Callable[..., Any]
         ("rosrun roscpp_tutorials talker __ns:=/a", "run talker __ns:=/a"),
         ("rosrun talker", "run talker"),
         ("rosrun my_package my_node", "run my_package my_node"),
+        ("rosrun no_such_package talker", "run no_such_package talker"),
+        ("rosrun no_such_package rqt_graph", "run no_such_package rqt_graph"),
+        ("ros2 run no_such_package image_view", "run no_such_package image_view"),
         ("rqt_image_view /camera", "run image_view image:=/camera"),
         ("image_view image:=/camera", "run image_view image:=/camera"),
         ("image_view image:=/camera --timeout 3", "run image_view image:=/camera --timeout 3"),
@@ -70,6 +74,22 @@ def test_a_command_of_ros_becomes_the_one_that_is_meant(
 ) -> None:
     assert " ".join(instead("", typed.split())) == meant
     assert capsys.readouterr().err == f"{typed.split(maxsplit=1)[0]} is here: lcmtools {meant}\n"
+
+
+@pytest.mark.parametrize(
+    "value", ["data: 'a\nb'", "a\tb\\n", "it's \x1b[2J\u0085 ü 你\n", "plain", "two words"]
+)
+def test_the_translated_command_can_be_pasted_into_a_shell(
+    value: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    instead("", ["rostopic", "pub", "/chatter", "std_msgs/String", value])
+    (line,) = capsys.readouterr().err.splitlines()
+    typed = line.partition("lcmtools ")[2]
+    shell = ["bash", "-c", f"printf '%s|' {typed}"]
+    found = subprocess.run(
+        shell, capture_output=True, text=True, check=True, env={"LC_ALL": "C.UTF-8"}
+    )
+    assert found.stdout == f"topic|pub|/chatter|std_msgs/String|{value}|"
 
 
 def test_a_dependency_without_messages_is_left_out_and_named(

@@ -27,7 +27,7 @@ import pytest
 
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import choose_url
-from lcmtools.graph.model import Graph
+from lcmtools.graph.model import Graph, Node
 
 _PACKAGES = Path(sysconfig.get_path("purelib"))
 _HERE = Path(__file__).parent
@@ -242,6 +242,18 @@ class World:
         """Return whether a program of this user listens to the usual bus."""
         rows = Path("/proc/thread-self/net/udp").read_text().splitlines()[1:]
         return any(row.split()[7] == str(user) and row.split()[1].endswith(":1DF3") for row in rows)
+
+    def node_of(self, program: Any) -> Node:
+        """The node of a program, as it is announced."""
+        found: list[Node] = []
+
+        def is_there() -> list[Node]:
+            found[:] = [one for one in self.graph().nodes if one.pid == program.pid]
+            return found
+
+        self.until(is_there)  # on a busy computer an answer may be late
+        (node,) = found
+        return node
 
     def of_node(self, name: str, **environment: str) -> Any:
         """The program of a node."""

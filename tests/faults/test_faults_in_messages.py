@@ -1,6 +1,7 @@
 """Faults in messages: lost, from two, slower, slow simulated time, odd values, wrong types."""
 
 import signal
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -49,6 +50,27 @@ while True:
     if number == 3:
         print("sends", flush=True)
     time.sleep(0.03)
+"""
+SHARES = """
+import socket, struct, sys, time
+out, number = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0
+out.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+out.bind(("", 7667))
+while True:
+    number += 1
+    head = b"LC02" + struct.pack(">I", number) + sys.argv[1].encode() + b"\\0"
+    out.sendto(head + eval(sys.argv[2]), ("239.255.76.67", 7667))
+    if number == 3:
+        print("sends", flush=True)
+    time.sleep(0.05)
+"""
+EAR = """
+import lcmtools
+from lcmtools.types.std_msgs import Int32
+lcmtools.init()
+node = lcmtools.Node("ear")
+node.create_subscription(Int32, "BIG", lambda _: None, 10, plain_channel=True)
+lcmtools.spin(node)
 """
 NAN_IN_COVARIANCE = "m = ODOM; m.pose.covariance[7] = math.nan"
 ODOM = "Odometry(); m.pose.pose.orientation.w = 1.0; m.header.stamp = now"
@@ -127,6 +149,19 @@ def test_large_messages_of_which_a_part_never_comes(world: Any) -> None:
     world.finds("loss", f"(pid {sender.pid})", "before they left it")
 
 
+def test_a_node_that_receives_large_messages_without_their_ends(world: Any) -> None:
+    listener = world.script(EAR)
+    world.until(lambda: listener.pid in world.pids())
+    sender = world.script(RAW, "part(3000, 0, 0, 3, bytes(1000))", ready="sends")
+    (found,) = world.look("--rule", "incomplete-messages", wait="2.5s")
+    assert found.items[0].startswith("/ear lost ")
+    assert found.items[0].endswith(" large messages of 'BIG': parts of them did not arrive")
+    assert "smaller messages on 'BIG'" in found.remedies[0]
+    world.end(sender)
+    world.script(RAW, "part(1000, 0, 0, 1, bytes(1000))", ready="sends")
+    world.until(lambda: not world.look("--rule", "incomplete-messages", wait="1.2s"))
+
+
 def _sends(world: Any, statements: str) -> Any:
     made = statements.replace("ODOM", ODOM)
     stamp = "now = Time(); now.sec = int(time.time()); "
@@ -138,11 +173,22 @@ def _sends(world: Any, statements: str) -> Any:
     [
         (f"{NAN_IN_COVARIANCE}; SEND", "not-finite", "pose.covariance[7] is nan"),
         ("m = ODOM; bus.publish('/it', m.encode()[:-5])", "undecodable", "nav_msgs/Odometry"),
+        (
+            "m = ODOM; m.pose.covariance[1] = 0.5; SEND",
+            "covariances",
+            "pose.covariance is not symmetric: [6] and [1] are 0 and 0.5",
+        ),
+        (
+            "m = ODOM; m.header.stamp.sec = 1_600_000_000; SEND",
+            "stamps",
+            "a time long ago",
+        ),
     ],
 )
 def test_odd_contents(world: Any, statements: str, rule: str, what: str) -> None:
     sender = _sends(world, statements)
-    world.finds(rule, "/it from ", f"(pid {sender.pid})", what, wait="0.3s")
+    found = world.finds(rule, "/it from ", f"(pid {sender.pid})", what, wait="0.3s")
+    assert found.severity == "warning"
     world.end(sender)
     _sends(world, GOOD)
     world.is_silent(wait="0.3s")
@@ -164,10 +210,25 @@ def test_of_java_programs_that_share_a_port_the_candidates_are_named(world: Any)
     world.finds("type-mismatch", f"(pid {ears.pid})", f"(pid {sender.pid})", " or ")
 
 
+def test_of_programs_that_share_a_port_as_those_of_java_do_one_sends_elsewhere(world: Any) -> None:
+    world.node("listener")
+    head = "bytes.fromhex('2e7c07d7cdf7e027') + bytes(48)"  # geometry_msgs/Twist
+    sender = world.script(SHARES, "/chatter", head, ready="sends")
+    other = world.script(SHARES, "/other", "bytes(8)", ready="sends")
+    found = world.finds("type-mismatch", f"(pid {sender.pid})", f"(pid {other.pid})", " or ")
+    assert "another channel" in found.everything or "/chatter:=/chatter_2" in found.everything
+    world.end(sender)
+    world.end(other)
+    world.node("talker")
+    world.is_silent()
+
+
 @pytest.mark.parametrize(
     ("payload", "form"),
     [
         ("b'{\"speed\": %d}' % number", "JSON"),
+        ("b'{}'", "JSON"),
+        ("b'[%d]' % number", "JSON"),
         ("b'speed=%d' % number", "text"),
         ("bytes([8, number % 100, 18, 5]) + b'hello'", "protobuf"),
     ],
@@ -177,6 +238,9 @@ def test_payloads_that_are_no_lcm_messages(world: Any, payload: str, form: str) 
     sender = world.sends(f"bus.publish('IT', {payload})")
     found = world.finds("unknown-type", sender.pid, "not LCM messages", f"): {form}")
     assert found.severity == "note"
+    world.end(sender)
+    world.sends("bus.publish('IT', Twist().encode())")
+    world.is_silent()
 
 
 def test_a_log_of_yesterday_is_played_again(world: Any) -> None:
@@ -215,6 +279,30 @@ def test_an_old_definition_of_a_message(world: Any) -> None:
     world.end(sender)
     world.sends("bus.publish('/at', Pose2D().encode())")
     world.is_silent()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "difference"),
+    [
+        ("double x; double y;", "double x; double y; int64_t utime;", "with utime (int64) at the"),
+        ("double x; double y;", "double x; float y;", "y is float32, not float64"),
+        ("double x; double y;", "double x; double y; double battery;", "with more bytes at the"),
+    ],
+)
+def test_an_older_type_on_the_path(
+    world: Any, tmp_path: Path, old: str, new: str, difference: str
+) -> None:
+    old, new = (f"package own; struct state {{ {fields} }}" for fields in (old, new))
+    world.hears("STATE")
+    world.c("sends", "STATE", world.fingerprint(new), "32" if "y; " in new else "20", "20")
+    file = tmp_path / "types/state.lcm"
+    file.parent.mkdir()
+    file.write_text(old)
+    path = {"LCMTOOLS_TYPE_PATH": str(file.parent)}
+    found = world.finds("unknown-type", "'STATE' from", f"own/state, but {difference}", **path)
+    assert [action["kind"] for action in found.actions] == ["same-lcm-files"]
+    file.write_text(new)
+    world.is_silent(**path)
 
 
 def test_two_versions_of_a_type_among_plain_programs(world: Any) -> None:

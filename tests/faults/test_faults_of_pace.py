@@ -25,7 +25,7 @@ def tick():
     count += 1
     if count % periods[0] == 0:
         publisher.publish(String())
-signal.signal(signal.SIGUSR1, lambda *_: periods.pop(0))
+signal.signal(signal.SIGUSR1, lambda *_: print("slower", periods.pop(0), flush=True))
 node.create_timer(0.1, tick)
 print("runs", flush=True)
 lcmtools.spin(node)
@@ -106,7 +106,9 @@ def test_a_node_that_falls_from_ten_messages_a_second_to_one(world: Any) -> None
     world.until(lambda: _beats(world) > 40)
     world.is_silent()
     beat.send_signal(signal.SIGUSR1)
-    time.sleep(1.0)
+    beat.wait_for("slower")
+    sent = _beats(world)
+    world.until(lambda: _beats(world) > sent)
     found = world.finds("slow-rate", "/beat", " Hz instead of ")
     assert found.severity == "note"
 
@@ -151,15 +153,63 @@ def test_a_simulator_that_has_too_much_to_do(world: Any) -> None:
     cameras = ("depth/image_raw", "depth/points", "rgb/image_raw")
     viewers = [world.start(world.command, "hz", f"/camera/{name}") for name in cameras]
 
-    def found() -> list[Any]:
-        return world.look("--rule", "slow-simulator", wait="0.8s")  # type: ignore[no-any-return]
+    found: list[Any] = []
 
-    world.until(found)
-    (slow,) = found()
+    def is_found() -> bool:
+        found[:] = world.look("--rule", "slow-simulator", wait="0.8s")
+        return bool(found)
+
+    world.until(is_found)
+    (slow,) = found
     assert "of real time, not 6: the simulator is overloaded" in slow.text
     assert [one["kind"] for one in slow.actions] == ["simulate-less"]
     assert slow.actions[0]["text"].startswith("end programs that subscribe to cameras")
     for viewer in viewers:
         world.end(viewer)
-    world.until(lambda: not found())
-    assert found() == []
+    world.until(lambda: not is_found())
+
+
+_CLOCK = """
+import lcm, time
+from lcmtools.types.rosgraph_msgs import Clock
+bus, message, start = lcm.LCM(), Clock(), time.monotonic()
+print("runs", flush=True)
+while True:
+    message.clock.sec, rest = divmod((time.monotonic() - start) / 3, 1)
+    message.clock.sec, message.clock.nsec = int(message.clock.sec), int(rest * 1e9)
+    bus.publish("/clock", message.encode())
+    time.sleep(0.6)
+"""
+
+
+def test_a_slow_clock_that_seldom_ticks(world: Any) -> None:
+    clock = world.script(_CLOCK, ready="runs")
+    for _ in range(2):
+        (found,) = world.look("--rule", "slow-simulator")
+        assert "passes at 0.33 of real time" in found.text
+        assert f"(pid {clock.pid})" in found.items[0]
+
+
+_EAR_OF_ONE = """
+import time
+import lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("ear")
+node.create_subscription(String, "/chatter", lambda _: time.sleep(0.005), DEPTH)
+lcmtools.spin(node)
+"""
+_FIVE = "data = String().encode(); [bus.publish('/chatter', data) for _ in range(5)]"
+
+
+def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world: Any) -> None:
+    ear = world.script(_EAR_OF_ONE.replace("DEPTH", "1"))
+    world.until(lambda: ear.pid in world.pids())
+    world.sends(_FIVE, 1.5)
+    for _ in range(3):
+        found = world.finds("queue-drops", "/ear lost ", "/chatter", "they come in bursts")
+        assert found.severity == "note"
+    world.end(ear)
+    ear = world.script(_EAR_OF_ONE.replace("DEPTH", "10"))
+    world.until(lambda: ear.pid in world.pids())
+    world.is_silent(wait="2s")

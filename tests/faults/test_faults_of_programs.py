@@ -2,8 +2,11 @@
 
 import json
 import signal
+import time
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from lcmtools.messages.registry import fingerprint
 from lcmtools.types.std_msgs import Empty
@@ -101,6 +104,46 @@ def test_a_listener_that_hangs(world: Any) -> None:
     world.is_silent()
 
 
+_IN_A_CALLBACK = """
+import sys, time, lcm
+bus, count = lcm.LCM(), 0
+def called(channel, data):
+    global count
+    count += 1
+    while count > 3:
+        exec(sys.argv[1])
+bus.subscribe("A", called)
+print("listens", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+@pytest.mark.parametrize("does", ["time.sleep(1000)", "pass"], ids=["waits", "computes"])
+@pytest.mark.parametrize("period", [0.005, 0.5])
+def test_a_plain_program_whose_callback_does_not_return(
+    world: Any, does: str, period: float
+) -> None:
+    """The thread of liblcm still empties its socket."""
+    world.node("talker")
+    world.node("listener")
+    world.sends("bus.publish('A', String().encode())", period)
+    listener = world.script(_IN_A_CALLBACK, does, ready="listens")
+    time.sleep(5 * period + 0.2)
+    found = world.finds("stuck-listeners", f"(pid {listener.pid}): messages are waiting")
+    assert found.commands == [f"py-spy dump --pid {listener.pid}"]
+    world.end(listener)
+    world.script(_IN_A_CALLBACK, "globals().update(count=0)", ready="listens")
+    world.is_silent()
+
+
+def test_a_plain_program_that_handles_its_messages_once_a_second(world: Any) -> None:
+    world.sends("bus.publish('A', String().encode())")
+    source = _IN_A_CALLBACK.replace("bus.handle()", "time.sleep(1); bus.handle()")
+    world.script(source.replace("count > 3", "False"), ready="listens")
+    world.is_silent()
+
+
 EARS = """
 import sys, lcmtools
 from lcmtools.types.std_msgs import String
@@ -172,6 +215,19 @@ def test_bursts_that_a_small_buffer_does_not_take(world: Any) -> None:
     assert sender.pid
 
 
+def test_bursts_beside_a_larger_message(world: Any) -> None:
+    """What a program drops is told also while its buffer is too small for another message."""
+    url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2500"
+    sink = world.hears("A", "B", LCM_DEFAULT_URL=url)
+    world.sends(BURSTS.replace("150", "1500"), 0.5)
+    world.sends("bus.publish('B', String().encode() + bytes(400_000))", 0.5)
+    (found,) = world.look("--rule", "kernel-drops", wait="1.2s")
+    assert f"(pid {sink.pid})" in found.items[0]
+    found = world.finds("small-buffer", f"(pid {sink.pid})", "recv_buf_size=4194304", wait="1.2s")
+    world.obey(found)
+    world.is_silent(wait="1.2s")
+
+
 def test_a_program_with_nearly_all_files_open(world: Any) -> None:
     command = "import sys; kept = [open('/dev/null') for _ in range(960)]\n"
     hears = (
@@ -211,16 +267,40 @@ def test_watch_shows_what_appears_and_clears(world: Any) -> None:
 def test_a_node_that_ends_during_a_look_is_no_plain_program(world: Any) -> None:
     world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Pose", "{orientation: {w: 1}}")
     ends = world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Quaternion", "{}")
-    (name,) = (node.name for node in world.graph().nodes if node.pid == ends.pid)
+    name = world.node_of(ends).name
     look = world.start(world.command, "wtf", "--json", "--wait", "4s")
     world.until(lambda: world.listens(look))
-    begin = _sent(world, ends.pid)
-    world.until(lambda: _sent(world, ends.pid) > begin + 20)
+    begin = _sent(world, ends)
+    world.until(lambda: _sent(world, ends) > begin + 20)
     world.end(ends)
     look.wait()
     found = [one for one in json.loads("\n".join(look.lines)) if one["severity"] != "unchecked"]
     assert [one["rule"] for one in found] == ["quaternions"]
     assert name in str(found)
+
+
+def test_a_publisher_that_is_gone(world: Any) -> None:
+    talker = world.node("talker")
+    world.node("listener").wait_for("I heard")
+    world.is_silent()
+    world.end(talker)
+    found = world.finds(UNFED, "/listener", "start a publisher of /chatter", wait="3s")
+    assert found.severity == "warning"
+    world.node("talker")
+    world.is_silent()
+
+
+@pytest.mark.parametrize("program", ["nothing", "a quiet one"])
+def test_a_plain_publisher_that_is_gone(world: Any, program: str) -> None:
+    sender = world.sends("m = String(); bus.publish('/chatter', m.encode())")
+    world.node("listener").wait_for("I heard")
+    if program == "a quiet one":  # it did not send what came before
+        world.script(SELDOM, ready="runs")
+    world.is_silent()
+    world.end(sender)
+    assert world.finds(UNFED, "/listener", "/chatter", wait="1s").severity == "warning"
+    world.sends("m = String(); bus.publish('/chatter', m.encode())")
+    world.is_silent()
 
 
 def test_a_topic_that_nothing_publishes(world: Any) -> None:
@@ -233,18 +313,18 @@ def test_a_topic_that_nothing_publishes(world: Any) -> None:
 
 def test_a_node_without_spin_is_told_before_its_queue_is_full(world: Any) -> None:
     world.sends("bus.publish('/chatter', String().encode())", 0.5)
-    ear = world.script(EARS.replace("lcmtools.spin(node)", "import time; time.sleep(1000)"))
+    source = EARS.replace("None, 10)", "None, 1000)")  # however late the look is
+    ear = world.script(source.replace("lcmtools.spin(node)", "import time; time.sleep(1000)"))
     world.until(lambda: _received(world) > 5)
-    world.finds("slow-callbacks", "/ear has received", "lcmtools.spin(node)")
+    world.finds("slow-callbacks", "/ear has received", "call spin(node)")
     world.end(ear)
     ear = world.script(EARS)
     world.until(lambda: ear.pid in world.pids() and _received(world) > 5)
     world.is_silent()
 
 
-def _sent(world: Any, pid: int) -> int:
-    nodes = [node for node in world.graph().nodes if node.pid == pid]
-    return max(end.messages for node in nodes for end in node.endpoints)
+def _sent(world: Any, program: Any) -> int:
+    return max(end.messages for end in world.node_of(program).endpoints)
 
 
 def _received(world: Any) -> int:

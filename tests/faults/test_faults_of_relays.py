@@ -1,5 +1,7 @@
 """Faults of relays: what they say of themselves, and what is to be done."""
 
+import signal
+import time
 from typing import Any
 
 _SUBSCRIBES = """
@@ -61,3 +63,34 @@ def test_a_relay_beside_another_one(world: Any) -> None:
     world.obey(found, "end-standby")
     second.wait()
     assert _found(world, "relay-standby") == []
+
+
+_FORWARDS = """
+import lcm, sys
+here, there = lcm.LCM(sys.argv[1]), lcm.LCM(sys.argv[2])
+here.subscribe(".*", there.publish)
+print("forwards", flush=True)
+while True:
+    here.handle()
+"""
+
+
+def test_a_relay_that_is_heard_on_both_buses_and_killed(world: Any) -> None:
+    """By a plain program that forwards all, reports too; the other relay goes on."""
+    urls = [f"udpm://239.255.76.67:{port}?ttl=0" for port in (7667, 7672)]
+    relay = _relay(world, "0", "5")
+    world.script(_FORWARDS, *urls, ready="forwards")
+    killed = world.tool("relay", "0", "6")
+    world.until(lambda: len(_relays(world)) == 2)
+    time.sleep(2.5)  # each has reported on both
+    killed.send_signal(signal.SIGKILL)
+    killed.wait()
+    (found,) = _found(world, "stale-nodes")
+    assert f"(pid {killed.pid})" in found.items[0]
+    time.sleep(6.0)  # until it is forgotten
+    assert relay.pid in world.pids(), relay.output
+    assert "Traceback" not in relay.output
+
+
+def _relays(world: Any) -> set[int]:
+    return {node.pid for node in world.graph().nodes if node.name.startswith("/relay")}

@@ -48,6 +48,19 @@ while True:  # from a computer to which no route leads
     print("sends", flush=True)
     time.sleep(0.05)
 """
+TRIES_A_BUS = """
+import time, lcm
+from lcmtools.types.std_msgs import String
+print("runs", flush=True)
+bus = None
+while True:
+    try:
+        bus = bus or lcm.LCM()
+        bus.publish("/chatter", String().encode())
+    except (OSError, RuntimeError):
+        pass
+    time.sleep(0.1)
+"""
 MAKES_A_BUS = """
 import socket, sys, threading, time
 if "7700" in sys.argv[1]:
@@ -289,4 +302,16 @@ def test_an_interface_that_is_down(world: Any, ip: Any) -> None:
     found = world.finds("bus", "the interface lo is down")
     (command,) = [word for word in found.commands if "route add" in word]
     world.type(command)
+    world.is_silent()
+
+
+@pytest.mark.parametrize("url", ["udpm://239.255.76.67", "udp://239.255.76.67:7667"])
+def test_a_wrong_url_of_a_program_whose_topic_is_waited_for(world: Any, url: str) -> None:
+    world.node("listener")
+    program = world.script(TRIES_A_BUS, ready="runs", LCM_DEFAULT_URL=url)
+    found, _ = world.look("--rule", "other-buses", "--rule", "unconnected-subscriptions")
+    assert (found.rule, found.severity) == ("other-buses", "warning")
+    assert f"pid {program.pid} on no bus" in found.items[0]
+    assert f"its URL '{url}'" in found.items[0]
+    world.again(program, **found.variables)
     world.is_silent()

@@ -1,6 +1,9 @@
 """Healthy systems, in which wtf finds nothing at all."""
 
+import signal
 from typing import Any
+
+import pytest
 
 TWIST = "2e7c07d7cdf7e027"  # the fingerprint of geometry_msgs/Twist
 STEER = ("pub", "-r", "10")
@@ -66,10 +69,64 @@ def test_the_pioneer_lab(world: Any) -> None:
     world.is_silent(wait="1s")
 
 
+def test_a_listener_that_make_started(world: Any) -> None:
+    """It has make's pipe with a byte for each free job, like that of liblcm."""
+    ear = "import lcm; b = lcm.LCM(); b.subscribe('A', print); print('listens', flush=True)"
+    make = "import os, subprocess, sys\nends = os.pipe()\nos.write(ends[1], b'+')\n"
+    source = f"{ear}; [b.handle() for _ in iter(int, 1)]"
+    make += f"subprocess.run([sys.executable, '-c', {source!r}], pass_fds=ends)\n"
+    world.node("talker")
+    world.node("listener")
+    world.script(make, ready="listens")
+    world.is_silent()
+
+
 def test_a_latched_message(world: Any) -> None:
     world.tool("pub", "/map", "std_msgs/String", "here").wait_for("latching")
     world.tool("echo", "/map")
     world.is_silent()
+
+
+_RESTARTS = """
+import os, signal, sys, time
+import lcmtools
+from lcmtools.types.std_msgs import String
+
+def run():
+    lcmtools.init()
+    with lcmtools.Node("talker") as node:
+        publisher = node.create_publisher(String, "/chatter")
+        node.create_timer(0.1, lambda: publisher.publish(String()))
+        lcmtools.spin(node)
+
+while True:
+    program = os.fork()
+    if not program:
+        run()
+        os._exit(0)
+    print("runs", flush=True)
+    time.sleep(6.0)
+    os.kill(program, int(sys.argv[1]))
+    os.waitpid(program, 0)
+    time.sleep(0.2)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_a_node_that_is_started_again_and_again(world: Any, number: signal.Signals) -> None:
+    world.script(_RESTARTS, str(number.value), ready="runs")
+    world.node("listener").wait_for("I heard")
+    for _ in range(6):
+        world.is_silent(wait="1s")
+
+
+def test_a_watch_in_another_terminal(world: Any) -> None:
+    world.start(world.command, "wtf", "--watch").wait_for("WARNING")
+    listener = world.node("listener")
+    world.until(lambda: listener.pid in world.pids())
+    found = world.finds("unconnected-subscriptions", "/chatter")
+    assert found.severity == "warning"
+    assert "may publish rarely" not in found.everything
 
 
 def test_nodes_that_ended_as_they_should(world: Any) -> None:

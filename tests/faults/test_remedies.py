@@ -256,6 +256,9 @@ OBEYED = (
     ("resume", "slow-simulator", _paused),
     ("restart-or-forget", "stale-nodes", _killed),
     ("end-or-rename", "duplicate-names", _planted(*_PAIR, _runs("listener"))),
+    ("end-or-part", "duplicate-names", _planted(
+        lambda world: world.tool("pub", "-r", "5", "/RosAria/cmd_vel", "geometry_msgs/Twist", "{}"),
+        *2 * [_runs("sim", "--world", "pioneer")])),
     ("drop-remap", "no-clock", _planted(_runs("talker", "_use_sim_time:=true"), _runs("listener"))),
     ("start-simulator", "no-clock", _planted(_runs("talker", "_use_sim_time:=true"))),
     ("start-something", "no-traffic", lambda _: None),
@@ -385,6 +388,34 @@ def test_a_slash_is_removed(world: Any) -> None:
     world.is_silent()
 
 
+def test_a_slash_that_keeps_a_remap_from_being_applied_is_removed(world: Any) -> None:
+    world.node("talker", "__ns:=/a")
+    arguments = ("__ns:=/a", "heard:=chatter")
+    line = _ear("None").replace("'/chatter'", "'/heard'")
+    program = world.script(_NODE.replace("LINE", line), *arguments)
+    world.until(lambda: program.pid in world.pids())
+    found = world.finds("unconnected-subscriptions", "keeps heard:=chatter from being applied")
+    assert [action["kind"] for action in found.actions] == ["remove-slash-of-remap"]
+    world.end(program)
+    program = world.script(_NODE.replace("LINE", line.replace("/heard", "heard")), *arguments)
+    world.until(lambda: program.pid in world.pids())
+    world.is_silent()
+
+
+def test_a_node_receives_from_a_plain_channel(world: Any) -> None:
+    _sends("bus.publish('POSE', String().encode())")(world)
+    line = _ear("None").replace("'/chatter'", "'POSE'")
+    program = world.script(_NODE.replace("LINE", line))
+    world.until(lambda: program.pid in world.pids())
+    written = "subscribe to 'POSE' with plain_channel=True, in C++ to plain_channel('POSE')"
+    found = world.finds("unconnected-subscriptions", written)
+    assert [action["kind"] for action in found.actions] == ["plain-channel"]
+    world.end(program)
+    program = world.script(_NODE.replace("LINE", f"{line[:-1]}, plain_channel=True)"))
+    world.until(lambda: program.pid in world.pids())
+    world.is_silent()
+
+
 ELSEWHERE = {  # the tests that do them
     "allow-command": "test_a_command_that_a_relay_does_not_let_pass",
     "carry-less": "test_a_relay_that_drops_what_its_line_does_not_take",
@@ -396,16 +427,23 @@ ELSEWHERE = {  # the tests that do them
     "export": "test_a_program_on_another_bus",
     "fix-log": "test_the_damaged_bytes_of_a_log_are_left_out",
     "mend-bus": "test_a_bus_without_a_route",
+    "limit-rates": "test_wtf_names_a_full_line_on_both_sides_and_the_rate_that_it_takes",
+    "limit-sender": "test_wtf_names_a_full_line_on_both_sides_and_the_rate_that_it_takes",
     "microseconds": "test_a_utime_is_sent_in_microseconds",
     "mend-line": "test_a_relay_whose_server_has_ended",
     "name-here": "test_a_bus_in_the_code_is_left_out",
+    "plain-channel": "test_a_node_receives_from_a_plain_channel",
+    "publish-less": "test_wtf_names_a_line_that_a_node_fills_on_both_sides",
+    "publish-smaller": "test_wtf_names_a_line_that_a_node_fills_on_both_sides",
     "own-domain": "test_another_user_on_the_same_bus",
     "remap-one": "test_of_two_types_one_moves_to_another_topic",
     "remove-slash": "test_a_slash_is_removed",
+    "remove-slash-of-remap": "test_a_slash_that_keeps_a_remap_from_being_applied_is_removed",
     "route": "test_a_route_that_does_not_leave_the_computer",
     "route-to": "test_a_link_is_connected_or_the_route_led_elsewhere",
     "same-lcm-files": "test_an_old_definition_of_a_message",
     "send-elsewhere": "test_datagrams_that_are_none_of_lcms",
+    "send-smaller-on": "test_a_node_that_receives_large_messages_without_their_ends",
     "send-less": "test_a_sender_whose_messages_get_lost",
     "set-rate": "test_a_simulator_that_was_made_slow",
     "simulate-less": "test_a_simulator_that_has_too_much_to_do",
@@ -430,6 +468,7 @@ NEED_MORE = {  # than a network on a Linux computer
     "callback-less-or-depth": "a node that counts no calls",
     "enable-querier": "a bridge in /sys, which a network namespace does not show",
     "host-network": "a container",
+    "larger-buffer-there": "another computer whose buffers are too small",
     "if-no-log": "a computer with a clock of its own",
     "macos-large-datagrams": "macOS",
     "mirrored-network": "Windows",

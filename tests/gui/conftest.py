@@ -5,7 +5,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 import pytest
 from fixtures.programs import Program
@@ -92,3 +92,12 @@ def page(browser: Any) -> Iterator[Any]:
 def panel_address(address: str, panel: str, **settings: object) -> str:
     """Return the address of one panel."""
     return f"{address}#{quote(json.dumps({'panel': panel, 'settings': settings}))}"
+
+
+def forget_layouts(page: Any, address: str) -> None:
+    """Remove what the browser has stored for a server's pages."""
+    client = page.context.new_cdp_session(page)
+    origin = "{0.scheme}://{0.netloc}".format(urlsplit(address))
+    about = {"origin": origin, "storageTypes": "local_storage"}
+    client.send("Storage.clearDataForOrigin", about)
+    client.detach()

@@ -10,7 +10,9 @@ from urllib.parse import quote
 import pytest
 from fixtures.programs import Program
 
+from lcmtools.errors import NothingReceived
 from lcmtools.observe.reading.received import messages
+from tests.gui.conftest import forget_layouts
 
 Serve = Callable[..., tuple[Program, str]]
 POSE = "{header: {frame_id: map}, pose: {position: {x: 1.5, y: -2.0}}}"
@@ -36,6 +38,7 @@ def topics(page: Any, address: str) -> Any:
     """A page that shows the topics above the log."""
     parts = [{"panel": "topics"}, {"panel": "log"}]
     tree = {"split": "column", "parts": parts, "sizes": [3, 1]}
+    forget_layouts(page, address)
     page.goto(f"{address}#{quote(json.dumps(tree))}")
     page.get_by_role("cell", name="/chatter", exact=True).wait_for()
     return page
@@ -134,8 +137,20 @@ def test_the_log_shows_lines_by_level_node_and_text(topics: Any) -> None:
     log.get_by_text("hello world").first.wait_for()
 
 
-def test_it_says_that_the_server_is_gone_and_comes_back_by_itself(
-    page: Any, module_start: Callable[..., Program], lcmtools_path: str
+def repeat(page: Any, topic: str) -> None:
+    """Let the form publish again and again."""
+    page.get_by_role("button", name="Publish …").click()
+    form = page.get_by_role("form", name="Publish")
+    form.get_by_label("Topic").fill(topic)
+    form.get_by_label("Type").fill("geometry_msgs/Twist")
+    form.get_by_label("Type").press("Tab")
+    form.locator("fieldset").first.wait_for()
+    form.get_by_role("button", name="Repeat").click()
+    form.get_by_text("published 3").wait_for()
+
+
+def test_it_comes_back_by_itself_but_what_was_sent_does_not(
+    page: Any, module_start: Callable[..., Program], lcmtools_path: str, module_bus_url: str
 ) -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = str(free.getsockname()[1])
@@ -143,18 +158,23 @@ def test_it_says_that_the_server_is_gone_and_comes_back_by_itself(
     server = module_start(*command)
     page.goto(server.wait_for("http://").split()[-1])
     row(page, "/chatter").wait_for()
+    repeat(page, "/asked_for")
     server.send_signal(signal.SIGINT)
     server.wait()
     page.get_by_text("The connection to lcmtools gui is lost").wait_for()
+    page.get_by_text("stopped: the connection").wait_for()
     again = module_start(*command)
     again.wait_for("http://")
     page.get_by_text("connected", exact=True).wait_for()
     page.get_by_text("The connection to lcmtools gui is lost").wait_for(state="hidden")
+    assert page.get_by_role("button", name="Repeat").get_attribute("aria-pressed") == "false"
     before = row(page, "/chatter").inner_text()
     page.wait_for_function(
         "before => [...document.querySelectorAll('tr')].every(row => row.innerText !== before)",
         arg=before,
     )
+    with pytest.raises(NothingReceived):  # nobody has asked for more
+        next(messages("/asked_for", url=module_bus_url, wall_time=True, timeout=1.0))
     again.send_signal(signal.SIGINT)
 
 
@@ -175,7 +195,8 @@ def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
     topics.goto("about:blank")
     topics.goto(address)  # without what is behind #
     topics.locator("[data-panel=graph]").wait_for()
-    topics.get_by_role("button", name="Reset layout").click()
+    topics.get_by_role("button", name="Layouts").click()
+    topics.get_by_role("menuitem", name="Reset layout").click()
     topics.locator("[data-panel=graph]").wait_for(state="detached")
     assert panels(topics) == ["Topics", "Log", "World"]
     other = browser.new_page()

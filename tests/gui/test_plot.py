@@ -1,6 +1,7 @@
 """Plots show the values of the messages, every one of them."""
 
 import csv
+import json
 import math
 import re
 import time
@@ -17,6 +18,7 @@ from lcmtools.types.std_msgs import Float64
 from tests.gui.conftest import panel_address
 
 _FIELD = "/wave/data"
+_LIMITS = json.loads((Path(__file__).parents[1] / "fixtures" / "value_limits.json").read_text())
 Publish = Callable[[float], None]
 
 
@@ -124,3 +126,17 @@ def test_what_is_shown_is_paused_moved_and_followed_by_keys(
     assert pause.get_attribute("aria-pressed") == "true"
     page.keyboard.press("Home")
     assert pause.get_attribute("aria-pressed") == "false"
+
+
+def test_the_value_axis_has_the_same_limits_as_in_python(
+    serve: Callable[..., tuple[Program, str]], page: Any
+) -> None:
+    page.goto(serve("plot", _FIELD)[1])
+    found = page.evaluate(
+        """async (rows) => {
+          const { valueLimits } = await import("/panels/plot/limits.js");
+          return rows.map(([least, most]) => valueLimits(least, most));
+        }""",
+        _LIMITS,
+    )
+    assert found == [pytest.approx(row[2:], rel=1e-7) for row in _LIMITS]

@@ -14,6 +14,7 @@ from fixtures.programs import Program
 from lcmtools.observe.reading.received import messages
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
+from tests.gui.conftest import panel_address
 
 TOPIC = "/husky0/cmd_vel"
 _LONG = 40.0  # [s] for what comes
@@ -119,6 +120,41 @@ def test_keys_drive_while_they_are_held(
     page.keyboard.up("w")
 
 
+def test_keys_drive_at_once_where_steering_is_all_there_is(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    page.get_by_text("obeyed by").wait_for()
+    page.keyboard.down("w")
+    moves(module_bus_url)
+    page.keyboard.up("w")
+    stands(module_bus_url)
+    page.locator(".steer-status").click()  # takes the focus from the joystick
+    page.keyboard.down("s")
+    wait_for_speed(module_bus_url, lambda speed: speed < -_FAST)
+    page.keyboard.up("s")
+    stands(module_bus_url)
+
+
+def test_nobody_drives_faster_than_the_command_line_says(
+    serve: Callable[..., tuple[Program, str]], page: Any, commands: Callable[[], Twist]
+) -> None:
+    address = serve("steer", TOPIC, "--max-linear", "0.4")[1]
+    page.goto(panel_address(address, "steer", topic=TOPIC, linear=1000))
+    page.get_by_text("obeyed by").wait_for()
+    field = page.get_by_label("Largest forward speed")
+    assert field.input_value() == "0.4"
+    field.fill("1000")
+    page.keyboard.press("Enter")
+    assert field.input_value() == "0.4"
+    page.locator(".pad").focus()
+    page.keyboard.down("Shift")
+    page.keyboard.down("w")
+    assert commands().linear.x == pytest.approx(0.4)
+    page.keyboard.up("w")
+    page.keyboard.up("Shift")
+
+
 def test_what_is_still_held_after_a_stop_drives_no_more(
     serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
 ) -> None:
@@ -157,13 +193,20 @@ def test_a_gamepad_drives_once_it_has_been_at_rest(
     serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
 ) -> None:
     page.add_init_script(
-        "window.axes = [0, 0, 0, 0]; navigator.getGamepads ="
-        " () => [{ id: 'pad', connected: true, axes: window.axes }];"
+        "window.axes = [0, 0, 0, 0]; window.buttons = [{ pressed: false }]; navigator.getGamepads ="
+        " () => [{ id: 'pad', connected: true, axes: window.axes, buttons: window.buttons }];"
     )
     page.goto(serve("steer", TOPIC)[1])
     page.get_by_text("obeyed by").wait_for()
     page.get_by_label("Gamepad").check()
     page.evaluate("window.axes = [0, -0.5, 0, 0]")
+    page.wait_for_timeout(200)  # some readings of the stick
+    assert reading(page) == "0.00"
+    page.evaluate("window.buttons = [{ pressed: true }]")
+    moves(module_bus_url)
+    page.evaluate("window.buttons = [{ pressed: false }]")
+    stands(module_bus_url)
+    page.evaluate("window.buttons = [{ pressed: true }]")
     moves(module_bus_url)
     page.keyboard.press("Escape")  # the stick is still pushed
     stands(module_bus_url)
@@ -230,6 +273,59 @@ def test_it_stops_when_the_server_ends(
     server.send_signal(number)
     stands(module_bus_url)
     page.get_by_text("The server is gone").wait_for()
+
+
+def test_ctrl_z_stops_the_robot_before_it_suspends_the_server(
+    module_start: Callable[..., Program],
+    lcmtools_path: str,
+    page: Any,
+    module_bus_url: str,
+    commands: Callable[[], Twist],
+) -> None:
+    command = f"{lcmtools_path} gui steer {TOPIC} --port 0 --no-open & echo pid $!; wait"
+    shell = module_start(
+        "bash", "-c", f"set -m; {command}"
+    )  # a job of a shell, which alone can be suspended
+    server = int(shell.wait_for("pid").split()[-1])
+    try:
+        page.goto(shell.wait_for("http://").split()[-1])
+        hold_joystick(page)
+        sent = (round(commands().linear.x, 2) for _ in itertools.count())
+        assert next(filter(None, sent)) == 0.5
+        os.kill(server, signal.SIGTSTP)
+        assert {*itertools.takewhile(bool, sent)} <= {0.5}
+        assert [next(sent), next(sent)] == [0, 0]
+        stands(module_bus_url)
+    finally:
+        os.kill(server, signal.SIGKILL)
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+def test_it_stops_when_the_server_is_suspended_or_killed(
+    serve: Callable[..., tuple[Program, str]],
+    page: Any,
+    module_bus_url: str,
+    commands: Callable[[], Twist],
+    number: int,
+) -> None:
+    server, address = serve("steer", TOPIC)
+    page.goto(address)
+    hold_joystick(page)
+    moves(module_bus_url)
+    sent = (round(commands().linear.x, 2) for _ in itertools.count())
+    assert next(filter(None, sent)) == 0.5
+    server.send_signal(number)
+    assert {*itertools.takewhile(bool, sent)} <= {0.5}
+    stands(module_bus_url)
+    page.mouse.up()
+    if number == signal.SIGKILL:
+        page.get_by_text("The server is gone").wait_for()
+        return
+    server.send_signal(signal.SIGCONT)
+    page.keyboard.down("s")
+    assert next(filter(None, sent)) == -0.5  # what has waited is thrown away
+    page.keyboard.up("s")
+    stands(module_bus_url)
 
 
 def test_the_stop_button_stops_what_another_program_drives(

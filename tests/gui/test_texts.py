@@ -1,4 +1,4 @@
-"""Numbers as the page writes and reads them."""
+"""Numbers as the page writes, reads and collects them."""
 
 import json
 from collections.abc import Callable
@@ -45,3 +45,22 @@ def test_numbers_that_json_lacks_are_read_and_texts_are_kept(
         {"kind": "scan", "frame": "nan", "longest": "inf", "pose": ["nan", 1, "-inf", None]},
     )
     assert found == ["nan", "Infinity", ["NaN", "1", "-Infinity", "null"], False, True]
+
+
+def test_a_trail_keeps_the_newest_steps_and_begins_anew_where_a_robot_was_put(
+    run: Callable[[str, object], Any],
+) -> None:
+    found = run(
+        """async (count) => {
+          const { Trail } = await import("/panels/world/trail.js");
+          const trail = new Trail("world", "#ff0000");
+          for (let index = 0; index <= count; index += 1) trail.add([0.1 * index, 0, 0]);
+          const length = trail.mesh.geometry.drawRange.count;
+          const places = Array.from({ length }, (_, index) => trail.position.getX(index));
+          const steps = trail.count;
+          trail.add([0, 5, 0]);
+          return [steps, length, Math.min(...places), Math.max(...places), trail.count];
+        }""",
+        4500,
+    )
+    assert found == [2500, 15000, pytest.approx(200), pytest.approx(450), 0]

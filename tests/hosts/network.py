@@ -31,7 +31,12 @@ _KEEPER = [
     *("setpriv", "--pdeathsig", "KILL", "unshare", "--kill-child"),  # with the tests, however
     *("--net", "--uts", "--mount", "--pid", "--fork", "--mount-proc"),
 ]
-_WAKE = "echo {name} >/proc/sys/kernel/hostname && ip link set lo up && echo up && exec sleep inf"
+_WAKE = (
+    "echo {name} >/proc/sys/kernel/hostname && ip link set lo up"
+    " && mount -t tmpfs tmpfs /dev/shm"  # Zenoh would pass messages through shared memory
+    " && (echo cubic >/proc/sys/net/ipv4/tcp_congestion_control || true)"  # Linux's usual one
+    " && echo up && exec sleep inf"
+)
 _TOOLS = ("setpriv", "unshare", "nsenter", "ip")
 _LOSSY = Path(__file__).with_name("lossy.py")
 _LINE = Path(__file__).with_name("line.py")

@@ -98,3 +98,23 @@ def test_stamps_of_a_plain_program_show_its_clock(pair: Any, shift: dict[str, st
     found = json.loads(bob.lcmtools("wtf", "--json", "--wait", "0.7s").stdout)
     (finding,) = [one for one in found if one["rule"] == "stamps"]
     assert "10.76.0.1:" in finding["items"][0]
+
+
+def test_wtf_names_the_clock_of_a_computer_behind_relays(
+    pair: Any, shift: dict[str, str], lcmtools_path: str
+) -> None:
+    """One that is ahead: the stamps of ada's kernel are not shifted, and its relay uses both."""
+    ada, bob = pair
+    apart = "udpm://239.255.76.67:7668?ttl=0"
+    served = bob.start(lcmtools_path, "relay", "--serve", "tcpq://0.0.0.0:7700")
+    served.wait_for("serves")
+    bob.start(lcmtools_path, "relay", apart, "tcpq://127.0.0.1:7700").wait_for("carries")
+    shifted = {**shift, "CLOCK_SHIFT": "100"}
+    there = f"tcpq://{bob.address}:7700"
+    ada.start(lcmtools_path, "relay", apart, there, **shifted).wait_for("carries")
+    ada.python(_STAMPED, LCM_DEFAULT_URL=apart, **shifted).wait_for("sends")
+    told = json.loads(bob.lcmtools("wtf", "--json", "--wait", "2s", "--lcm-url", apart).stdout)
+    found = {one["rule"]: one for one in told if one["severity"] != "unchecked"}
+    assert " ahead of " in found["clocks"]["text"], told
+    assert "/robot" in found["clocks"]["items"]
+    assert "stamps" not in found

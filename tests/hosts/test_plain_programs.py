@@ -47,6 +47,32 @@ def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) ->
     assert local["pid"]
 
 
+def test_a_publisher_elsewhere_that_is_slow_is_waited_for(pair: Any, plain: str) -> None:
+    ada, bob = pair
+    ada.python(plain, "SLOW", "8", "0.8").wait_for("sends")
+    for _ in range(2):
+        assert bob.out("list") == "SLOW\n"
+        assert "on 10.76.0.1, port " in bob.out("info", "SLOW")
+        (program,) = json.loads(bob.out("node", "list", "-a", "--json"))
+        assert program["address"] == "10.76.0.1"
+
+
+def test_clients_of_a_server_are_known_by_their_computers(
+    pair: Any, plain: str, lcmtools_path: str
+) -> None:
+    ada, bob = pair
+    ada.start(lcmtools_path, "relay", "--serve", "tcpq://0.0.0.0:7700").wait_for("serves")
+    url = f"tcpq://{ada.address}:7700"
+    for host, channel in ((ada, "OF_ADA"), (bob, "OF_BOB")):
+        host.python(plain, channel, "8", "3", LCM_DEFAULT_URL=url).wait_for("sends")
+    listed = bob.out("list", "--host", LCM_DEFAULT_URL=url)
+    assert listed == "Host [10.76.0.2]:\n  OF_BOB\nHost [ada]:\n  OF_ADA\n"
+    bob.start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=url).wait_for("hello")
+    programs = json.loads(bob.out("node", "list", "-a", "--json", LCM_DEFAULT_URL=url))
+    found = {p["host"]: p["publications"][0]["topic"] for p in programs if p["node"] is None}
+    assert found == {"ada": "OF_ADA", "bob": "OF_BOB"}  # as the node there is named
+
+
 def test_the_same_pid_and_port_on_both_are_not_taken_for_one(pair: Any, plain: str) -> None:
     ada, bob = pair
     for host, channel in ((ada, "OF_ADA"), (bob, "OF_BOB")):

@@ -67,6 +67,15 @@ print("listens", flush=True)
 while True:
     bus.handle()
 """
+TYPED = """
+import lcm, sys, time
+from lcmtools.types.nav_msgs import Odometry
+bus = lcm.LCM(sys.argv[1])
+while True:
+    bus.publish("SLOW", Odometry().encode())
+    print("sends", flush=True)
+    time.sleep(float(sys.argv[2]))
+"""
 IMAGES = """
 import lcm, sys, time
 bus = lcm.LCM(sys.argv[1])
@@ -84,6 +93,28 @@ def attend(client):
     client.sendall(SERVER_GREETING)
     while client.recv(65536):
         pass
+while True:
+    threading.Thread(target=attend, args=server.accept()[:1], daemon=True).start()
+"""
+KEEPING = """
+import socket, threading
+from lcmtools.wire import tcpq
+server = socket.create_server(("0.0.0.0", 7700))
+print("serves", flush=True)
+clients, lock = [], threading.Lock()
+def attend(client):
+    reader = tcpq.FrameReader()
+    client.sendall(tcpq.SERVER_GREETING)
+    while data := client.recv(65536):
+        for frame in reader.read(data):
+            with lock:
+                if frame.name == ".*":
+                    clients.append(client)
+                for one in list(clients) if frame.kind == tcpq.PUBLISH else ():
+                    try:
+                        one.sendall(frame.data)
+                    except OSError:
+                        clients.remove(one)
 while True:
     threading.Thread(target=attend, args=server.accept()[:1], daemon=True).start()
 """
@@ -224,6 +255,34 @@ def test_no_message_that_waited_for_the_line_arrives_late_but_what_is_latched(li
     assert line.meeting == "tcpq" or _lost(line) > 0  # a connection's own buffer is not counted
 
 
+@pytest.mark.parametrize("way", ["out", "back"])
+def test_what_another_server_keeps_during_a_cut_does_not_arrive(
+    network: Callable[..., Any], lcmtools_path: str, way: str
+) -> None:
+    """A server like lcm.jar, whose system keeps for a client whatever it has buffers for."""
+    net = network("robot", "office")
+    robot, office = net.hosts
+    office.python(KEEPING).wait_for("serves")
+    for host, bus, server in ((office, OFFICE, "127.0.0.1"), (robot, ROBOT, office.address)):
+        relay = host.start(lcmtools_path, "relay", bus, f"tcpq://{server}:7700")
+        relay.wait_for("carries messages")
+    ends = [(robot, ROBOT), (office, OFFICE)]
+    (one, bus), (other, far) = ends if way == "out" else reversed(ends)
+    hears = other.python(HEARS_TIMES.replace(OFFICE, far))
+    hears.wait_for("listens")
+    one.python(TIMES, bus)
+    hears.wait_for("sent at")
+    net.unplug(robot)
+    cut = time.monotonic()
+    time.sleep(2.5)
+    mended = time.monotonic()
+    net.plug(robot)
+    while float(hears.wait_for("sent at").split()[-1]) < mended + 1:
+        pass
+    times = [float(row.split()[-1]) for row in hears.lines if row.startswith("sent at")]
+    assert not [one for one in times if cut + 0.3 < one < mended - 1.2]
+
+
 def _toggle(cable: Any) -> float:
     """Cut the line, or mend it; return the time."""
     cable.send_signal(signal.SIGUSR1)
@@ -251,6 +310,29 @@ def test_a_relay_that_drops_what_its_line_does_not_take(
         relay.end()
     line.relay("carries", "--rate", "/camera/**=1")
     assert line.robot.lcmtools(*look, LCM_DEFAULT_URL=ROBOT).stdout == "[]\n"
+
+
+@pytest.mark.parametrize("period", ["0.5", "3"])
+def test_a_slow_plain_program_behind_relays_is_known_at_once(line: Line, period: str) -> None:
+    sender = line.robot.python(TYPED, ROBOT, period)
+    sender.wait_for("sends")
+    bus = "udpm://239.255.76.67:7668 on robot"
+    for host in (line.office, line.third):
+
+        def out(*words: str, host: Any = host) -> str:
+            return host.out(*words, LCM_DEFAULT_URL=OFFICE)
+
+        assert out("list") == "SLOW\n"
+        assert out("type", "SLOW") == "nav_msgs/Odometry\n"
+        assert out("list", "--host") == f"Host [robot ({bus})]:\n  SLOW\n"
+        (topic,) = json.loads(out("info", "SLOW", "--json"))
+        (seen,) = topic["other_publishers"]
+        assert seen["program"].startswith("a program at robot:")
+        assert seen["messages"]
+        programs = json.loads(out("node", "list", "-a", "--json"))
+        (program,) = (one for one in programs if one.get("publications"))
+        assert (program["host"], program["bus"]) == ("robot", bus)
+        assert [one["topic"] for one in program["publications"]] == ["SLOW"]
 
 
 def test_hostile_datagrams_on_both_sides_change_nothing(line: Line) -> None:

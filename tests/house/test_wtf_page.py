@@ -11,14 +11,15 @@ def test_committed_page_is_fresh() -> None:
 @pytest.mark.parametrize(
     ("sentence", "text"),
     [
-        ("{bus} is down", "BUS is down"),
-        ("wake it (`kill -CONT {pid}`)", "wake it (kill -CONT PID)"),
-        ("{process} (pid {process.pid})", "PROCESS (pid PID)"),
-        ("{seconds:time} ahead, {rate:.3g} Hz", "TIME ahead, RATE Hz"),
-        ("{text}{messages:count}", "TEXT"),
-        ("{hint:advice}`{hint:command}`", "COMMAND"),
+        ("{interface} is down", "eth0 is down"),
+        ("wake it (`kill -CONT {pid}`)", "wake it (kill -CONT 4711)"),
+        ("{process} (pid {process.pid})", "python my_driver.py (pid 4711)"),
+        ("{seconds:time} ahead, {rate:.3g} Hz", "2.5 s ahead, 12 Hz"),
+        ("{seconds:.0f} s ago", "2.5 s ago"),
+        ("{count} more{messages:count}", "3 more"),
+        ("{hint:advice}`{hint:command}`", "sudo ip link set lo multicast on"),
         ("[[0]] of {{x}}", "[[0]] of {x}"),
     ],
 )
-def test_sentences_have_their_parts_in_capitals(sentence: str, text: str) -> None:
+def test_sentences_have_examples_of_their_parts(sentence: str, text: str) -> None:
     assert shown(sentence) == text

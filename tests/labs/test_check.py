@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fixtures.command import Result
@@ -196,14 +197,23 @@ def test_a_program_that_crashes_gets_a_row_with_its_last_words(
 
 
 @pytest.mark.parametrize(
-    ("option", "shown"),
+    ("option", "says", "shown"),
     [
-        ("--reader=python3 reading_laser.py", "your program: python3 reading_laser.py"),
-        ("--programs=.", "the submissions in ."),
+        (
+            "--reader=python3 reading_laser.py",
+            "simulates a program: about 10 s, longer if something fails",
+            "your program: python3 reading_laser.py",
+        ),
+        (
+            "--programs=.",
+            "simulates the programs, 1 at a time: about 10 s each, longer if something fails",
+            "the submissions in .",
+        ),
     ],
 )
 def test_a_terminal_shows_what_is_checked_before_the_first_row(
     option: str,
+    says: str,
     shown: str,
     lcmtools_path: str,
     tmp_path: Path,
@@ -211,10 +221,19 @@ def test_a_terminal_shows_what_is_checked_before_the_first_row(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("reading_laser.py").write_text("raise ValueError('oops')")
-    with closing(Typist(lcmtools_path, "lab", "check", "dolly", option)) as person:
+    jobs = ["--jobs=1"] if "programs" in option else []
+    with closing(Typist(lcmtools_path, "lab", "check", "dolly", option, *jobs)) as person:
         person.wait_for("NOT OK")
         assert person.end() == 1
-    assert person.written.decode().startswith(f"\rchecking {shown} ...\x1b[K\r\x1b[K\r\n")
+    first = f"lcmtools lab check: {says}\r\n"
+    assert person.written.decode().startswith(f"{first}\rchecking {shown} ...\x1b[K\r\x1b[K\r\n")
+
+
+def test_what_a_check_does_is_told_before_the_simulator_starts(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    program = start(lcmtools_path, "lab", "check", "husky")
+    program.wait_for("simulates 2 programs, one after the other: about 20 s", 5.0)
 
 
 def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(

@@ -33,6 +33,7 @@ def environment(lcmtools_path: str, tmp_path: Path) -> dict[str, str]:
         "PATH": f"{Path(lcmtools_path).parent}:{os.environ['PATH']}",
         "LCMTOOLS_DOMAIN": free_domain(),
         "TMPDIR": str(tmp_path),
+        "XDG_CONFIG_HOME": str(tmp_path / "config"),  # nothing is noted there
     }
 
 

@@ -13,9 +13,10 @@ import pytest
 from fixtures import tcpq_server_program
 from fixtures.command import Result
 from fixtures.programs import Program
+from fixtures.window import LiveWindow, Open
 
 from lcmtools import Node
-from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
@@ -157,17 +158,17 @@ def on_terminal(lcmtools_path: str) -> Callable[..., str]:
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[LcmBus]:
+def bus(bus_url: str) -> Iterator[UdpBus]:
     """A connection to the test's bus."""
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
     yield bus
     bus.close()
 
 
 @pytest.fixture
-def other(bus_url: str) -> Iterator[LcmBus]:
+def other(bus_url: str) -> Iterator[UdpBus]:
     """A second connection to the same bus."""
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
     yield bus
     bus.close()
 
@@ -193,3 +194,17 @@ def node(
         return program
 
     return run
+
+
+@pytest.fixture
+def open_window(bus_url: str) -> Iterator[Open]:
+    """A server of the window on the test's bus."""
+    windows: list[LiveWindow] = []
+
+    def run(host: str | None = None, **options: Any) -> LiveWindow:
+        windows.append(LiveWindow(bus_url, host, **options))
+        return windows[-1]
+
+    yield run
+    for window in windows:
+        window.end()

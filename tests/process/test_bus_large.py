@@ -15,10 +15,10 @@ import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.bus.kernel import IS_LINUX
-from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import receiving_socket
-from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.udp_bus import UdpBus
+from lcmtools.bus.udp_sender import PACED_ABOVE_BYTES, UdpSender
 from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import FRAGMENT_MAX, MESSAGE_MAX, ShortMessage, fragments, parse
@@ -75,7 +75,7 @@ def test_images_at_30_hz_reach_receivers_with_default_buffers(
     plain = start_python(_RECEIVER, _URL)
     plain.wait_for("ready")
     wait_until(lambda: sum(row.port == 7667 for row in udp_sockets()) == 2)
-    with closing(LcmBus(parse_url(_URL))) as bus:
+    with closing(UdpBus(parse_url(_URL))) as bus:
         next_time = time.monotonic()
 
         def both_have_30() -> bool:
@@ -98,7 +98,7 @@ def test_a_paced_message_is_to_the_byte_what_liblcm_sends(bus_url: str) -> None:
             plain = lcm.LCM(bus_url)
             plain.publish("BIG", payload)
             expected = _datagrams(receiver, len(list(fragments(0, "BIG", payload))))
-            sender = PacedSender(url)
+            sender = UdpSender(url)
             sender.send("BIG", payload)
             sent = _datagrams(receiver, len(expected))
             sender.close()
@@ -117,7 +117,7 @@ def test_a_plain_lcm_program_and_lcm_logger_get_every_byte(
     logger = start(lcm_program("lcm-logger"), "-c", "BIG", "-f", str(log), f"--lcm-url={url}")
     plain = start_python(_RECEIVER, url)
     plain.wait_for("ready")
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
     for size in _SIZES:
         payload = _payload(size)
         line, start_bytes = f"BIG {size} {hashlib.sha256(payload).hexdigest()}", _size_of(log)
@@ -168,7 +168,7 @@ def _everything_heard(url: BusUrl) -> Iterator[Callable[[int], list[bytes]]]:
 def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url: str) -> None:
     sent = [_payload(size) for size in (0, 10, 65_000, 119_000, 121_000, 500_000, 7)]
     url = parse_url(bus_url)
-    with _everything_heard(url) as next_messages, closing(LcmBus(url)) as bus:
+    with _everything_heard(url) as next_messages, closing(UdpBus(url)) as bus:
         for payload in sent:
             bus.publish("BIG", payload)
         assert next_messages(len(sent)) == sent  # a small one overtakes no large one before it
@@ -177,7 +177,7 @@ def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url: str) -> None:
 def test_large_messages_keep_their_order(bus_url: str) -> None:
     sent = [bytes([number]) * 200_000 for number in range(20)]
     url = parse_url(bus_url)
-    with _everything_heard(url) as next_messages, closing(LcmBus(url)) as bus:
+    with _everything_heard(url) as next_messages, closing(UdpBus(url)) as bus:
         for payload in sent:
             bus.publish("BIG", payload)
         assert next_messages(len(sent)) == sent
@@ -187,7 +187,7 @@ def test_closing_sends_what_is_queued(bus_url: str) -> None:
     sent = [bytes(300_000)] * 10
     url = parse_url(bus_url)
     with _everything_heard(url) as next_messages:
-        bus = LcmBus(url)
+        bus = UdpBus(url)
         for payload in sent:
             bus.publish("BIG", payload)
         bus.close()
@@ -199,7 +199,7 @@ def test_a_message_that_lcm_does_not_carry_is_refused(bus_url: str) -> None:
         def __len__(self) -> int:
             return MESSAGE_MAX + 1
 
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
     with raises_saying(BusError, "BIG: 268435457 bytes", "more than LCM"):
         bus.publish("BIG", Huge())
     bus.close()
@@ -208,8 +208,8 @@ def test_a_message_that_lcm_does_not_carry_is_refused(bus_url: str) -> None:
 def test_a_publisher_that_is_faster_than_the_pace_waits(
     bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lcmtools.bus.paced.MAX_WAITING_BYTES", 1_000_000)
-    sender = PacedSender(parse_url(bus_url))
+    monkeypatch.setattr("lcmtools.bus.udp_sender.MAX_WAITING_BYTES", 1_000_000)
+    sender = UdpSender(parse_url(bus_url))
     most = 0
     for _ in range(30):
         sender.send("BIG", bytes(300_000))
@@ -219,7 +219,7 @@ def test_a_publisher_that_is_faster_than_the_pace_waits(
 
 
 def test_a_closed_sender_takes_nothing(bus_url: str) -> None:
-    sender = PacedSender(parse_url(bus_url))
+    sender = UdpSender(parse_url(bus_url))
     sender.close()
     with pytest.raises(BusError, match="closed"):
         sender.send("BIG", bytes(300_000))
@@ -233,26 +233,26 @@ def test_messages_of_one_size_leave_together_and_the_others_are_left(bus_url: st
         (f"/r{n}", bytes([n]) * 100) for n in range(3, 60)
     ]  # two sizes, with one and two calls
     messages = [*small, ("/alone", bytes(50)), ("/é", b"12345"), ("/ee", b"12345"), *2 * [_LARGE]]
-    with receiving_socket(url) as receiver, closing(PacedSender(url)) as sender:
+    with receiving_socket(url) as receiver, closing(UdpSender(url)) as sender:
         receiver.settimeout(_PATIENCE)
         assert sender.send_together(messages) == [57, 60, 61]
         sent = [parse(receiver.recv(65_536)) for _ in range(59)]
     in_calls = [*small, *messages[58:60]]
-    assert sent == [ShortMessage(n, *message) for n, message in enumerate(in_calls, 1)]
+    assert sent == [ShortMessage(n, *message) for n, message in enumerate(in_calls)]
 
 
 @pytest.mark.usefixtures("private_network")
 def test_what_the_network_does_not_take_together_is_left(ip: Callable[..., None]) -> None:
     ip("link", "set", "lo", "mtu", "1500")
-    with closing(PacedSender(parse_url(_URL))) as sender:
+    with closing(UdpSender(parse_url(_URL))) as sender:
         assert sender.send_together(2 * [("/a", bytes(2000))]) == [0, 1]
 
 
 def test_nothing_is_sent_together_while_a_large_message_leaves(
     bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PacedSender, "_run", lambda _: None)  # it leaves for ever
-    with closing(PacedSender(parse_url(bus_url))) as sender:
+    monkeypatch.setattr(UdpSender, "_run", lambda _: None)  # it leaves for ever
+    with closing(UdpSender(parse_url(bus_url))) as sender:
         sender.send("BIG", bytes(300_000))
         assert sender.send_together([("/a", b"1"), ("/a", b"2")]) == [0, 1]
 

@@ -88,3 +88,21 @@ def test_times_count_only_until_the_first_messages_were_read(
         plain.publish("FIRST", b"")
         wait_until(lambda: comes("FIRST"))
         assert tap._sockets.since == 0
+
+
+@pytest.mark.usefixtures("private_network", "usual_buffers")
+def test_what_full_buffers_drop_is_counted_though_they_are_empty_when_they_are_looked_at() -> None:
+    url, burst, few = parse_url(_URL), 5000, 100
+    with Tap(url, whole=True, spread=True) as tap, sending_socket(url) as sender:
+        for count in (burst, few):
+            before = tap.overflows()
+            for number in range(count):
+                data = b"LC02" + number.to_bytes(4, "big") + b"A\0"
+                sender.sendto(data, (url.host, url.port))
+            arrived: list[Packet] = []
+            while packets := tap.receive(0.1):
+                arrived += packets
+            lost = count - len(arrived)
+            assert (lost > 0) == (count == burst)
+            assert tap.overflows() - before >= lost
+        assert tap.overflows() == before

@@ -47,7 +47,7 @@ def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUnt
 
 def test_tcpq_sends_each_message_at_once(tcpq_server: Any) -> None:
     """Nagle's algorithm holds a message back for 40 ms, and the answer to it as long again."""
-    instance, _ = open_lcm(parse_url(tcpq_server.url))
+    instance = open_lcm(parse_url(tcpq_server.url))
     with socket.socket(fileno=os.dup(instance.fileno())) as connection:
         assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 

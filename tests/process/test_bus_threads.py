@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 
@@ -16,7 +16,7 @@ WaitUntil = Callable[..., None]
 
 
 def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(
-    bus: LcmBus, other: LcmBus
+    bus: UdpBus, other: UdpBus
 ) -> None:
     stop = threading.Event()
     heard = itertools.count()
@@ -49,7 +49,7 @@ def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(
 @pytest.mark.usefixtures("private_network")
 def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -> None:
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
-    sender, receiver = LcmBus(url), LcmBus(url)
+    sender, receiver = UdpBus(url), UdpBus(url)
     stop = threading.Event()
     slow: list[int] = []
 
@@ -80,7 +80,7 @@ def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -
 @pytest.mark.parametrize("turn", range(15))
 def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
     """A caller that comes too late gets a BusError, at once, and nothing else happens."""
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
 
     def handle(_payload: bytes, _time: int) -> None:
         """Hear, and do nothing."""

@@ -16,7 +16,7 @@ from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.zenoh.bus import ZenohBus
 from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.zenoh.observer import ZenohObserver
-from lcmtools.bus.zenoh.session import ZenohSession
+from lcmtools.bus.zenoh.sender import ZenohSender
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -66,17 +66,17 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
     bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     url, has_room = parse_url(bus_url), threading.Event()
-    put = ZenohSession._put
+    put = ZenohSender._put
 
-    def put_when_there_is_room(session: ZenohSession, message: Outgoing) -> None:
-        if threading.current_thread().name == "keep-last sender" and not message.is_large:
+    def put_when_there_is_room(sender: ZenohSender, message: Outgoing) -> None:
+        if threading.current_thread().name == "keep-last sender" and not message.is_bulk:
             has_room.wait(20.0)
-        put(session, message)
-        session._is_slow = True  # from now on small ones wait, too
+        put(sender, message)
+        sender._is_slow = True  # from now on small ones wait, too
 
     with closing(ZenohBus(url)) as bus, _listening(url) as listener:
         bus.publish("a", b"first")
-        monkeypatch.setattr(ZenohSession, "_put", put_when_there_is_room)
+        monkeypatch.setattr(ZenohSender, "_put", put_when_there_is_room)
         bus.publish("a", b"second")
         for payload in (b"third", bytes(MOST_WAITING_BYTES + 1)):
             bus.publish("a", payload)
@@ -136,10 +136,32 @@ def test_a_late_list_is_complete_at_once(bus_url: str, start_node: Any) -> None:
         assert len(monitor.discover().nodes) == 10
 
 
+def test_a_question_ends_when_all_have_answered(bus_url: str) -> None:
+    """None is asked again and again until a timeout."""
+    with closing(ZenohBus(parse_url(bus_url))), _listening(parse_url(bus_url)) as listener:
+        for _ in range(3):
+            listener.send(PROBE_CHANNEL, encode_probe(Probe()))
+            while listener.is_awaiting:
+                listener.receive(0.1)
+            assert not any(listener.is_awaiting for _ in range(10))
+
+
+def test_a_program_whose_address_another_one_has_ends_at_once(
+    free_port: Callable[[], int], start_node: Any, lcmtools_process: Any, stopwatch: Any
+) -> None:
+    url = f"zenoh://224.0.0.224:{free_port()}?listen=127.0.0.1:{free_port()}"
+    start_node(Talker, url=url)
+    watch = stopwatch()
+    assert lcmtools_process("node", "list", "--lcm-url", url).stdout == "/talker\n"
+    assert watch.seconds() < 8.0  # Zenoh itself closes after 10 s
+
+
 def test_sessions_found_after_the_question_are_asked_too(bus_url: str, start_node: Any) -> None:
     """On a busy computer, sessions find each other while the first answers come."""
     with _listening(parse_url(bus_url)) as listener:
         start_node(Talker)
+        while all(packet.channel != NODE_CHANNEL for packet in listener.receive(0.1)):
+            pass  # a session that is asked before its node is there has nothing to answer
         replies: list[Packet] = []
         while listener.is_awaiting or not any(one.channel == NODE_CHANNEL for one in replies):
             replies += [packet for packet in listener.receive(0.1) if packet.seqno is None]
@@ -282,3 +304,13 @@ with zenoh.open(config) as session:
         session.put("dimos/odd/my_msgs.Odd", b"12345678 no type that is known")
         time.sleep(0.05)
 """
+
+
+def test_a_relay_hears_others_but_not_itself(bus_url: str) -> None:
+    url = parse_url(bus_url)
+    with ZenohObserver(url, is_relay=True) as relay, _listening(url) as other:
+        relay.send("/own", b"1")
+        assert [packet.channel for packet in _receive(other, 1)] == ["/own"]
+        other.send("/theirs", b"2")
+        heard = [packet.channel for packet in _receive(relay, 2)]
+        assert heard == [PROBE_CHANNEL, "/theirs"]  # of the other one

@@ -1,6 +1,7 @@
 """bag play: what reaches the bus, what is refused, and what is said of commands that stand."""
 
 import re
+import shlex
 import signal
 import subprocess
 import threading
@@ -130,12 +131,14 @@ def test_what_is_in_use_is_not_played(
     start_node(Driver)
     done = cli("bag", "play", ride)
     assert done.code == 1
-    published, commands, end = done.err.splitlines()
-    assert_says(published, "lcmtools bag play: /cmd_vel", "published", "/driver (")
-    assert_says(commands, "lcmtools bag play: /cmd_vel", "commands /robot (")
-    assert_says(commands, "; -x /cmd_vel", "/cmd_vel:=/other")
-    assert_says(end, "lcmtools bag play: nothing is played", "in use", "; ")
+    obeyed, published, end = done.err.splitlines()
+    assert_says(obeyed, "lcmtools bag play: /robot (", "would obey /cmd_vel")
+    assert_says(published, "lcmtools bag play: /driver (", "publishes /cmd_vel")
+    assert_says(end, "lcmtools bag play: nothing is played; ", "--force plays anyway")
     assert listener.received == []
+    typed = re.search("lcmtools (bag play .*) goes ahead", end)
+    assert typed
+    assert cli(*shlex.split(typed[1])).code == 0
 
 
 @pytest.mark.parametrize(
@@ -175,7 +178,7 @@ def test_a_forced_command_is_followed_by_zero(
     done = cli("bag", "play", ride, "--force", "--rate", "10", env={"LCM_DEFAULT_URL": bus_url})
     assert done.code == 0, done
     said = done.err.splitlines()
-    assert_says(said[0], "lcmtools bag play: /cmd_vel", "commands /robot (")
+    assert_says(said[0], "lcmtools bag play: /robot (", "would obey /cmd_vel")
     assert_says(said[1], "lcmtools bag play: over", "/cmd_vel", "linear.x 0.5", "zero was sent")
     wait_until(lambda: robot.node.speeds[-1:] == [0.0])
     assert robot.node.speeds[:5] == [0.5] * 5
@@ -246,6 +249,24 @@ def test_nodes_on_simulated_time_have_the_time_of_the_log(
     assert done.code == 0, done
     assert len(node.times) == 5
     assert all(START <= time < START + S for time in node.times[1:])
+
+
+@pytest.mark.parametrize(("last", "wait"), [(1000, "16m "), (10 * 365 * 86400, "87")])
+def test_a_long_wait_for_the_next_message_is_told_once(
+    cli: Cli, log: Callable[..., str], bus_url: str, last: int, wait: str
+) -> None:
+    path = log(*(("/odom", time, ODOMETRY) for time in (0, 0.1, last)))
+    done = cli(
+        *("bag", "play", path),
+        env={"LCM_DEFAULT_URL": bus_url},
+        until=lambda text: "is due in" in text,
+    )
+    assert done.code == 130
+    assert done.err.count(f"the next message is due in {wait}") == 1
+    assert "--end leaves it out" in done.err
+    done = cli("bag", "play", path, "--end", "1s", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0
+    assert "is due" not in done.err
 
 
 def test_playing_waits_for_a_subscriber_of_each_topic(

@@ -208,9 +208,10 @@ def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
     slow = tmp_path / "lcm"  # takes the place of the real one, and never ends to be imported
     slow.mkdir()
     (slow / "__init__.py").write_text("import sys, time\nprint('hi', flush=True)\ntime.sleep(60)")
-    process = begin("run", "talker", env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    with_lcm = {"PYTHONPATH": str(tmp_path), "LCM_DEFAULT_URL": "memq://"}
+    process = begin("run", "talker", env={**os.environ, **with_lcm})
     assert process.stdout is not None
-    process.stdout.readline()
+    assert process.stdout.readline() == "hi\n"
     ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.error) == (0, "")
 
@@ -361,7 +362,8 @@ def test_an_lcm_package_without_its_library_is_told_with_a_remedy(
         "try:\n    raise ImportError('libglib-2.0.so.0: cannot open shared object file')\n"
         "except ImportError:\n    from .Release import _lcm\n"  # as the package's own file does
     )
-    result = lcmtools_process("run", "talker", PYTHONPATH=str(tmp_path))
+    with_lcm = {"PYTHONPATH": str(tmp_path), "LCM_DEFAULT_URL": "memq://"}
+    result = lcmtools_process("run", "talker", **with_lcm)
     assert result.returncode == 3
     assert_says(result.stderr, "lcmtools run talker: ", "package lcm", "libglib-2.0.so.0: cannot")
     assert result.stderr.count("\n") == 1

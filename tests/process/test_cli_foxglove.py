@@ -1,15 +1,20 @@
 """foxglove: what a client of its protocol gets and may do; tests/interop has Foxglove's own."""
 
 import json
+import signal
+import socket
 import struct
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import pytest
 from fixtures.programs import Program
 from fixtures.says import assert_line
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from lcmtools import Node
@@ -92,9 +97,10 @@ def serve(start: Start, bus_url: str, lcmtools_path: str) -> Callable[..., tuple
 
 
 @contextmanager
-def _client(url: str) -> Iterator[Client]:
-    with connect(url, subprotocols=["foxglove.sdk.v1"]) as socket:  # type: ignore[list-item]
-        yield Client(socket)
+def _client(url: str, origin: Any = None) -> Iterator[Client]:
+    protocols: Any = ["foxglove.sdk.v1"]
+    with connect(url, origin=origin, subprotocols=protocols) as connection:
+        yield Client(connection)
 
 
 def _of_ros(payload: bytes, cls: Any) -> Any:
@@ -170,6 +176,75 @@ def test_nobody_publishes_by_default(serve: Start) -> None:
         assert "publish" in said.lower()
 
 
+@pytest.mark.parametrize(
+    "origin",
+    ["https://evil.example", "null", "file://", "http://127.0.0.1:8765", "http://localhost"],
+)
+def test_a_foreign_page_is_refused_until_it_is_allowed(serve: Start, origin: str) -> None:
+    program, url = serve("--allow-origin", "https://app.foxglove.dev")
+    for _ in range(2):
+        with pytest.raises(InvalidStatus) as caught, _client(url, origin):
+            pass
+        assert caught.value.response.status_code == 403
+    program.wait_for(f"a page of {origin} was refused; --allow-origin {origin} lets it in")
+    assert len(program.lines) == 2, program.output  # said once
+    _, other = serve("--allow-origin", f"{origin}/" if "." in origin else origin)
+    with _client(other, origin) as client:
+        assert client.wait(lambda one: one.get("op") == "serverInfo")
+
+
+def test_the_origins_of_a_page_and_of_no_page_are_let_in(serve: Start) -> None:
+    _, url = serve(
+        "--allow-origin", "https://APP.foxglove.dev/", "--allow-origin", "http://[::1]:8080"
+    )
+    for origin in ("https://app.foxglove.dev", "http://[::1]:8080", None):
+        with _client(url, origin) as client:
+            assert client.wait(lambda one: one.get("op") == "serverInfo")
+    with pytest.raises(InvalidStatus), _client(url, "https://app.foxglove.dev.evil.example"):
+        pass
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"GET / HTTP/1.1\r\noRiGiN :https://evil.example\r\n\r\n",
+        b"GET / HTTP/1.1\r\nOrigin: https://app.foxglove.dev\r\nOrigin: https://e.com\r\n\r\n",
+        b"GET / HTTP/1.1\r\nOrigin: \x1b[2J$(reboot)\r\n\r\n",
+    ],
+)
+def test_an_origin_in_another_form_is_refused_too(serve: Start, head: bytes) -> None:
+    program, url = serve("--allow-origin", "https://app.foxglove.dev")
+    with socket.create_connection(("127.0.0.1", int(url.rpartition(":")[2]))) as raw:
+        raw.sendall(head)
+        assert raw.recv(100).startswith(b"HTTP/1.1 403 ")
+    assert "reboot" not in program.output
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc lists the sockets of a process")
+def test_no_page_can_guess_the_address_behind_the_gate(serve: Start) -> None:
+    program, url = serve()
+    folder = Path(f"/proc/{program.pid}")
+    inodes = {str(one.readlink())[8:-1] for one in (folder / "fd").iterdir()}
+    rows = [line.split() for line in (folder / "net/tcp").read_text().splitlines()[1:]]
+    ours = [row[1] for row in rows if row[3] == "0A" and row[9] in inodes]
+    hosts = {socket.inet_ntoa(struct.pack("=I", int(one.partition(":")[0], 16))) for one in ours}
+    assert len(ours) == len(hosts) == 2
+    [hidden] = hosts - {"127.0.0.1"}
+    assert hidden.startswith("127.")
+    assert hidden != "127.0.0.1"
+    assert url.startswith("ws://127.0.0.1:")
+
+
+def test_connections_end_with_the_command(serve: Start) -> None:
+    program, url = serve()
+    with _client(url) as client:
+        client.wait(lambda one: one.get("op") == "serverInfo")
+        program.send_signal(signal.SIGINT)
+        with pytest.raises(ConnectionClosed):
+            client.wait(lambda _: False)
+    assert program.wait() == 128 + signal.SIGINT
+
+
 def test_a_script_reads_the_address(start: Start, bus_url: str, lcmtools_path: str) -> None:
     words = ("foxglove", "--port", "0", "--json")
     program = start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
@@ -190,8 +265,6 @@ def test_a_port_that_is_taken_is_an_error(serve: Start, cli: Start, bus_url: str
 def test_a_missing_extra_is_named(
     cli: Start, bus_url: str, monkeypatch: pytest.MonkeyPatch, missing: str
 ) -> None:
-    import sys
-
     monkeypatch.setitem(sys.modules, missing, None)
     result = cli("foxglove", env={"LCM_DEFAULT_URL": bus_url})
     assert (result.code, result.err.count("\n")) == (3, 1)

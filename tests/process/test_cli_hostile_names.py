@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from fixtures.wire import encode_event
 
-from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -40,7 +40,7 @@ _ENDPOINTS = (
 @pytest.fixture
 def stranger(bus_url: str) -> Iterator[Run]:
     """A node that has such names; run commands beside it."""
-    bus = LcmBus(parse_url(bus_url))
+    bus = UdpBus(parse_url(bus_url))
     node = Node("/stranger", "id", _EVIL, os.getpid(), command=_EVIL, endpoints=_ENDPOINTS)
 
     def answer(payload: bytes, _time: int) -> None:

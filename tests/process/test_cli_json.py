@@ -68,6 +68,8 @@ print("ready", flush=True)
 lcmtools.spin(node)
 """
 _PLAIN = """
+import time
+
 import lcm
 from lcmtools.types.std_msgs import String
 
@@ -77,7 +79,8 @@ print("ready", flush=True)
 while True:
     plain.publish("PLAIN", String().encode())
     plain.publish("ODD", b"12345678 and more")
-    plain.handle_timeout(20)
+    plain.handle_timeout(0)  # of its own messages one always waits
+    time.sleep(0.02)
 """
 _WORLD = """\
 node: yard
@@ -185,6 +188,9 @@ LINES = [
     "gui world --port 0 --no-open",
     "gui topics --port 0 --no-open",
     "gui log --port 0 --no-open",
+    "gui services --port 0 --no-open",
+    "gui parameters --port 0 --no-open",
+    "gui record --port 0 --no-open",
     "foxglove --port 0",
     "run --list",
     "lab list",
@@ -203,6 +209,7 @@ LINES = [
     "pkg add-node second --package air",
     "pkg list",
     "pkg find air",
+    "pkg cpp-path",
     "pkg build air",
     "config",
     "node kill talker",
@@ -251,7 +258,8 @@ def folder(
         ("bag", "record", "/odometry", "-n", "3", "-o", str(folder / "other.lcmlog")),
         ("pkg", "create", "air", str(folder), "--msg", "Reading"),
     ):
-        result = cli(*words, env={"LCM_DEFAULT_URL": module_bus_url})
+        own = {"LCM_DEFAULT_URL": module_bus_url, "XDG_CONFIG_HOME": str(folder / "config")}
+        result = cli(*words, env=own)
         assert result.code == 0, result
     ride = (folder / "ride.lcmlog").read_bytes()
     (folder / "broken.lcmlog").write_bytes(ride[:5000] + b"\0" * 3000 + ride[5000:9000])

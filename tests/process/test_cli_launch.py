@@ -320,6 +320,14 @@ def test_prefixes_have_colour_only_where_it_is_wanted(launched: Launched) -> Non
     assert "\x1b" not in plain.output
 
 
+def test_a_nodes_colours_pass_and_what_else_controls_the_terminal_is_escaped(
+    launched: Launched,
+) -> None:
+    says = r"printf '\033[31mred\033[0m \033[2J\033]0;title\007\n'"
+    for text in (nodes(shell(says, "n")), nodes(shell(f"{says} >&2", "n"))):
+        assert "[n-1] \x1b[31mred\x1b[0m \\x1b[2J\\x1b]0;title\\x07" in launched(text).lines
+
+
 def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
     launched: Launched, bus_url: str
 ) -> None:

@@ -33,7 +33,7 @@ from lcmtools.types.std_msgs import String
 lcmtools.init()
 robot, controller = lcmtools.Node("morse"), lcmtools.Node("simple_controller")
 controller.create_subscription(Odometry, "/husky0/odometry", lambda odometry: None)
-chatter = robot.create_publisher(String, "EXAMPLE", literal=True)
+chatter = robot.create_publisher(String, "EXAMPLE", plain_channel=True)
 others = [
     robot.create_publisher(Odometry, "/husky0/odometry"),
     robot.create_publisher(LaserScan, "/scan"),
@@ -51,9 +51,6 @@ robot.create_timer(0.05, tick)
 print("ready", flush=True)
 lcmtools.spin(robot, controller)
 """
-# a command that is asked to end may be just opening a socket, which then closes with its process
-pytestmark = pytest.mark.filterwarnings("ignore:.*unclosed <socket:ResourceWarning")
-
 _PATIENCE = 1.5  # [s] for a command that says nothing, before it is asked to end
 _IS_SHELL = re.compile(r"[|<>]|\$\(")
 _STARTS_PROCESSES = {"run", "launch", "lab"}

@@ -10,6 +10,8 @@ import pytest
 from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
 
+from lcmtools.settings import VARIABLES
+
 Run = Callable[..., Result]
 Write = Callable[[str], Path]
 
@@ -73,6 +75,27 @@ def test_config_is_a_table_for_people(write: Write, cli: Run) -> None:
     assert rows[-1] == ["file:", str(path)]
     path.unlink()
     assert cli("config").out.endswith(f"file: {path} (there is none)\n")
+
+
+def test_config_shows_every_variable_and_the_workspaces(
+    write: Write, cli: Run, tmp_path: Path
+) -> None:
+    write("")
+    given = {"LCMTOOLS_TYPE_PATH": "/types", "LCMTOOLS_PACKAGE_PATH": f"{tmp_path}:/lost"}
+    rows = [line.split() for line in cli("config", env=given).out.splitlines()]
+    assert ["workspaces", str(tmp_path), "LCMTOOLS_PACKAGE_PATH"] in rows
+    shown = {row[0]: row[1] for row in rows}
+    assert shown["LCMTOOLS_TYPE_PATH"] == "/types"
+    assert shown["LCMTOOLS_ENGINE"] == "-"
+    assert "GAZEBO_MODEL_PATH" not in shown
+    rows = [
+        line.split() for line in cli("config", env={"GAZEBO_MODEL_PATH": "/m"}).out.splitlines()
+    ]
+    assert ["workspaces", "-", f"{tmp_path}/lcmtools/workspaces"] in rows
+    assert ["GAZEBO_MODEL_PATH", "/m"] in [row[:2] for row in rows]
+    record = json.loads(cli("config", "--json", env=given).out)
+    assert [one["name"] for one in record["variables"]] == list(VARIABLES)
+    assert record["workspaces"] == {"value": [str(tmp_path)], "source": "LCMTOOLS_PACKAGE_PATH"}
 
 
 def test_timeout_of_file_and_environment_counts(write: Write, cli: Run, bus_url: str) -> None:

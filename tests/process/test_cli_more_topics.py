@@ -168,7 +168,7 @@ def test_hz_counts_what_a_filter_lets_through(cli: Run) -> None:
     assert float(result.out.split()[2]) == pytest.approx(20, abs=5)
     none = cli("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
     assert none.code == 4
-    assert_says(none.err, "lcmtools hz: ", "/chatter", "data == 'x'", "0.3 s\n")
+    assert_says(none.err, "lcmtools hz: ", "/chatter", "data == 'x'", "within 0.3 s")
 
 
 def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(cli: Run) -> None:
@@ -265,13 +265,13 @@ def test_hz_measures_a_topic_under_two_spellings_twice(
 def test_nothing_within_the_timeout_is_exit_code_4(verb: str, cli: Run) -> None:
     result = cli(verb, "/zzz", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
-    assert_says(result.err, f"lcmtools {verb}: ", "/zzz", "0.2 s\n")
+    assert_says(result.err, f"lcmtools {verb}: ", "/zzz", "within 0.2 s")
 
 
 def test_timeout_of_several_topics_is_about_all_of_them(cli: Run) -> None:
     result = cli("hz", "/zzz", "/yyy", "--timeout", "200ms")
     assert result.code == 4
-    assert_says(result.err, "/zzz, /yyy", "0.2 s\n")
+    assert_says(result.err, "/zzz, /yyy", "within 0.2 s")
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,9 @@ def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Run) -> Path:
     monkeypatch.chdir(folder)
     made = cli(*CREATE, *NAMES)
     assert made.code == 0
-    assert_line(made.err, "lcmtools run air_lab0 simple_controller\n")
+    noted, following = made.err.splitlines()
+    assert_says(noted, f"{folder} is noted as a workspace, a folder with packages")
+    assert following == "next: lcmtools run air_lab0 simple_controller"
     assert all((folder / line).is_file() for line in made.out.splitlines())
     return folder
 
@@ -58,6 +60,83 @@ def test_its_script_is_run_by_python_as_well(
     info = cli("node", "info", "/husky0/mine", "--lcm-url", bus_url).out
     assert " * /husky0/a [nav_msgs/Odometry]\n" in info
     assert " * /husky0/count [air_lab0/Stat]\n" in info
+
+
+def test_new_package_is_found_from_a_new_terminal(
+    space: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str, cli: Run,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    shell = ["sh", "-c", 'cd / && exec "$0" run air_lab0 simple_controller', lcmtools_path]
+    node = start(*shell, LCM_DEFAULT_URL=bus_url)
+    node.wait_for("[/simple_controller]: 0 messages on odometry so far")
+    monkeypatch.chdir("/")
+    assert cli("pkg", "find", "air_lab0").out == f"{space}/air_lab0\n"
+    assert cli("msg", "show", "air_lab0/Stat").out.startswith("int32 count\n")
+    assert cli("pkg", "build").err.endswith("ready: air_lab0\n")
+    added = cli("pkg", "add-node", "watcher")
+    assert_line(added.err, "next: lcmtools run air_lab0 watcher\n")
+    both = cli("pkg", "create", "other", str(space / "x" / ".."))
+    assert_line(both.err, "next: lcmtools run other other_node\n")
+
+
+def test_package_that_is_not_noted_is_found_from_its_workspace(space: Path, cli: Run) -> None:
+    made = cli("pkg", "create", "other", "more", env={"LCMTOOLS_PACKAGE_PATH": str(space)})
+    reason, following = made.err.splitlines()
+    where = f"the package is found only from {space}/more, which is not in LCMTOOLS_PACKAGE_PATH"
+    assert (reason, following) == (where, "next: cd more; lcmtools run other other_node")
+    (space / "settings").write_text("")
+    made = cli("pkg", "create", "third", env={"XDG_CONFIG_HOME": f"{space}/settings"})
+    assert made.code == 0
+    assert_says(made.err, f"cannot write {space}/settings/lcmtools/workspaces: ", "only from")
+
+
+SCRIPT = """\
+#!/usr/bin/env python
+import os
+import sys
+
+print(os.environ["LCM_DEFAULT_URL"], *sys.argv[1:])
+sys.exit(7)
+"""
+
+
+@pytest.mark.parametrize(
+    ("here", "words"),
+    [
+        (".", "rosrun air_lab0 evaluate_controller.py"),
+        (".", "run air_lab0 evaluate_controller"),
+        ("air_lab0", "run ./src/evaluate_controller.py"),
+        ("air_lab0/src", "run evaluate_controller.py"),
+    ],
+)
+def test_a_script_is_run_by_its_name_or_path(
+    space: Path, lcmtools_path: str, here: str, words: str
+) -> None:
+    script = space / "air_lab0" / "src" / "evaluate_controller.py"
+    script.parent.mkdir(exist_ok=True)
+    script.write_text(SCRIPT)
+    script.chmod(0o744)
+    command = [lcmtools_path, "--domain", "3", *words.split(), "__ns:=/husky0", "--", "-v"]
+    done = subprocess.run(
+        command, cwd=space / here, env={**os.environ, "LCM_DEFAULT_URL": "udpm://239.255.76.67:1"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    said = "udpm://239.255.76.67:7670?ttl=0 __ns:=/husky0 -- -v\n"
+    assert (done.returncode, done.stdout) == (7, said), done.stderr
+
+
+def test_a_file_that_cannot_be_run_is_named(space: Path, cli: Run) -> None:
+    script = space / "air_lab0" / "src" / "evaluate_controller.py"
+    script.parent.mkdir(exist_ok=True)
+    script.write_text(SCRIPT)
+    done = cli("run", "air_lab0", "evaluate_controller.py")
+    path = "air_lab0/src/evaluate_controller.py"
+    assert done.code == 2
+    assert_line(done.err, f"lcmtools run: {path} is not executable; type: chmod +x {path}\n")
+    (space / "drive").touch()
+    assert_line(cli("run", "./drive").err, "drive is not executable; type: chmod +x ")
+    assert_line(cli("run", "./driv").err, "there is no file './driv'")
+    assert_line(cli("run", "./air_lab0").err, "there is no file './air_lab0'")
 
 
 def test_its_test_passes(space: Path) -> None:
@@ -175,6 +254,94 @@ def test_ros_message_files_of_a_package_are_used_as_they_are(
     assert (called.code, "ok: False" in called.out) == (0, True), called.err
 
 
+IMPORTING = """
+import air_lab0.msg
+import nav_msgs.msg
+import sensor_msgs.msg as sensors
+from air_lab0.msg import ControllerEvaluationStat
+from other.msg import Thing
+from std_msgs.msg import *
+from std_srvs.srv import SetBool
+
+
+def main(args=None):
+    assert air_lab0.msg.ControllerEvaluationStat is ControllerEvaluationStat
+    print(nav_msgs.msg.MapMetaData(width=3).width, sensors.Joy(axes=[0.5]).axes)
+    print(String(data="star"), Thing(x=1.5), SetBool.Request(data=True))
+    print(air_lab0.msg.ControllerEvaluationStat(), hasattr(air_lab0.msg, "Nothing"))
+"""
+IMPORTED = """\
+3 [0.5]
+String(data='star') Thing(x=1.5) SetBool_Request(data=True)
+ControllerEvaluationStat(error=0.0) False
+"""
+
+
+@pytest.mark.parametrize("code", ["package.msg", "folder", "none"])
+def test_a_node_imports_types_as_in_ros(code: str, space: Path, cli: Run) -> None:
+    package = space / "air_lab0"
+    (package / "air_lab0" / "simple_controller.py").write_text(IMPORTING)
+    (space / "other" / "msg").mkdir(parents=True)
+    (space / "other" / "package.xml").write_text("<package><name>other</name></package>")
+    (space / "other" / "msg" / "Thing.msg").write_text("float64 x\n")
+    types = package / "air_lab0" / "msg" if code != "none" else package / "msg"
+    types.mkdir(exist_ok=True)
+    (types / "ControllerEvaluationStat.msg").write_text("float64 error\n")
+    if code == "package.msg":
+        (types / "__init__.py").write_text(
+            "from lcmtools.packages.user_types import package_messages\n"
+            "__getattr__ = package_messages(__name__, __file__)\n"
+        )
+    done = cli("run", "air_lab0", "simple_controller")
+    assert (done.code, done.out) == (0, IMPORTED), done.err
+
+
+@pytest.mark.parametrize("first", ["#!/usr/bin/env python\n", ""])
+@pytest.mark.parametrize(
+    "words", ["run air_lab0 evaluate", "run air_lab0/src/evaluate.py", "launch one.yaml"]
+)
+def test_a_script_imports_types_as_in_ros(
+    words: str, first: str, space: Path, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
+    script = space / "air_lab0" / "src" / "evaluate.py"
+    script.parent.mkdir(exist_ok=True)
+    used = "print(nav_msgs.msg.Path().poses, air_lab0.msg.Progress(x=1), __name__, sys.path[0])\n"
+    script.write_text(f"{first}import sys\nimport nav_msgs.msg\nimport air_lab0.msg\n{used}")
+    script.chmod(0o744)
+    (space / "air_lab0" / "msg").mkdir()
+    (space / "air_lab0" / "msg" / "Progress.msg").write_text("int32 x\n")
+    (space / "one.yaml").write_text(
+        "nodes: [{run: ./air_lab0/src/evaluate.py, output: screen, required: true}]\n"
+    )
+    done = _run([lcmtools_path, *words.split()])
+    assert f"[] Progress(x=1) __main__ {script.parent}\n" in done.stdout, done.stderr
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("import rospy\n", "evaluate.py imports 'rospy', as in ROS; here it is lcmtools: import"),
+        ("def main()\n", "SyntaxError: expected ':'"),
+        ("x = 3\nx.y\n", 'evaluate.py", line 2, in <module>'),
+    ],
+)
+def test_a_fault_in_a_script_is_shown_where_it_is(
+    source: str, said: str, space: Path, lcmtools_path: str
+) -> None:
+    (space / "evaluate.py").write_text(source)
+    done = _run([lcmtools_path, "run", "./evaluate.py"])
+    assert (done.returncode, said in done.stderr) == (1, True), done.stderr
+    assert "lcmtools/packages" not in done.stderr
+    assert "runpy" not in done.stderr
+
+
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    """Run a command that becomes another program, which one in this process cannot."""
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
 def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
     node = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     node.write_text("mine\n")
@@ -196,7 +363,7 @@ def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
         ("x = 3\n", "has no function 'main'; write def main(args=None): in it"),
         ("import no_such_module\n", "needs the Python package 'no_such_module', which is not"),
         ("import rospy\n", "imports 'rospy', as in ROS; here it is lcmtools: import lcmtools"),
-        ("import nav_msgs.msg\n", "', as in ROS; here it is lcmtools.types.nav_msgs\n"),
+        ("import nav_msgs.messages\n", "name 'messages' from 'nav_msgs': it has msg, srv, "),
         ("import lcmtools.types.nav_msgs.msg\n", "; here it is lcmtools.types.nav_msgs\n"),
     ],
 )

@@ -1,6 +1,7 @@
 """pub: what it sends, to whom; and that a mistake sends nothing."""
 
 import math
+import shlex
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
@@ -200,12 +201,13 @@ while True:
 """
 
 
-def test_literal_takes_the_channel_to_the_letter(
-    start_python: Callable[..., Any], cli: Cli
+@pytest.mark.parametrize("option", ["--plain-channel", "--literal"])
+def test_a_plain_channel_is_taken_to_the_letter(
+    option: str, start_python: Callable[..., Any], cli: Cli
 ) -> None:
     plain = start_python(_PLAIN_SUBSCRIBER)
     plain.wait_for("ready")
-    cli("pub", "-1", "--literal", "PLAIN", "std_msgs/String", "x")
+    cli("pub", "-1", option, "PLAIN", "std_msgs/String", "x")
     assert plain.wait_for("received") == "received PLAIN"
     cli("pub", "-1", "PLAIN", "std_msgs/String", "x")
     assert plain.wait_for("received") == "received /PLAIN"
@@ -217,3 +219,24 @@ def test_domain_chooses_the_bus(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> No
     assert_line(result.err, "no topics", "udpm://239.255.76.67:7898?ttl=0\n")
     for line in (["--domain", "231", "list"], ["list", "--domain", "231"]):
         assert cli(*line, env={"LCMTOOLS_DOMAIN": "5"}).err == result.err
+
+
+@pytest.mark.parametrize(
+    ("words", "values"),
+    [
+        ("-1 TOPIC geometry_msgs/Vector3 -1 0 0", (-1, 0, 0)),
+        ("TOPIC geometry_msgs/Vector3 -1 0 0 -t 1", (-1, 0, 0)),
+        ("-t 1 TOPIC geometry_msgs/Vector3 0 0 -1", (0, 0, -1)),
+        ("-t 1 TOPIC geometry_msgs/Vector3 -1 -1 -1", (-1, -1, -1)),
+        ("TOPIC geometry_msgs/Vector3 0 -1 0 --keep-alive 0", (0, -1, 0)),
+        ("TOPIC geometry_msgs/Vector3 1 2 3 -1", (1, 2, 3)),  # the option
+        ("TOPIC geometry_msgs/Vector3 -1 '[1, 2, 3]'", (1, 2, 3)),
+        ("-1 TOPIC geometry_msgs/Vector3 -- -1 0 0", (-1, 0, 0)),
+    ],
+)
+def test_minus_one_is_a_value_where_a_value_would_be_missing(
+    words: str, values: tuple[float, ...], topic: str, receiver: Any, cli: Cli
+) -> None:
+    received = receiver.subscribe(topic, "geometry_msgs/Vector3")
+    assert cli("pub", *shlex.split(words.replace("TOPIC", topic))).ok() == ""
+    assert [tuple(message.values()) for message in received()] == [values]

@@ -8,6 +8,8 @@ from fixtures.says import assert_says
 
 Cli = Callable[..., Any]
 ROUTE = ("224.0.0.0/4", "dev", "lo")
+CUT = [("link", "set", "lo", "down")]
+MENDED = [("link", "set", "lo", "up"), ("route", "add", *ROUTE)]
 MESSAGE = ("/chatter", "std_msgs/String", "hello")
 CANNOT = "lcmtools pub: cannot publish on /chatter: Network is unreachable"
 WAITING = f"{CANNOT}; waiting for the network"
@@ -19,12 +21,13 @@ pytestmark = pytest.mark.usefixtures("on_bus", "private_network")
 def test_a_pub_that_repeats_goes_on_when_the_network_is_back(
     cli: Cli, ip: Callable[..., None]
 ) -> None:
-    steps = iter([("publishing #2", "del"), (WAITING, "add")])
+    steps = iter([("publishing #2", CUT), (WAITING, MENDED)])
     step = [next(steps, None)]
 
     def is_back(written: str) -> bool:
         if step[0] and step[0][0] in written:
-            ip("route", step[0][1], *ROUTE)
+            for words in step[0][1]:
+                ip(*words)
             step[0] = next(steps, None)
         _, again, after = written.partition(AGAIN)
         return bool(again) and after.count("publishing #") > 10
@@ -40,7 +43,7 @@ def test_a_pub_of_so_many_fails(cli: Cli, ip: Callable[..., None]) -> None:
     def cut_off(written: str) -> bool:
         if "publishing #2" in written and not is_gone:
             is_gone.append(True)
-            ip("route", "del", *ROUTE)
+            ip(*CUT[0])
         return False
 
     words = ("-v", "-w", "0", "-r", "50", "-t", "100000")

@@ -32,7 +32,7 @@ def test_the_start_of_a_lab_says_its_steps_line_by_line(
     said = cli("lab", "start", "husky").err.splitlines()
     assert said[1] == "In a second terminal, type:"
     assert said[2].startswith("  lcmtools ")
-    assert said[-1] == "Ctrl-C ends the simulator."
+    assert "Ctrl-C ends the simulator." in said
 
 
 @pytest.mark.parametrize(
@@ -153,8 +153,10 @@ def test_the_extra_that_a_command_needs_is_named_with_exit_code_3(
     text = f"raise ModuleNotFoundError(\"No module named '{package}'\", name='{package}')\n"
     (tmp_path / f"{package}.py").write_text(text)
     result = lcmtools_process(*words.split(), PYTHONPATH=str(tmp_path))
-    assert (result.returncode, result.stdout, result.stderr.count("\n")) == (3, "", 1)
-    assert result.stderr.startswith(said)
+    # the simulator of a check finds it missing, which has told by then how long it takes
+    told = [one for one in result.stderr.splitlines() if ": simulates " not in one]
+    assert (result.returncode, result.stdout, len(told)) == (3, "", 1)
+    assert told[0].startswith(said)
     assert "; type: pip install 'lcmtools-robotics[" in result.stderr
 
 

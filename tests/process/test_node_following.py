@@ -11,9 +11,9 @@ from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.kernel import SELECTIVE, marked_sockets
-from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.graph.protocol import (
@@ -36,7 +36,7 @@ def join(bus_url: str) -> Iterator[Join]:
     said, _ = split_arguments([])
 
     def run() -> Context:
-        contexts.append(Context(LcmBus(url), said, {}, url=url))
+        contexts.append(Context(UdpBus(url), said, {}, url=url))
         return contexts[-1]
 
     yield run
@@ -149,7 +149,7 @@ def test_a_channel_socket_takes_one_channel_whatever_else_comes(
     bus_url: str, wait_until: WaitUntil
 ) -> None:
     url = parse_url(bus_url)
-    channel_socket, bus = ChannelSocket(url, "/a"), LcmBus(url)
+    channel_socket, bus = ChannelSocket(url, "/a"), UdpBus(url)
     for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
         bus.publish(channel, payload)
     received: list[bytes] = []
@@ -168,7 +168,7 @@ def test_a_channel_socket_takes_one_channel_whatever_else_comes(
 def test_what_waited_in_a_channel_socket_came_before_it_was_taken(
     bus_url: str, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
-    receiver, bus = ChannelSocket(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
+    receiver, bus = ChannelSocket(parse_url(bus_url), "/a"), UdpBus(parse_url(bus_url))
     bus.publish("/a", b"1")
     wait_until(lambda: _waiting_bytes(channel_socket()) > 0)
     before = time.time_ns()

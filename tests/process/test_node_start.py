@@ -10,6 +10,7 @@ from fixtures.says import assert_says
 
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Role
 
 Start = Callable[..., Any]
 SCRIPT = """
@@ -60,6 +61,18 @@ def test_the_second_node_of_a_name_says_so(run: Start) -> None:
     other = run("__name:=own2")
     other.wait_for("ready")
     assert "too" not in other.output
+
+
+def test_a_second_publisher_of_the_time_is_told_another_bus(
+    start_python: Start, bus_url: str, wait_until: Callable[..., None]
+) -> None:
+    clock = SCRIPT.replace('print("ready")', 'node.create_publisher(Clock, "/clock")')
+    script = f"from lcmtools.types.rosgraph_msgs import Clock\n{clock}"
+    first = start_python(script, LCM_DEFAULT_URL=bus_url)
+    records = NodeRecords(parse_url(bus_url), os.environ)
+    wait_until(lambda: "/clock" in records.topics({x.id for x in records.read()}, Role.PUBLISHER))
+    second = start_python(script, LCM_DEFAULT_URL=bus_url)
+    assert_says(second.wait_for("of this name too"), f"pid {first.pid} is", "with --domain 1")
 
 
 def test_a_node_that_starts_anew_says_nothing(run: Start) -> None:

@@ -108,7 +108,7 @@ def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
     message.data_length = len(message.data)
     code, output = look(bus_url, lcmtools_path, message, *words)
     assert code == 1
-    assert_line(output, "lcmtools run kinect_viewer: ", "picture", "PNG or JPEG")
+    assert_line(output, "lcmtools run kinect_viewer: ", "picture", "PNG, JPEG or PGM")
 
 
 def encode_png_of_depth() -> bytes:
@@ -191,7 +191,7 @@ def test_a_viewer_serves_the_image_panel_and_opens_it_where_there_is_a_display(
     words = ("image_view", f"image:={TOPIC}", "--far", "4", *([] if display else ["--window"]))
     with closing(Typist(lcmtools_path, "run", *words)) as user:
         user.wait_for("; Ctrl-C ends it")
-        address = user.written.decode().partition(" is shown at ")[2].partition(";")[0]
+        address = user.written.decode().partition("open ")[2].split()[0]
         with LivePage(address) as page:
             settings = {"topic": TOPIC, "map": "warm", "near": 0.0, "far": 4.0}
             assert page.hello["view"] == {"panel": "image", "settings": settings}

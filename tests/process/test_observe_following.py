@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.observe.channels.feed import Feed
 from lcmtools.observe.channels.rows import ChannelSelection
@@ -30,7 +30,7 @@ def taps() -> int:
 
 
 def test_large_messages_of_several_channels_come_whole_by_one_tap(
-    feed: Feed, bus: LcmBus, wait_until: Callable[..., None]
+    feed: Feed, bus: UdpBus, wait_until: Callable[..., None]
 ) -> None:
     taken: dict[str, list[Packet]] = {name: [] for name in LARGE}
 
@@ -54,7 +54,7 @@ def test_large_messages_of_several_channels_come_whole_by_one_tap(
 
 
 def test_small_messages_need_no_tap_and_an_end_is_for_its_taker_only(
-    feed: Feed, bus: LcmBus, wait_until: Callable[..., None]
+    feed: Feed, bus: UdpBus, wait_until: Callable[..., None]
 ) -> None:
     first: list[Packet] = []
     second: list[Packet] = []

@@ -119,7 +119,7 @@ received, ttl = kernel.arrival(ancillary)
 assert 5_000_000 < read - received < 30_000_000_000, (received, read)
 assert ttl is None
 assert not kernel.attach(receiver, heads_only())
-assert kernel.dropped(receiver) is None
+assert kernel.buffer(receiver) is None
 assert kernel.receive_buffer_bytes() == 4 << 20
 assert kernel.receive_buffers() == {} and kernel.marked_sockets(kernel.ANNOUNCED) == frozenset()
 assert kernel.joined_interfaces(os.getpid(), 1, "239.255.76.67") == ()

@@ -14,7 +14,8 @@ import pytest
 from fixtures.says import assert_says
 from fixtures.typist import Typist
 
-from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.base import Bus
+from lcmtools.bus.open import open_bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.relay_report import Link, State
@@ -101,19 +102,19 @@ def urls(free_port: Callable[[], int]) -> Callable[..., str]:
 
 
 @pytest.fixture
-def join() -> Iterator[Callable[[str], LcmBus]]:
+def join() -> Iterator[Callable[[str], Bus]]:
     """``join(url)``: a connection to a bus."""
     with ExitStack() as closing:
 
-        def make(url: str) -> LcmBus:
-            bus = LcmBus(parse_url(url))
+        def make(url: str) -> Bus:
+            bus = open_bus(parse_url(url))
             closing.callback(bus.close)
             return bus
 
         yield make
 
 
-def _hears(bus: LcmBus, channel: str) -> list[bytes]:
+def _hears(bus: Bus, channel: str) -> list[bytes]:
     heard: list[bytes] = []
     bus.subscribe(channel, lambda payload, _: heard.append(payload))
     return heard
@@ -126,7 +127,7 @@ def _numbers(count: int) -> list[bytes]:
 def test_messages_pass_both_ways_once_and_in_order(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one, other = urls(), urls()
@@ -150,7 +151,7 @@ def test_messages_pass_both_ways_once_and_in_order(
 def test_of_two_relays_one_carries_and_the_other_takes_over(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one, other = urls(), urls()
@@ -174,7 +175,7 @@ def test_of_two_relays_one_carries_and_the_other_takes_over(
 def test_a_ring_of_three_makes_no_circle(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     rings = [urls(), urls(), urls()]
@@ -199,7 +200,7 @@ def test_a_ring_of_three_makes_no_circle(
 def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     start: Start,
     lcmtools_path: str,
     wait_until: WaitUntil,
@@ -294,7 +295,7 @@ def test_parameters_and_services_work_through_a_relay(
 def test_commands_pass_only_where_they_are_named(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one, other = urls(), urls()
@@ -313,7 +314,7 @@ def test_commands_pass_only_where_they_are_named(
 def test_one_way_lets_nothing_back(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one, other = urls(), urls()
@@ -345,7 +346,7 @@ def test_a_latched_message_comes_to_who_is_late_on_the_other_bus(
 def test_a_rate_keeps_some(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one, other = urls(), urls()
@@ -363,7 +364,7 @@ def test_a_server_and_a_group_are_joined_without_an_echo(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
     tcpq_server: Any,
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     wait_until: WaitUntil,
 ) -> None:
     one = urls()
@@ -419,7 +420,7 @@ def test_relays_are_shown_by_status(
 def test_two_groups_are_joined_by_zenoh_and_two_relays(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],
-    join: Callable[[str], LcmBus],
+    join: Callable[[str], Bus],
     cli: Callable[..., Any],
     start_node: Callable[..., Any],
     wait_until: WaitUntil,

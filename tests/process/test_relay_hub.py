@@ -6,18 +6,24 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import lcm
 import pytest
 from fixtures.says import assert_says, raises_saying
-from fixtures.wire import subscribe_frame
 
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.hub import Hub, serve
-from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING, publish_frame
+from lcmtools.wire.tcpq import (
+    CLIENT_GREETING,
+    LARGE,
+    SERVER_GREETING,
+    publish_frame,
+    subscribe_frame,
+)
 
 WaitUntil = Callable[..., None]
 
@@ -150,6 +156,34 @@ def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(
     assert_says(hub.said[1], f"lost {hub.counts.dropped} messages", "too slowly")
 
 
+def test_large_messages_come_on_a_second_connection_of_the_client(
+    hub: RunningHub, wait_until: WaitUntil
+) -> None:
+    first, second, sender = (hub.connect() for _ in range(3))
+    with first, second, sender:
+        first.sendall(CLIENT_GREETING + subscribe_frame(".*"))
+        own = "{}:{}".format(*first.getsockname())
+        second.sendall(CLIENT_GREETING + subscribe_frame(LARGE + own))
+        for client in (first, second):
+            assert client.recv(len(SERVER_GREETING), socket.MSG_WAITALL) == SERVER_GREETING
+            client.settimeout(0.0)
+        sender.sendall(CLIENT_GREETING)
+        small, large = publish_frame("small", b"x"), publish_frame("large", bytes(5000))
+
+        def comes(frame: bytes, client: socket.socket) -> bool:
+            sender.sendall(frame)
+            with suppress(BlockingIOError):
+                return client.recv(1 << 20).startswith(frame[:20])
+            return False
+
+        wait_until(lambda: comes(large, second))  # both subscriptions have arrived
+        with suppress(BlockingIOError):
+            first.recv(1 << 20)  # large ones from before
+        wait_until(lambda: comes(small, first))
+        second.close()
+        wait_until(lambda: comes(large, first))
+
+
 def test_messages_that_waited_for_a_client_for_a_second_are_dropped(
     hub: RunningHub, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -254,6 +288,9 @@ def test_programs_connect_again_to_a_server_that_is_back(
         listener.wait_for("heard")
     finally:
         second.end()
+    for node in (listener, talker):
+        for words in ("LCM tcpq: connecting", "_recv_fully"):  # liblcm's own
+            assert words not in node.output
 
 
 def test_the_command_says_what_it_opens_and_ends_by_ctrl_c(
@@ -263,6 +300,7 @@ def test_the_command_says_what_it_opens_and_ends_by_ctrl_c(
         port = reserved.getsockname()[1]
     program = start(lcmtools_path, "relay", "--serve", f"tcpq://:{port}")
     program.wait_for(f"serves tcpq://127.0.0.1:{port} to programs on this computer")
+    program.wait_for(f"to join another bus to it: lcmtools relay tcpq://127.0.0.1:{port}")
     client = Client(f"tcpq://127.0.0.1:{port}", "A")
     client.bus.publish("A", b"1")
     client.hear(1)

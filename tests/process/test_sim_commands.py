@@ -206,3 +206,13 @@ def test_another_node_is_no_simulator(
     assert result.code == 1
     parts = ("/talker", "not a simulator; ", "/yard\n")
     assert_line(result.err, "lcmtools sim pause: ", *parts)
+
+
+@pytest.mark.parametrize("timeout", ["1.5", "2.5"])
+@pytest.mark.parametrize("command", ["echo", "hz", "bw", "delay"])
+def test_a_paused_simulator_is_the_reason_why_nothing_comes(
+    command: str, timeout: str, cli: Run
+) -> None:
+    result = cli(command, "/husky0/imu", "--timeout", timeout)
+    assert result.code == 4
+    assert "the simulator /yard is paused: lcmtools sim resume" in result.err

@@ -1,11 +1,15 @@
-"""The simulator's window is a process of its own, which ends with the simulator."""
+"""The simulator's window is a process of its own, which ends with the simulator; labs open it."""
 
 import signal
+import socket
+import sys
 import urllib.request
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 from urllib.error import URLError
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -31,9 +35,7 @@ def test_the_window_is_opened_and_ends_with_the_simulator(
     word: str,
     number: signal.Signals,
 ) -> None:
-    simulator = start(
-        lcmtools_path, "run", "sim", word, "--lcm-url", bus_url, DISPLAY="", WAYLAND_DISPLAY=""
-    )
+    simulator = start(lcmtools_path, "run", "sim", word, "--lcm-url", bus_url)
     address = simulator.wait_for("http://").split()[-1]
     assert is_there(address)
 
@@ -43,14 +45,89 @@ def test_the_window_is_opened_and_ends_with_the_simulator(
     wait_until(lambda: not is_there(address))
 
 
-def test_where_it_cannot_be_opened_the_reason_is_said_and_the_simulator_goes_on(
+def test_a_second_window_takes_the_next_free_port(
     start: Callable[..., Any], lcmtools_path: str, bus_url: str
 ) -> None:
     words = ("run", "sim", "empty", "--view", "--lcm-url", bus_url)
-    first = start(lcmtools_path, *words, DISPLAY="", WAYLAND_DISPLAY="")
-    first.wait_for("http://")
-    second = start(lcmtools_path, *words, "__name:=other", DISPLAY="", WAYLAND_DISPLAY="")
+    first = start(lcmtools_path, *words).wait_for("open http://")
+    second = start(lcmtools_path, *words, "__name:=other").wait_for("open http://")
 
-    assert "port 7680 is in use" in second.wait_for("lcmtools gui")
-    second.send_signal(signal.SIGINT)
-    assert second.wait() == 0
+    assert first != second
+    assert is_there(second.split()[1])
+
+
+@pytest.fixture
+def browser(tmp_path: Path) -> Path:
+    """A program that reads the page that it is asked to open, notes it, and ends with it."""
+    program = tmp_path / "browser"
+    program.write_text(
+        f"#!{sys.executable}\n"
+        "import contextlib, pathlib, sys, time, urllib.request\n"
+        "read = lambda: urllib.request.urlopen(sys.argv[1], timeout=20).read()\n"
+        "read()\n"
+        f"file = pathlib.Path({str(tmp_path)!r}, 'opening')\n"
+        "file.write_text(sys.argv[1])\n"
+        "file.rename(file.with_name('opened'))\n"
+        "with contextlib.suppress(OSError):\n"
+        "    while read():\n"
+        "        time.sleep(0.1)\n"
+    )
+    program.chmod(0o755)
+    return program
+
+
+def test_lab_start_opens_the_world_where_there_is_a_display(
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    bus_url: str,
+    browser: Path,
+    wait_until: Callable[..., None],
+) -> None:
+    words = ("lab", "start", "dolly", "--lcm-url", bus_url)
+    lab = start(lcmtools_path, *words, DISPLAY=":0", BROWSER=f"{browser} %s")
+    address = lab.wait_for("open http://").split()[1]
+
+    wait_until(browser.with_name("opened").exists)
+    assert browser.with_name("opened").read_text() == address
+    assert "ssh" not in lab.wait_for("Ctrl-C ends it")
+    lab.send_signal(signal.SIGINT)
+    assert lab.wait() == 0
+    wait_until(lambda: not is_there(address))
+
+
+def test_lab_start_says_how_to_open_the_world_where_there_is_no_display(
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    lab = start(lcmtools_path, "lab", "start", "dolly", "--lcm-url", bus_url)
+    address = lab.wait_for("open http://").split()[1]
+    port = urlsplit(address).port
+    assert f"ssh -L {port}:localhost:{port} {socket.gethostname()}" in lab.wait_for("another comp")
+    assert is_there(address)
+
+
+def test_lab_start_can_leave_the_world_closed(
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    words = ("lab", "start", "dolly", "--no-view", "--duration", "1", "--lcm-url", bus_url)
+    lab = start(lcmtools_path, *words)
+    assert lab.wait() == 0
+    assert "simulating dolly" in lab.output
+    assert "http://" not in lab.output
+
+
+def test_without_the_extra_a_line_says_so_and_the_lab_goes_on(
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    bus_url: str,
+    tmp_path: Path,
+    wait_until: Callable[..., None],
+) -> None:
+    (tmp_path / "websockets.py").write_text("raise ImportError('it is not installed')\n")
+    words = ("lab", "start", "dolly", "--lcm-url", bus_url)
+    lab = start(lcmtools_path, *words, PYTHONPATH=str(tmp_path))
+    line = lab.wait_for("the extra 'web'")
+    assert line.startswith("lcmtools gui world: ")
+    assert "pip install 'lcmtools-robotics[web]'" in line
+    wait_until(lambda: "simulating dolly" in lab.output)
+    lab.send_signal(signal.SIGINT)
+    assert lab.wait() == 0

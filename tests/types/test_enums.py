@@ -161,6 +161,9 @@ def test_python_code_may_use_names_numbers_and_values() -> None:
         ("m.mode == 2", True),
         ("mode > 1 and state.mode in ('OFF', 'RUN')", True),
         ("light == 'RED'", False),
+        ("m.mode == m.FAST", True),
+        ("mode == m.RUN or state.mode != state.OFF", False),
+        ("RUN < mode <= m.FAST and m.state.mode == m.state.OFF", True),
     ],
 )
 def test_filters_compare_with_names_and_numbers(expression: str, *, matches: bool) -> None:

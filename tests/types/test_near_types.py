@@ -10,7 +10,13 @@ from fixtures.judging import findings
 
 from lcmtools import message_class
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.near_types import fingerprint_of, grown_type, own_types_like
+from lcmtools.doctor.near_types import (
+    NearType,
+    fingerprint_of,
+    grown_type,
+    nearest_type,
+    own_types_like,
+)
 from lcmtools.graph.model import Endpoint, Node, Role, Traffic
 from lcmtools.messages.fields import Field, fields
 from lcmtools.wire.packet import Sender
@@ -100,3 +106,16 @@ def test_a_type_that_grew_is_named_by_wtf(
     told = cli("wtf", "--bag", log_of("STATUS", payload, payload))
     assert "like near/status_t, but with more bytes at the end, as if fields" in told.out
     assert told.code == 1
+
+
+def test_of_many_own_types_not_all_are_compared(family: Family, tmp_path: Path) -> None:
+    for number in range(300):
+        struct_ = f"struct part_{number:03} {{ double a_{number}; double b; }}"
+        (tmp_path / f"part_{number:03}.lcm").write_text(f"package many; {struct_}")
+    family(str(tmp_path))
+    first, last = ([field(f"a_{number}"), field("b", "float32")] for number in (0, 299))
+    near = NearType("many/part_000", "b is float32, not float64")
+    assert nearest_type(fingerprint_of(first)) == near
+    assert nearest_type(fingerprint_of(last)) is None
+    near = NearType("many/part_299", "b is float32, not float64")
+    assert nearest_type(fingerprint_of(last), own_types_like("PART_299")) == near

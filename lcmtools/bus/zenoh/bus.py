@@ -3,13 +3,12 @@
 Zenoh's own threads queue messages; the handlers run where ``ReceivingBus`` calls them.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
-from lcmtools.bus.base import Handler
 from lcmtools.bus.receiving_bus import ReceivingBus
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh.session import ZenohSession
-from lcmtools.names import check_channel, check_length
+from lcmtools.names import check_length
 
 
 class ZenohBus(ReceivingBus):
@@ -22,8 +21,6 @@ class ZenohBus(ReceivingBus):
         MissingExtra: Zenoh is not installed.
     """
 
-    ports: list[int] = []  # noqa: RUF012 - none: see ``Bus``
-
     def __init__(self, url: BusUrl) -> None:
         super().__init__(url)
         self._session = ZenohSession(url, lambda text, _trouble: self.on_outage(text))
@@ -32,43 +29,28 @@ class ZenohBus(ReceivingBus):
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
     ) -> None:
-        """Send one message; see ``Bus.publish``.
-
-        Raises:
-            BusError: The bus is closed.
-            InvalidName: LCM cannot carry this channel name.
-        """
+        """Send one message, as in ``Bus``, with its type in the key and whether it may be late."""
         check_length(channel)
         if self._closed:
             raise self._refusal()
         self._session.publish(channel, payload, type_name, latched=latched)
 
-    def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
-        """Send none together (see ``Bus``)."""
-        return range(len(messages))
+    def unsent(self) -> tuple[str, Mapping[str, int]]:
+        """Return the end of a full line, and the number of messages that were not sent."""
+        return " and ".join(self._session.sender.full_lines()), self._session.dropped_of()
 
-    def subscribe(self, channel: str, handler: Handler) -> None:
-        """Call ``handler`` for each message on this channel.
-
-        Raises:
-            BusError: The bus is closed.
-            InvalidName: LCM cannot carry this channel name.
-        """
-        check_channel(channel)
+    def _on_receiver(self, work: Callable[[], None]) -> None:
+        """Do it at once: a session is used by any thread."""
         with self._changing:
             if self._closed:
                 raise self._refusal()
-            is_first = channel not in self._handlers
-            self._add_handler(channel, handler)
-            if is_first:
-                self._session.subscribe(channel)
+            work()
 
-    def unsubscribe(self, channel: str, handler: Handler) -> None:
-        """Undo ``subscribe``."""
-        with self._changing:
-            self._remove_handler(channel, handler)
-            if channel not in self._handlers and not self._closed:
-                self._session.unsubscribe(channel)
+    def _begin(self, channel: str) -> None:
+        self._session.subscribe(channel)
+
+    def _end(self, channel: str) -> None:
+        self._session.unsubscribe(channel)
 
     def _descriptors(self) -> Sequence[int]:
         return (self._session.fileno(),)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from lcmtools.bus.zenoh.url import DEFAULT_PORT, Address, ZenohPlace
 from lcmtools.errors import BusError, os_errors_as
+from lcmtools.folders import read_bytes, read_text
 
 _TIMEOUT = 0.8  # [s]
 _PAGE = "docs/networks.md shows a configuration file"
@@ -23,8 +24,8 @@ def check_place(place: ZenohPlace) -> None:
     """
     if place.file:
         what = f"cannot read Zenoh's configuration '{place.file}'"
-        with os_errors_as(what, kind=BusError), Path(place.file).open("rb"):
-            return
+        read_bytes(Path(place.file), what=what, kind=BusError)
+        return
     if place.listen:
         _check_listening(place.listen)
     if place.hosts:
@@ -103,8 +104,9 @@ def _tls_trouble(address: Address, certificate: str) -> BusError | None:
     import ssl
 
     what = f"cannot read the certificate '{certificate}'"
+    trusted = read_text(Path(certificate), what=what, kind=BusError) if certificate else None
     with os_errors_as(what, kind=BusError):
-        context = ssl.create_default_context(cafile=certificate or None)
+        context = ssl.create_default_context(cadata=trusted)
     context.verify_flags &= ~ssl.VERIFY_X509_STRICT  # Python 3.13 is stricter than Zenoh
     try:
         with _connect(address) as plain:

@@ -12,6 +12,11 @@ _LOOPBACK_INTERFACE = "lo0" if sys.platform == "darwin" else "lo"
 _MARK = "6c636d746f6f6c73"  # "lcmtools": the first half of the ids of its sessions
 _DELAY_MS = 300  # wait if no other program answers; others answer in milliseconds, if busy later
 _US = 1_000_000
+# A small message waits for what was passed on before it: little on a slow line.
+_SMALL_BATCHES = {
+    "transport/link/tx/batch_size": 4096,
+    "transport/link/tx/queue/size/data_low": 1,
+}
 _LEASE_MS = 4000  # after this silence a connection counts as lost
 
 
@@ -24,9 +29,10 @@ def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
     """Return the settings of a session, by their paths in Zenoh's configuration."""
     name = {"id": f"{_MARK}{identifier:016x}"}
     if place.file:
-        return name
+        return {**name, **_SMALL_BATCHES}
     common = {
         **name,
+        **(_SMALL_BATCHES if place.is_remote else {}),
         "transport/link/tx/queue/congestion_control/block/wait_before_close": place.patience * _US,
         "transport/link/tx/lease": _LEASE_MS,
     }

@@ -1,25 +1,35 @@
 """A sender for a network that may be slower than its publishers: the newest messages wait.
 
-Up to 64 kB of each topic wait, or one message: hundreds of commands, but only the newest image. The
-oldest make room, so that no publisher waits and no old messages are sent.
+Up to 64 kB of each topic wait, or one message: hundreds of commands, the newest large image. More
+waits only for a moment, in which the network may stall. The oldest make room, so that no
+publisher waits and no old messages are sent. A message that would arrive too late is dropped.
 """
 
-from collections import deque
+import time
+from collections import Counter, deque
 from collections.abc import Callable
 from typing import NamedTuple
 
+from lcmtools.bounded import count
 from lcmtools.bus.sending_thread import SendingThread
+from lcmtools.wire.stamp import Origin
 
 MOST_WAITING_BYTES = 64_000  # bytes of a topic's waiting messages; a single one may always wait
+_MOST_WAITING = 700_000_000  # [ns]: a receiver drops what is a second old
+_STALL = 250_000_000  # [ns] in which messages that have a time make no room for others
+_MOST_STALLED_BYTES = 4 << 20
+CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # a clock that cannot be set
 
 
 class Outgoing(NamedTuple):
-    """A message on its way: its key, payload and attachment."""
+    """A message on its way: its key and payload, and what its stamp tells."""
 
     key: str
     payload: bytes
-    stamp: bytes
-    is_large: bool
+    number: int = 0  # its sequence number; 0 to be numbered when it is sent
+    time: int = 0  # of publishing, by ``CLOCK`` [ns]; 0 if it may be late
+    origin: Origin | None = None
+    is_bulk: bool = False  # True if small messages of other topics go first
 
 
 class KeepLastSender(SendingThread[Outgoing]):
@@ -31,7 +41,8 @@ class KeepLastSender(SendingThread[Outgoing]):
     def __init__(self, put: Callable[[Outgoing], None]) -> None:
         super().__init__("keep-last sender")
         self._put = put
-        self.dropped = 0  # messages dropped to make room for newer ones of their topic
+        self.dropped = 0  # messages dropped to make room for newer ones of their topic, or as late
+        self.dropped_of = Counter[str]()  # the same for each key
         self._waiting: dict[str, deque[Outgoing]] = {}
         self._sending = ""  # the key of the message that is being sent
 
@@ -41,9 +52,9 @@ class KeepLastSender(SendingThread[Outgoing]):
             self._start()
             queue = self._waiting.setdefault(message.key, deque())
             queue.append(message)
-            while len(queue) > 1 and sum(len(one.payload) for one in queue) > MOST_WAITING_BYTES:
+            while len(queue) > 1 and _has_no_room(queue):
                 queue.popleft()
-                self.dropped += 1
+                self._drop(message.key)
             self._changed.notify_all()
 
     def has_waiting(self, key: str) -> bool:
@@ -57,18 +68,32 @@ class KeepLastSender(SendingThread[Outgoing]):
 
     def _next(self) -> Outgoing | None:
         """Pop the first message of the topic that has waited longest for its turn."""
-        if not self._waiting:
-            return None
-        key = next(iter(self._waiting))
-        queue = self._waiting.pop(key)
-        message = queue.popleft()
-        self._sending = key
-        if queue:
-            self._waiting[key] = queue
-        return message
+        oldest = time.clock_gettime_ns(CLOCK) - _MOST_WAITING
+        while self._waiting:
+            key = next(iter(self._waiting))
+            queue = self._waiting.pop(key)
+            message = queue.popleft()
+            if queue:
+                self._waiting[key] = queue
+            if not message.time or message.time > oldest:
+                self._sending = key
+                return message
+            self._drop(key)
+        return None
+
+    def _drop(self, key: str) -> None:
+        self.dropped += 1
+        count(self.dropped_of, key)
 
     def _send_now(self, message: Outgoing) -> None:
         self._put(message)
 
     def _note_sent(self, message: Outgoing) -> None:  # noqa: ARG002 - only one is being sent
         self._sending = ""
+
+
+def _has_no_room(queue: deque[Outgoing]) -> bool:
+    """Return whether the oldest message must make room for the latest."""
+    size, first, last = sum(len(one.payload) for one in queue), queue[0], queue[-1]
+    is_stall = first.time and last.time - first.time < _STALL
+    return size > (_MOST_STALLED_BYTES if is_stall else MOST_WAITING_BYTES)

@@ -2,7 +2,7 @@
 
 import contextlib
 import select
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh.session import ZenohSession
@@ -27,9 +27,16 @@ class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
     is_live, is_log = True, False
 
     def __init__(
-        self, url: BusUrl, on_outage: Callable[[str, str], None] = lambda _text, _trouble: None
+        self,
+        url: BusUrl,
+        on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
+        *,
+        is_relay: bool = False,
     ) -> None:
         self._session = ZenohSession(url, on_outage)
+        # a relay reports what it drops: it does not count as lost
+        self._session.sender.numbers_when_sent = is_relay
+        self._session.sender.hears_itself = not is_relay
         self._closed = False
         # This listener as the sender of its own messages.
         self.sender = Sender(f"{self._session.id:016x}", 0)
@@ -45,6 +52,16 @@ class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
         """Leave the bus."""
         self._closed = True
         self._session.close()
+
+    @property
+    def dropped(self) -> int:
+        """The number of messages that were not sent, because the network was too slow."""
+        return self._session.sender.dropped
+
+    @property
+    def dropped_of(self) -> Mapping[str, int]:
+        """The same for each channel."""
+        return self._session.dropped_of()
 
     @property
     def is_awaiting(self) -> bool:

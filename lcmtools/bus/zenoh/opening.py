@@ -7,6 +7,9 @@ import json
 import os
 import re
 import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
 
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
@@ -14,12 +17,20 @@ from lcmtools.bus.zenoh.check import check_place, refusal
 from lcmtools.bus.zenoh.config import settings_of
 from lcmtools.bus.zenoh.url import Address, locator_address
 from lcmtools.errors import BusError, needing_extra
+from lcmtools.folders import read_bytes
 
 with needing_extra("zenoh", "a Zenoh bus needs"):
     import zenoh as zenoh  # noqa: PLC0414 - for ``session``, which needs it as well
 
+ItemT = TypeVar("ItemT")
 _IMPORTED_BY = os.getpid()
-_STILL, _SETTLED = 0.02, 0.5  # [s] to wait after the last program that appears; at most in all
+_TLS = ("listen_private_key", "listen_certificate", "connect_private_key", "connect_certificate")
+_FILES = (
+    "auth/usrpwd/dictionary_file",
+    *(f"link/tls/{name}" for name in ("root_ca_certificate", *_TLS)),
+)
+"""The files that a configuration names."""
+_STILL, _SETTLED = 0.05, 0.5  # [s] to wait after the last program that appears; at most in all
 _CODE_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
 _JSON_FAULT = re.compile(r'msg: "(?P<text>.*?)", location.*line: (?P<line>\d+)', re.DOTALL)
 _SYNTAX_FAULT = re.compile(r"--> (?P<line>\d+):.*= (?P<text>.*)", re.DOTALL)
@@ -37,6 +48,7 @@ def open_session(url: BusUrl, identifier: int) -> tuple[zenoh.Session, bool]:
         raise BusError(what, hint)
     check_bus(url)
     config = _config(url, identifier)
+    _check_files(config)
     is_client = json.loads(config.get_json("mode")) == "client"
     try:
         session = zenoh.open(config)
@@ -55,6 +67,11 @@ def reason_of(error: Exception) -> str:
     return " ".join(text.partition(", expected one of")[0].split())
 
 
+def direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
+    """Return a handler that is called on Zenoh's own thread, without another queue and thread."""
+    return zenoh.handlers.Callback(callback, indirect=False)
+
+
 def _config(url: BusUrl, identifier: int) -> zenoh.Config:
     place = url.place
     try:
@@ -65,6 +82,15 @@ def _config(url: BusUrl, identifier: int) -> zenoh.Config:
         what = f"cannot use {place.file or url}: {reason_of(error)}"
         raise BusError(what, "docs/networks.md shows a configuration file of Zenoh") from error
     return config
+
+
+def _check_files(config: zenoh.Config) -> None:
+    """Refuse devices, pipes and large files, which Zenoh would read without end."""
+    for name in _FILES:
+        file = json.loads(config.get_json(f"transport/{name}"))
+        if file and Path(file).exists():
+            what = f"cannot read '{file}', {name} of Zenoh's configuration"
+            read_bytes(Path(file), what=what, kind=BusError)
 
 
 def _fault(url: BusUrl, config: zenoh.Config, error: Exception, *, is_client: bool) -> BusError:

@@ -1,10 +1,9 @@
-"""A Zenoh session and its pitfalls. Only this and ``bus.zenoh.opening`` import Zenoh's package.
+"""A Zenoh session and its pitfalls. Only ``bus.zenoh.opening`` imports Zenoh's package.
 
 - A message to a program that does not read waits; after a second, Zenoh disconnects that program,
   which reconnects when it reads again.
 - A process that ends without closing its session can hang: it is closed at exit. A forked process
   can do nothing with Zenoh: it leaves its parent's session alone, and cannot open another.
-- A message is sent at once, or waits for room: later ones wait in a ``KeepLastSender``.
 - After an interruption, a connection resumes: messages that waited for it are dropped on arrival.
 - Messages still under way when a session closes are lost: closing waits until the others have them.
 - Callbacks run on Zenoh's own threads, which must not wait: messages are queued at once.
@@ -14,22 +13,23 @@
 import atexit
 import contextlib
 import ctypes
-import itertools
+import functools
 import os
 import threading
 import time
 import weakref
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
-from typing import TypeVar
 
 from lcmtools.bus.base import outage_texts
 from lcmtools.bus.kernel import computer_id
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.bus.zenoh.config import is_own
-from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, KeepLastSender, Outgoing
-from lcmtools.bus.zenoh.opening import open_session, reason_of, zenoh
+from lcmtools.bus.zenoh.keep_last_sender import CLOCK
+from lcmtools.bus.zenoh.late_messages import LateMessages, tell_time
+from lcmtools.bus.zenoh.opening import direct, open_session, reason_of, zenoh
+from lcmtools.bus.zenoh.sender import ZenohSender
 from lcmtools.errors import BusError
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
@@ -39,21 +39,16 @@ from lcmtools.graph.protocol import (
     decode_probe,
 )
 from lcmtools.messages.registry import candidates
-from lcmtools.wire.lateness import Lateness
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import PROTOCOL_PREFIX
-from lcmtools.wire.stamp import Origin, Stamp, decode_stamp, encode_stamp
-
-ItemT = TypeVar("ItemT")
+from lcmtools.wire.stamp import Origin, decode_stamp, encode_stamp
 
 _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
 _FLUSH_TIMEOUT = 1.0  # [s]
+_LISTENING_TIMEOUT = 0.3  # [s] that closing may take if the URL has an address to listen at
 _RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a query that needs no reply, only to end
-_MOST_SENDERS = 10_000
-_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)  # a clock that cannot be set
-_SLOW = 0.01  # [s]: a message that took longer to send had to wait for the network
 
 
 class ZenohSession:
@@ -75,30 +70,27 @@ class ZenohSession:
         # The session's id, 64 bits: the computer's number, then a random one.
         self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
         self.dropped = 0  # messages that came late, or the oldest if they were not received in time
-        self._numbers = itertools.count(1)
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
-        self._lateness: dict[int, Lateness] = {}
         self._bytes = 0
         self._counting = threading.Lock()  # for Zenoh's threads, one for each connection
         self._answers = 0  # pending requests
         self._answered: set[str] = set()  # the sessions that answered the last one
         self._retained = Retained()
-        self._publishers: dict[tuple[str, bool], zenoh.Publisher] = {}
-        self._large_keys: set[str] = set()
-        self._is_slow = False  # True if small messages have to wait for the network
-        self._small = KeepLastSender(self._put_quietly)
-        self._large = KeepLastSender(self._put_large)
         self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
         self._session, is_client = open_session(url, self.id)
+        self.sender = ZenohSender(self._session, self.id)
         self._wakeup = WakeupEvent()
         atexit.register(self.close)
         own = weakref.ref(self)
         os.register_at_fork(after_in_child=lambda: _leave_to_parent(own()))
         if is_client:
-            self._session.info.declare_transport_events_listener(_direct(self._note_outage))
+            self._session.info.declare_transport_events_listener(direct(self._note_outage))
         nodes = self._keys.key(NODE_CHANNEL)
-        self._queryable = self._session.declare_queryable(nodes, _direct(self._answer))
-        self._barrier = self._session.declare_queryable(self._keys.key(_RECEIVED), _direct(_ignore))
+        self._queryable = self._session.declare_queryable(nodes, direct(self._answer))
+        received = self._keys.key(_RECEIVED)
+        self._late = LateMessages(self._session, received)
+        told = functools.partial(tell_time, sender=self.id)
+        self._barrier = self._session.declare_queryable(received, direct(told))
 
     def fileno(self) -> int:
         """Return the descriptor, which is readable while messages wait."""
@@ -118,6 +110,14 @@ class ZenohSession:
         info = self._session.info
         return any(not is_own(str(zid)) for zid in (*info.peers_zid(), *info.routers_zid()))
 
+    def dropped_of(self) -> Counter[str]:
+        """Return the number of messages of each channel that were not sent in time."""
+        found: Counter[str] = Counter()
+        for key, number in self.sender.dropped_of().items():
+            if named := self._keys.named(key):
+                found[named.channel] += number
+        return found
+
     def publish(
         self,
         channel: str,
@@ -136,27 +136,16 @@ class ZenohSession:
             names = candidates(int.from_bytes(payload[:8], "big"))
             type_name = names[0] if len(names) == 1 else ""
         key = self._keys.key(channel, type_name)
-        if len(payload) > MOST_WAITING_BYTES:
-            self._large_keys.add(key)
-        is_large = key in self._large_keys  # only the newest of these waits, so none is outdated
-        now = 0 if latched or is_large else time.clock_gettime_ns(_CLOCK)
-        stamp = encode_stamp(self.id, next(self._numbers), now, origin)
-        message = Outgoing(key, payload, stamp, is_large)
-        if message.is_large:
-            self._large.add(message)
-        elif self._is_slow or self._small.has_waiting(key):
-            self._small.add(message)
-        else:
-            try:
-                self._put(message)
-            except zenoh.ZError as error:
-                raise BusError(f"cannot publish on {channel}: {reason_of(error)}") from error
+        try:
+            self.sender.send(channel, key, payload, origin, may_be_late=latched)
+        except zenoh.ZError as error:
+            raise BusError(f"cannot publish on {channel}: {reason_of(error)}") from error
 
     def subscribe(self, channel: str | None) -> None:
         """Receive a channel's messages from now on; for None, those of all channels."""
         patterns = (self._keys.all,) if channel is None else self._keys.patterns(channel)
         declare = self._session.declare_subscriber
-        found = [declare(pattern, _direct(self._arrive)) for pattern in patterns]
+        found = [declare(pattern, direct(self._arrive)) for pattern in patterns]
         self._subscribers[channel or ""] = found
 
     def unsubscribe(self, channel: str) -> None:
@@ -180,12 +169,19 @@ class ZenohSession:
     def close(self) -> None:
         """Send waiting messages, and leave the bus."""
         atexit.unregister(self.close)
-        self._small.close()
-        self._large.close()
+        self.sender.close()
         self._await_receivers()
-        with contextlib.suppress(zenoh.ZError):
-            self._session.close()  # type: ignore[no-untyped-call]
+        closing = threading.Thread(target=self._close_session, name="zenoh close", daemon=True)
+        closing.start()
+        # Zenoh goes on for ten seconds with waiting for an address that another program uses
+        closing.join(_LISTENING_TIMEOUT if self._place.listen else None)
         self._wakeup.close()
+
+    def _close_session(self) -> None:
+        with contextlib.suppress(zenoh.ZError):
+            for queryable in (self._queryable, self._barrier):
+                queryable.undeclare()  # type: ignore[no-untyped-call]
+            self._session.close()  # type: ignore[no-untyped-call]
 
     def _await_receivers(self) -> None:
         """Wait until other sessions have received what was sent: closing would discard it.
@@ -208,32 +204,6 @@ class ZenohSession:
         self._outages.append(event.kind == zenoh.SampleKind.DELETE)
         self._wakeup.set()
 
-    def _put(self, message: Outgoing) -> None:
-        """Send a message: a small one waits for room; later ones then wait in a queue."""
-        publisher = self._publishers.get((message.key, message.is_large))
-        if publisher is None:
-            publisher = self._publishers[message.key, message.is_large] = self._declare(message)
-        start = time.monotonic()
-        publisher.put(message.payload, attachment=message.stamp)
-        if not message.is_large:
-            self._is_slow = time.monotonic() - start > _SLOW
-
-    def _put_large(self, message: Outgoing) -> None:
-        """Send a large message after the small ones of its topic that still wait."""
-        self._small.await_sent(message.key)
-        self._put_quietly(message)
-
-    def _put_quietly(self, message: Outgoing) -> None:
-        with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._put(message)
-
-    def _declare(self, message: Outgoing) -> zenoh.Publisher:
-        """Return a publisher; small messages may overtake large ones of other topics."""
-        priority = zenoh.Priority.DATA_LOW if message.is_large else zenoh.Priority.DATA
-        return self._session.declare_publisher(
-            message.key, congestion_control=zenoh.CongestionControl.BLOCK, priority=priority
-        )
-
     def _ask(self) -> None:
         """Request the announcements that other sessions keep, which arrive at once."""
         self._answered.clear()
@@ -247,7 +217,8 @@ class ZenohSession:
         )
 
     def _on_reply(self, reply: zenoh.Reply) -> None:
-        self._answered.add(str(reply.replier_id))
+        if reply.replier_id is not None:
+            self._answered.add(str(reply.replier_id.zid))
         if reply.ok is not None:
             self._arrive(reply.ok, is_reply=True)
 
@@ -258,13 +229,13 @@ class ZenohSession:
     def _answer(self, query: zenoh.Query) -> None:
         """Reply with the announcements of this session's nodes to a session that came later."""
         query.reply_err(b"")  # a reply even if there are none
-        stamp = encode_stamp(self.id, 0)
+        stamp = encode_stamp(self.id, 0, time.clock_gettime_ns(CLOCK))
         for payload in self._retained.payloads(time.monotonic()):
             query.reply(query.key_expr, payload, attachment=stamp)
 
     def _arrive(self, sample: zenoh.Sample, *, is_reply: bool = False) -> None:
         """Queue a message, on a Zenoh thread; drop the oldest if there is no room."""
-        arrived = sample, time.time_ns(), time.clock_gettime_ns(_CLOCK), is_reply
+        arrived = sample, time.time_ns(), time.clock_gettime_ns(CLOCK), is_reply
         with self._counting:
             self._arrived.append(arrived)
             self._bytes += len(sample.payload)
@@ -291,23 +262,12 @@ class ZenohSession:
         stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
         if stamp is None:
             return Packet(named.channel, payload, arrival, type_name=named.type_name)
-        if self._is_late(stamp, clock) and named.channel not in TALK_CHANNELS:
+        if self._late.is_late(stamp, clock) and named.channel not in TALK_CHANNELS:
             self.dropped += 1
             return None
         sender = Sender(f"{stamp.sender:016x}", 0)
         known = named.channel, payload, arrival, sender, None if is_reply else stamp.seqno
         return Packet(*known, origin=stamp.origin, type_name=named.type_name)
-
-    def _is_late(self, stamp: Stamp, arrival: int) -> bool:
-        """Return whether a message was held up on its way, as by an interrupted connection."""
-        if not stamp.time:
-            return False
-        lateness = self._lateness.get(stamp.sender)
-        if lateness is None:
-            if len(self._lateness) >= _MOST_SENDERS:
-                self._lateness.clear()
-            lateness = self._lateness[stamp.sender] = Lateness()
-        return lateness.is_late(stamp.time, arrival)
 
 
 def _leave_to_parent(session: ZenohSession | None) -> None:
@@ -319,8 +279,3 @@ def _leave_to_parent(session: ZenohSession | None) -> None:
 
 def _ignore(_: object) -> None:
     """Do nothing: a query ends without a reply, and a reply is not needed."""
-
-
-def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
-    """Return a handler that is called on Zenoh's own thread, without another queue and thread."""
-    return zenoh.handlers.Callback(callback, indirect=False)

@@ -64,6 +64,11 @@ class ZenohPlace(NamedTuple):
         """True if everything goes through one of the hosts, and nothing listens here."""
         return bool(self.hosts) and self.listen is None
 
+    @property
+    def is_remote(self) -> bool:
+        """True if other computers may take part."""
+        return bool(self.hosts or self.listen or self.file) or self.interface != LOOPBACK
+
 
 def parse_place(where: str, network: str, options: Mapping[str, str]) -> ZenohPlace:
     """Read the parts of a URL; ``where`` is the URL and its source, for errors.

@@ -13,7 +13,7 @@ from lcmtools.bag.ring import SnapshotPlan, Trigger
 from lcmtools.bag.series import USUAL_NAME, LogSeries
 from lcmtools.bag.services import recorder_node
 from lcmtools.cli.bag.recording import recording, run_recording
-from lcmtools.cli.bus import chosen_url, looking_names, notify
+from lcmtools.cli.bus import chosen_url, looking_names
 from lcmtools.cli.declare import (
     argument,
     duration,
@@ -26,6 +26,7 @@ from lcmtools.cli.declare import (
     whole_number,
 )
 from lcmtools.cli.options import bus_options, exclude_option, json_option, names_options
+from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
 from lcmtools.settings import parse_bytes, parse_duration
 from lcmtools.wire.log_compression import SUFFIXES, Compression
@@ -157,7 +158,7 @@ def command(
     )
     with ExitStack() as stack:
         monitor = stack.enter_context(
-            open_bus(url, os.environ, notify, lambda: signal.raise_signal(signal.SIGTERM))
+            open_bus(url, os.environ, _note, lambda: signal.raise_signal(signal.SIGTERM))
         )
         trigger = Trigger(when, names, monitor.types_of) if when else None
         kept = SnapshotPlan(snapshot, after or 0.0, max_size, trigger) if snapshot else None
@@ -167,6 +168,11 @@ def command(
         if services:
             node = stack.enter_context(recorder_node(names.resolve(services), url, recorder))
         run_recording(recorder, series, node)
+
+
+def _note(text: str) -> None:
+    """Write a note; on the recorder's thread there is no running command."""
+    write_note(f"lcmtools bag record: {text}")
 
 
 def check_options(

@@ -2,11 +2,12 @@
 
 import shutil
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
+from lcmtools.bag.recording_words import counted, summary
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
 from lcmtools.cli.output import write_document
@@ -14,7 +15,6 @@ from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
 from lcmtools.node.spinning import spin_once
-from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
 
@@ -71,17 +71,6 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
             notify(summary(recorder.progress(), series))
 
 
-def summary(progress: Progress, series: LogSeries) -> str:
-    """Return a sentence with what was recorded and what is known to be lost."""
-    paths = series.paths
-    where = (
-        f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
-    )
-    among = ", the last ones" if series.count > len(paths) else ""
-    what = f"{_counted(progress.messages)} ({size_text(progress.bytes)}){among} in {where}"
-    return f"{what}; {losses_text(progress.losses)}"
-
-
 def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
     """Return the summary for JSON."""
     return {
@@ -92,24 +81,17 @@ def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
             {"sender": name, "lost": loss.lost, "of": loss.sent}
             for name, loss in progress.losses.items()
         ],
+        "buffer_overflows": progress.overflows,
     }
-
-
-def losses_text(losses: Mapping[str, Loss]) -> str:
-    """Return the losses of all senders as text."""
-    if not losses:
-        return "no losses"
-    by_size = sorted(losses.items(), key=lambda item: -item[1].lost)
-    return "lost " + ", ".join(f"{loss} of {name}" for name, loss in by_size)
 
 
 def _status(progress: Progress, rates: Sequence[float], series: LogSeries) -> str:
     parts = [
-        f"{_counted(progress.messages)}, {rates[0]:.0f}/s",
+        f"{counted(progress.messages)}, {rates[0]:.0f}/s",
         f"{size_text(progress.bytes)}, {size_text(rates[1])}/s",
     ]
     if not progress.is_writing:
-        kept = f"{_counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
+        kept = f"{counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
         parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
     if progress.is_paused:
         parts.insert(0, "paused (space resumes)")
@@ -117,7 +99,8 @@ def _status(progress: Progress, rates: Sequence[float], series: LogSeries) -> st
     with suppress(OSError):
         parts.append(f"{size_text(shutil.disk_usage(folder).free)} free")
     lost = sum(loss.lost for loss in progress.losses.values())
-    parts.append(f"{lost} lost" if lost else "none lost")
+    if progress.losses_are_known:
+        parts.append(f"{lost} lost" if lost else "none lost")
     return "; ".join(parts)
 
 
@@ -126,7 +109,3 @@ def _press(key: str, recorder: BagRecorder) -> None:
         recorder.is_paused = not recorder.is_paused
     elif key == _SAVE and recorder.is_of_snapshots:
         recorder.save()
-
-
-def _counted(messages: int) -> str:
-    return "1 message" if messages == 1 else f"{messages} messages"

@@ -15,6 +15,7 @@ from lcmtools.cli.completion.line import locate
 from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import describe
+from lcmtools.escapes import ESCAPES
 
 VARIABLE = "_LCMTOOLS_COMPLETE"  # the environment variable that names the requesting shell
 _LATEST = 2.0  # [s] after which the process ends whatever delays it
@@ -71,10 +72,10 @@ def shown(found: Sequence[Candidate], word: str) -> list[Candidate]:
     """Return the candidates that begin with the typed word, without duplicates.
 
     A name with control characters, as a channel may have, is no candidate: the terminal would obey
-    it, or the shell take it for a line of its own.
+    it, or the shell take it for a line of its own. In a help, as of a node, they are escaped.
     """
     fitting = {
-        one.value: one
+        one.value: one._replace(help=one.help.translate(ESCAPES).replace("\t", " "))
         for one in reversed(found)
         if one is not FILES and one.value.startswith(word) and one.value.isprintable()
     }

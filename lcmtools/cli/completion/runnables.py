@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, cast
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.errors import LcmtoolsError
 from lcmtools.names import base_name_of, is_hidden
+from lcmtools.packages.programs import program_folder, programs_in
+from lcmtools.packages.ros_packages import ros_packages
 from lcmtools.packages.runnable_nodes import OWN, runnables
 from lcmtools.packages.workspace import workspace
 
@@ -35,11 +37,17 @@ _FLAGS = {
 """The flags of every node (see lcmtools.arguments), and the completers of their values."""
 
 
-def programs(_: Situation) -> Iterator[Candidate]:
-    """Complete runnable nodes, and the packages of nodes that are not lcmtools' own."""
+def programs(situation: Situation) -> Iterator[Candidate]:
+    """Complete runnable nodes, packages that are not lcmtools' own, and Python files."""
+    if "/" in situation.word:
+        yield FILES
+        return
     known = runnables(Path.cwd())
     yield from (Candidate(node.name) for node in known if node.package == OWN)
-    yield from map(Candidate, dict.fromkeys(one.package for one in known if one.package != OWN))
+    homes = [one.package for one in known if one.package != OWN]
+    own = (one.name for one in workspace(Path.cwd()).packages)
+    yield from map(Candidate, dict.fromkeys((*homes, *own, *ros_packages(Path.cwd()))))
+    yield from (Candidate(path.name) for path in sorted(Path().glob("*.py")))
 
 
 def packages(_: Situation) -> Iterator[Candidate]:
@@ -53,7 +61,9 @@ def arguments(situation: Situation) -> Iterator[Candidate]:
     if not before:
         package = situation.last("name")
         known = [one.name for one in runnables(Path.cwd()) if one.package == package]
-        yield from map(Candidate, known)
+        folder = program_folder(package, Path.cwd()) if "/" not in package else None
+        known += [path.name for path in programs_in(folder)] if folder else []
+        yield from map(Candidate, dict.fromkeys(known))
         if known and package not in known:
             return
     flag_before = before[-1] if before else ""

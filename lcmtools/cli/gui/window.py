@@ -2,11 +2,11 @@
 
 import os
 import socket
-import webbrowser
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
-from functools import wraps
+from functools import partial, wraps
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -20,8 +20,10 @@ from lcmtools.errors import needing_extra
 if TYPE_CHECKING:  # not needed for the help
     from lcmtools.gui.protocol import Json
     from lcmtools.gui.source import Source
+    from lcmtools.gui.steering import SpeedLimits
 
 PORT = 7680
+_PORTS = range(PORT, PORT + 10)
 _LAST_PORT = 65535
 
 
@@ -29,10 +31,12 @@ _LAST_PORT = 65535
 class WindowChoice:
     """The options of the window."""
 
-    port: int
+    port: int | None  # None for the first of the usual ones that is free
     host: str | None
     read_only: bool
+    token: bool  # for this computer; others always need one
     opens: bool | None  # the browser; None where there is a display
+    record_directory: Path | None  # None for the working directory
     as_json: bool
 
 
@@ -54,16 +58,30 @@ window_options: Callable[[CommandT], CommandT] = together(
     option(
         "--port",
         type=click.IntRange(0, _LAST_PORT),
-        default=PORT,
         metavar="N",
-        help=f"The port to listen on (else {PORT}); 0 for any free port.",
+        help=f"The port to listen on (else {PORT} or the next free one); 0 for any free port.",
     ),
     option(
         "--host",
         metavar="ADDRESS",
         help="Open the window to others, at this address of this computer (0.0.0.0: all).",
     ),
-    flag("--read-only", help="Disable commands: steering, publishing and services."),
+    flag(
+        "--read-only",
+        help="Disable commands: steering, publishing, services, parameters, recording.",
+    ),
+    flag(
+        "--token/--no-token",
+        "token",
+        default=True,
+        help="Open the window only to who has its address, or to every user of this computer.",
+    ),
+    option(
+        "--record-directory",
+        metavar="DIR",
+        type=click.Path(exists=True, file_okay=False, path_type=Path),
+        help="Let pages record here (else in the working directory).",
+    ),
     flag("--open/--no-open", "opens", default=None, help="Open the browser, or not."),
     json_option,
     names_options,
@@ -74,34 +92,51 @@ window_options: Callable[[CommandT], CommandT] = together(
 """The options of every panel; the command gets them as ``WindowChoice``."""
 
 
-def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> None:
+def open_window(
+    choice: WindowChoice, panel: str = "", limits: "SpeedLimits | None" = None, **settings: "Json"
+) -> None:
     """Serve the window until Ctrl-C: one panel with its settings, or all.
+
+    Pages can command velocities up to ``limits``; None for the usual ones.
 
     Raises:
         MissingExtra: The package websockets is not installed.
-        LcmtoolsError: The port is in use, or the address is not this computer's.
+        PortInUse: The chosen port is in use.
+        LcmtoolsError: The address is not this computer's.
     """
     with needing_extra("web", "gui needs"):
-        from lcmtools.gui.server import Server
+        from lcmtools.gui.server import PortInUse, Server
     from lcmtools.gui.access import access_for
-    from lcmtools.gui.browser import has_display
+    from lcmtools.gui.browser import show_page
+    from lcmtools.gui.own_token import own_token
 
-    access = access_for(choice.host, [socket.gethostname()], is_read_only=choice.read_only)
+    access = access_for(
+        choice.host,
+        [socket.gethostname()],
+        is_read_only=choice.read_only,
+        own_token=partial(own_token, environment=os.environ) if choice.token else None,
+    )
     view: dict[str, Json] = {"panel": panel, "settings": settings} if panel else {}
 
     def say(port: int) -> None:
         addresses = access.addresses(_reached_at(choice.host), port)
         _write_addresses(addresses, as_json=choice.as_json)
-        if has_display(os.environ) if choice.opens is None else choice.opens:
-            webbrowser.open([*addresses.values()][-1])
+        hint = show_page([*addresses.values()][-1], os.environ, opens=choice.opens)
+        for line in () if choice.as_json else filter(None, (hint, "Ctrl-C ends it")):
+            write_note(line)
 
-    with _opened_source() as source:
+    with _opened_source(limits, choice.record_directory or Path()) as source:
         server = Server(source, access, view, notify)
-        server.run_until_interrupted(choice.host or "127.0.0.1", choice.port, say)
+        host = choice.host or "127.0.0.1"
+        for port in _PORTS if choice.port is None else ():
+            with suppress(PortInUse):
+                server.run_until_interrupted(host, port, say)
+                return
+        server.run_until_interrupted(host, choice.port or 0, say)
 
 
 @contextmanager
-def _opened_source() -> "Iterator[Source]":
+def _opened_source(limits: "SpeedLimits | None", directory: Path) -> "Iterator[Source]":
     """Open the log or the bus that the command line selects."""
     with ExitStack() as stack:
         source: Source
@@ -111,10 +146,18 @@ def _opened_source() -> "Iterator[Source]":
             source = LogSource(log, notify)
         else:
             from lcmtools.gui.source import BusSource
+            from lcmtools.gui.steering import SpeedLimits
 
-            source = BusSource(stack.enter_context(open_monitor("gui")))
+            monitor = stack.enter_context(open_monitor("gui"))
+            source = BusSource(monitor, limits or SpeedLimits(), directory)
         stack.callback(source.close)
+        stack.callback(_finish_recording, source)
         yield source
+
+
+def _finish_recording(source: "Source") -> None:
+    if source.recordings and (told := source.recordings.stop()):
+        notify(f"recorded {told}")
 
 
 def _write_addresses(addresses: Mapping[str, str], *, as_json: bool) -> None:
@@ -122,8 +165,7 @@ def _write_addresses(addresses: Mapping[str, str], *, as_json: bool) -> None:
         write_document(addresses)
         return
     for right, address in addresses.items():
-        write_note(f"to {right}: {address}")
-    write_note("Ctrl-C ends it")
+        write_note(f"open {address} to {right}" if len(addresses) > 1 else f"open {address}")
 
 
 def _reached_at(host: str | None) -> str:

@@ -34,11 +34,14 @@ def build(folder: str | None, *, as_json: bool) -> int:
         raise LcmtoolsError(
             "there are no folders with .lcm files", "name one, or set LCMTOOLS_TYPE_PATH"
         )
-    return build_folders(chosen, as_json=as_json)
+    return build_folders(chosen, as_json=as_json, summary=True)
 
 
-def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
-    """Compile the types of folders, print them and their problems, and return the exit code."""
+def build_folders(folders: Sequence[Path], *, as_json: bool, summary: bool = False) -> int:
+    """Compile the types of folders, print them and their problems, and return the exit code.
+
+    ``summary`` adds a note of how many there were, and where.
+    """
     source = user_types().compiled(folders)
     made = {n: f for n, f in sorted(source.files.items()) if _is_in(f, folders)}
     problems = [one for one in source.problems if _is_in(one.file, folders)]
@@ -48,10 +51,18 @@ def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
     ]
     record = {"types": types, "problems": [problem._asdict() for problem in problems]}
     write_result(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
+    if summary and not as_json:
+        write_note(f"{_counted(len(made))} in {', '.join(shown(str(one)) for one in folders)}")
     build = click.get_current_context().meta.get(COMMAND, "lcmtools")
     for problem in problems:
         write_error(str(build), problem.error())
     return 1 if problems else 0
+
+
+def _counted(number: int) -> str:
+    if not number:
+        return "no .lcm, .msg, .srv or .action files that define types"
+    return f"{number} type{'s'[: number != 1]} compiled"
 
 
 def _is_in(file: str, folders: Sequence[Path]) -> bool:

@@ -3,7 +3,7 @@
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.msg.services import piped_type, print_service
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import write_data, write_document, write_note, write_result
+from lcmtools.cli.output import write_data, write_document, write_lines, write_note, write_result
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 from lcmtools.messages.type_source import shown
 
@@ -68,7 +68,8 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
             {"type": name, "fingerprint": number, "spelling": spelling, "definition": text}
         )
     else:
-        write_data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
+        heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
+        write_lines([*heading, *text.replace("\r\n", "\n").split("\n")])
         write_note(
             f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}"
         )

@@ -10,7 +10,7 @@ from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
-from lcmtools.folders import write_whole
+from lcmtools.folders import LARGEST, read_text, write_whole
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.reading.find import find_node
 from lcmtools.publish import parameter_report as report
@@ -95,6 +95,7 @@ def _file_and_node(words: Sequence[str]) -> tuple[str, str | None]:
 
 
 def _read(file: str) -> str:
-    source = "standard input" if file == "-" else file
-    with os_errors_as(f"cannot read {source}", kind=InvalidFile):
-        return (sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()).decode()
+    if file != "-":
+        return read_text(Path(file))
+    with os_errors_as("cannot read standard input", kind=InvalidFile):
+        return sys.stdin.buffer.read(LARGEST).decode()

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import option, together
 from lcmtools.cli.options import bus_options, json_option, timeout_option
-from lcmtools.cli.output import write_data, write_document
+from lcmtools.cli.output import write_document, write_lines
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.publish.simulator import RequestT, ResponseT, call_simulator
@@ -37,4 +37,4 @@ def write_response(response: Message, *, as_json: bool) -> None:
     if as_json:
         write_document(to_plain(response))
     else:
-        write_data(response.message)  # type: ignore[attr-defined] # all responses of sim_msgs have it
+        write_lines([response.message])  # type: ignore[attr-defined] # responses of sim_msgs have it

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lcmtools.cli.bus import chosen_log, looking_names, notify, open_monitor
+from lcmtools.cli.bus import chosen_log, looking_names, notify, notify_damage, open_monitor
 from lcmtools.cli.declare import (
     argument,
     duration,
@@ -101,17 +101,8 @@ def command(
 ) -> None:
     """Print the messages of topics, as rostopic does.
 
-    TOPIC may end in a field path: dots or slashes, [0] or [0:5] for arrays. In quotes it may be a
-    pattern: * is any characters but /, ** any characters, ? one; topics that appear later are
-    included. With several topics each message is labelled with its own: by a line such as #
-    /chatter, by "topic" beside "message" in --json, by a column in --csv. TYPE is needed only if
-    two types have the same fields; a topic with the name of a type is written with a slash before.
-
-    In --filter, m is the message, m.ERROR a constant of its type. Available are comparisons,
-    arithmetic, and, or, not, in, and functions such as len and hypot. A message of an unknown type
-    is shown in hexadecimal. Times in --csv are nanoseconds; %time is the header's stamp, else the
-    time of arrival. Text that is not UTF-8 is !!binary in YAML and has \\udcXX for a byte in
-    --json; pub accepts both without loss.
+    TOPIC may end in a field path, or be a pattern: * is any characters but /, ** any. In --filter,
+    m is the message. TYPE is needed only if two types have the same fields.
     """
     if shown["offset"] and chosen_log() is not None:
         raise UsageError(
@@ -142,8 +133,8 @@ def command(
         found = taken_together(stream, formatter.text, timeout, notify, most=most)
         for texts in islice(found, count):
             write_data("\n".join(f"{prefix}{on_screen(text)}" for text in texts))
-        if monitor.log and not count and (damage := monitor.log.damage()):
-            notify(damage)
+        if not count:
+            notify_damage(monitor)
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:

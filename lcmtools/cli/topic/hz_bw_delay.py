@@ -6,7 +6,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any, TypeAlias
 
-from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.bus import looking_names, notify, notify_damage, open_monitor
 from lcmtools.cli.declare import (
     CommandT,
     argument,
@@ -147,6 +147,8 @@ def measure(
             write_note("time has reset, resetting counters")
         else:
             _print(report.found, form, as_json=as_json)
+    if not options["count"]:
+        notify_damage(monitor)
 
 
 def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None:

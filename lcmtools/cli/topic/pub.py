@@ -17,11 +17,11 @@ from lcmtools.cli.declare import (
     together,
     whole_number,
 )
-from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one
+from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one, with_one
 from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
 from lcmtools.cli.output import write_note
 from lcmtools.errors import UsageError
-from lcmtools.messages.fields import fields
+from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.publish.incoming import read_incoming
@@ -53,7 +53,7 @@ publish_options = together(
     flag("-v", "--verbose", help="Print every message to standard error."),
     accepted_for_ros("-s", "--substitute-keywords"),  # stamps are always set on sending
     flag("--use-rostime", "--use-sim-time", "simulated", help="Take stamps from /clock."),
-    flag("--literal", help="TOPIC is the exact LCM channel."),
+    flag("--literal", "--plain-channel", "plain_channel", help="TOPIC is the exact LCM channel."),
     option(
         "-n",
         "--name",
@@ -90,36 +90,32 @@ def command(
     timeout: float | None,
     keep_alive: float | None,
     verbose: bool,
-    literal: bool,
+    plain_channel: bool,
     name: str | None,
     **others: Any,  # noqa: ANN401 - of ``publish``
 ) -> None:
     """Publish messages on a topic; VALUES are YAML or JSON, as for rostopic.
 
-    A single dict sets fields by name; otherwise VALUES are the fields in order. Omitted fields keep
-    their defaults. A time, or LCM's utime, may be "now", a header "auto": the message is stamped
-    when it is sent. Without -r, -1 or -t the message is sent once, and again to each new subscriber
-    until Ctrl-C. Repeated publishing pauses while the network is down.
+    A dict sets fields by name; otherwise VALUES are the fields in order. A time, also a number like
+    LCM's utime or timestamp, may be "now", a header "auto". Without -r, -1 or -t the message is
+    sent once, and again to each new subscriber until Ctrl-C.
 
-    The first message waits up to a second for a subscriber, or for the number given by -w. -1 then
-    sends and exits; to keep latching for three seconds, as rostopic does, add --keep-alive 3s.
-
-    A file (-f) may contain several messages, separated by lines of --- as echo prints them, or as
-    JSON. It is checked before anything is sent, and published at 10 Hz or the rate of -r; a single
-    message is repeated. "-" in place of VALUES is standard input: each message is sent as soon as
-    it is complete.
+    The first message waits up to a second for a subscriber. "-" in place of VALUES is standard
+    input; a file (-f) may contain several messages, separated by lines of ---.
     """
-    if once and (rate is not None or times is not None):
+    check_topic(topic, plain_channel=plain_channel)
+    flags = [*bus_choice().names.words(), *([f"--name={name}"] if name else [])]
+    arguments, words = split_arguments([*flags, *values])
+    kind, is_repeated = message_class(type_), rate is not None or times is not None
+    if once and (meant := with_one(words, len(visible_fields(kind)), excludes_option=is_repeated)):
+        once, words = False, meant
+    if once and is_repeated:
         raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
-    check_topic(topic, literal=literal)
     if timeout is not None and subscribers is None and (once or times):
         subscribers = 1  # as ros2
     elif timeout is not None and subscribers is None and not others["simulated"]:
         raise UsageError("--timeout is how long to wait for subscribers", "give the number by -w N")
-    flags = [*bus_choice().names.words(), *([f"--name={name}"] if name else [])]
-    arguments, words = split_arguments([*flags, *values])
-    kind = message_class(type_)
-    if ends_in_one() and not (words or file) and fields(kind):
+    if ends_in_one() and not (words or file) and visible_fields(kind):
         raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
     publish(
         topic,
@@ -130,7 +126,7 @@ def command(
         keep_alive=keep_alive or 0.0 if once else keep_alive,
         subscribers=subscribers,
         timeout=timeout,
-        literal=literal,
+        plain_channel=plain_channel,
         url=chosen_url(),
         arguments=arguments,
         notify=notify,

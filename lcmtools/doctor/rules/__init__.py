@@ -29,9 +29,12 @@ _FAMILIES = (
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
 _EXPLAINED_BY = {
+    "incomplete-messages": {"loss"},
     "no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"},
     "relay-losses": {"relay-bus"},
 }
+_COVERED_BY = {"kernel-drops": "small-buffer"}
+"""Rules whose findings another one's remedy mends too, for the listeners that it names."""
 
 
 def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
@@ -41,7 +44,14 @@ def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
     findings = [finding for rule in chosen for finding in rule.examine(evidence)]
     found = {finding.rule for finding in findings}
     findings = [f for f in findings if found.isdisjoint(_EXPLAINED_BY.get(f.rule, ()))]
+    findings = [f for f in findings if not _is_covered(f, findings)]
     return sorted(findings, key=lambda finding: -finding.severity)
+
+
+def _is_covered(finding: Finding, others: Iterable[Finding]) -> bool:
+    """Return whether another finding has all subjects of this one, and its remedy mends both."""
+    covering = (one for one in others if one.rule == _COVERED_BY.get(finding.rule))
+    return any(set(finding.subjects()) <= set(one.subjects()) for one in covering)
 
 
 def _without_other_rules(evidence: Evidence, chosen: tuple[Rule, ...]) -> Evidence:

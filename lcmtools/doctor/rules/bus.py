@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from lcmtools.bus.url import DEFAULT_GROUP, DEFAULT_PORT
+from lcmtools.bus.url import DEFAULT_GROUP, DEFAULT_PORT, parse_url
 from lcmtools.doctor.evidence import Evidence, Host, LcmProcess, sender_names
 from lcmtools.doctor.findings import (
     Finding,
@@ -14,14 +14,21 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.rules.connections import MAY_PUBLISH, missed_topics, quiet_programs
+from lcmtools.doctor.rules.connections import (
+    MAY_PUBLISH,
+    missed_on_other_buses,
+    missed_topics,
+    quiet_programs,
+)
 from lcmtools.doctor.rules.shared import HOST_NETWORK, MEND_BUS, MORE, PROGRAM
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
 _MOST, _MOST_REMEDIES = 8, 3  # programs and remedies that are shown
 _MPUDPM = "=mpudpm:"  # in the variable of a process
 _DEFAULT = f"{DEFAULT_GROUP}:{DEFAULT_PORT}"
+_DEFAULT_URL = f"udpm://{_DEFAULT}"
 
 
 @rule(
@@ -123,6 +130,7 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     title="The following programs of yours are on other buses{topics:with}{awaited:wait}:",
     facts={
         "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
+        "on-no-bus": "pid {process.pid} on no bus{variable:brackets}: {process}; {fault}",
         "on-bus-by-code": "pid {process.pid} probably on {bus} (its code names it): {process}",
         **MORE,
     },
@@ -140,30 +148,31 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that wtf examines.
 
     Programs on other buses are a note, or a warning if this bus is empty or if a topic that a
-    subscription here lacks is published there, or the other way round.
+    subscription here lacks is published there, or the other way round. So is a program with a wrong
+    URL if a subscription here lacks its topic: the program may be its publisher.
     """
     if evidence.bus_problem:
         return
-    missed, is_empty = missed_topics(evidence), _is_empty(evidence)
+    missed, is_empty = missed_on_other_buses(evidence), _is_empty(evidence)
+    lacks = bool(missed_topics(evidence))
     elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p, evidence)]
-    others = [p for p in elsewhere if is_empty or missed & set(p.topics) or p.awaited]
+    others = [
+        p
+        for p in elsewhere
+        if is_empty or missed & set(p.topics) or p.awaited or (lacks and _url_fault(p))
+    ]
     severity = Severity.WARNING if others else Severity.NOTE
     others = others or elsewhere
     if not others:
         return
-    facts = [
-        state("on-bus-by-code", process=p, bus=p.bus)
-        if p.is_guess
-        else state("on-bus", process=p, bus=p.bus, variable=p.variable)
-        for p in others[:_MOST]
-    ]
+    facts = list(map(_place, others[:_MOST]))
     if len(others) > _MOST:
         facts.append(state("more", count=len(others) - _MOST))
-    urls = dict.fromkeys(map(_url, others))
+    urls = dict.fromkeys(_url(p) for p in others if not _url_fault(p))
     topics = sorted(missed & {topic for p in others for topic in p.topics})
     awaited = sorted({topic for p in others for topic in p.awaited})
     remedies = []
-    if len(urls) <= (_MOST_REMEDIES if is_empty else bool(topics)):
+    if urls and len(urls) <= (_MOST_REMEDIES if is_empty else bool(topics)):
         remedies += [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
     if not is_empty:
         remedies.append(state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url))
@@ -171,6 +180,25 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
             remedies.append(state("name-here"))
     title = state("other-buses", topics=topics, awaited=awaited)
     yield from finding(title, facts, *remedies, severity=severity)
+
+
+def _place(process: LcmProcess) -> Statement:
+    """Return the fact that tells the bus of a program."""
+    if process.is_guess:
+        return state("on-bus-by-code", process=process, bus=process.bus)
+    variable = process.variable
+    if fault := _url_fault(process):
+        return state("on-no-bus", process=process, variable=variable, fault=fault)
+    return state("on-bus", process=process, variable=variable, bus=process.bus)
+
+
+def _url_fault(process: LcmProcess) -> str:
+    """Return the reason why a program's URL names no bus; "" if it does."""
+    try:
+        parse_url(process.bus if "://" in process.bus else _DEFAULT_URL, "its URL")
+    except LcmtoolsError as error:
+        return error.what
+    return ""
 
 
 def _url(process: LcmProcess) -> str:

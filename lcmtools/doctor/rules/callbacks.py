@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence, derived
-from lcmtools.doctor.findings import Finding, Part, Statement, finding, rule, state
+from lcmtools.doctor.findings import Finding, Part, Severity, Statement, finding, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share, callback_time
@@ -17,13 +17,16 @@ _UNBROKEN = 0.999  # without a pause, which a busy computer does not cause
 _ENOUGH_CALLS = 5  # the first calls may load what later ones need
 _MANY = 0.05  # share of all messages: more than the first seconds lose
 _SECOND_LOOK = 3.5  # [s]
+_QUICK = 0.5  # share of the time between two messages, or of all time
+_MISSED = 0.25  # share of messages: more than the irregularity of a busy computer loses
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
+_IRREGULAR = frozenset({"dropped-in-bursts", "dropped-held-up", "dropped-long-call"})
 _LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
 _NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
 _BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
-_SPIN = {"spin": "let {node} spin: lcmtools.spin(node), or spin_once often"}
+_SPIN = {"spin": "let {node} call spin(node), or spin_once often"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,11 +122,40 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
     A subscription keeps the newest messages, as many as its depth; those that a slow callback
-    leaves in the queue too long are lost. Depth 1 requests that. The callback itself may be slow,
-    another one of the node may hold it up, or the messages come in bursts.
+    leaves in the queue too long are lost. Depth 1 requests that; a note if a quick callback gets
+    only the last one of messages that come at once. The callback itself may be slow, another one of
+    the node may hold it up, or the messages come in bursts. What a busy computer may have caused is
+    not reported.
     """
-    causes = list(map(_cause, _slow_work(evidence)[0]))
-    return finding("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
+    lossy = _slow_work(evidence)[0]
+    every = [x for work in _work_of_nodes(evidence) for x in _subscriptions(work)]
+    hasty = [x for x in every if _is_hasty(x) and not _had_to_wait(x, evidence)]
+    for found, severity in ((lossy, Severity.WARNING), (hasty, Severity.NOTE)):
+        causes = list(map(_cause, found))
+        facts, remedies = (fact for fact, _ in causes), (remedy for _, remedy in causes)
+        yield from finding("queue-drops", facts, *remedies, severity=severity)
+
+
+def _is_hasty(one: _Subscription) -> bool:
+    """Return whether a subscription of depth 1 loses many messages although its callback is quick.
+
+    The messages come in bursts.
+    """
+    was = next((was for was, now in one.work.pairs if now is one.endpoint), one.endpoint)
+    came, share = one.endpoint.messages - was.messages, busy_share(one.work.earlier, one.node)
+    is_quick = one.took < _QUICK * one.interval and (share or 0.0) < _QUICK
+    return one.endpoint.depth == 1 and one.lost > _MISSED * came and is_quick
+
+
+def _had_to_wait(one: _Subscription, evidence: Evidence) -> bool:
+    """Return whether a busy computer may have caused a subscription's losses.
+
+    Its process waited for a processor for longer than the lost messages and its calls took.
+    """
+    wait = 0 if one.node.id in evidence.remote else 1e9 * evidence.waits.get(one.node.pid, 0.0)
+    cause, _ = _cause(one)
+    took = max(one.lost * one.interval, 1e9 * float(str(cause.parts.get("seconds", 0.0))))
+    return cause.kind in _IRREGULAR and evidence.wait_share() > 0 and took <= wait
 
 
 @rule(
@@ -197,7 +229,10 @@ def _slow_work(
     """Return subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
     every, wait_share = list(_work_of_nodes(evidence)), evidence.wait_share()
     subscriptions = [one for work in every for one in _subscriptions(work)]
-    lossy = [one for one in subscriptions if one.lost > 0]
+    subscriptions = [
+        one for one in subscriptions if one.endpoint.depth > 1
+    ]  # 1 asks for the newest
+    lossy = [one for one in subscriptions if one.lost > 0 and not _had_to_wait(one, evidence)]
     reported = {one.node.id for one in lossy}
     others = [one for one in subscriptions if one.node.id not in reported]
     slow = [one for one in others if one.is_too_slow(wait_share) and one.has_run_enough()]
@@ -283,7 +318,7 @@ def _key(endpoint: Endpoint) -> tuple[object, ...]:
 
 def _subscriptions(work: _Work) -> Iterator[_Subscription]:
     for was, now in work.pairs:
-        if now.role is Role.SUBSCRIBER and now.depth > 1:
+        if now.role is Role.SUBSCRIBER and now.depth:
             rate = now.rate_since(was)
             interval, took = 1e9 / rate if rate else 0.0, callback_time(was, now) or 0.0
             is_hanging = now.calls == was.calls and now.longest > max(was.longest, _HANGS)

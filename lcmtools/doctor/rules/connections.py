@@ -9,8 +9,8 @@ from lcmtools.doctor import connecting
 from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.renaming import REMAPS
+from lcmtools.doctor.rules.shared import simulator_ids
 from lcmtools.graph.model import Role
-from lcmtools.observe.simulators import is_simulator
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
 MAY_PUBLISH = {"may-publish": "{process} (pid {process.pid}) uses LCM, and may publish rarely"}
@@ -34,13 +34,13 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
     One without is often in another namespace, has a slightly different name, or its publisher was
-    not started. A note if a program that is not a node may publish it rarely.
+    not started. A note if a program that is not a node may publish it rarely, and it has not come
+    repeatedly before.
     """
     # other rules report topics of other buses, and of publishers that hang
-    elsewhere = {topic for process in evidence.processes for topic in process.topics}
-    elsewhere |= evidence.stale_published
+    others = missed_on_other_buses(evidence) | evidence.stale_published
     every = unconnected_subscriptions(evidence)
-    unconnected = [(node, end) for node, end in every if end.topic not in elsewhere]
+    unconnected = [(node, end) for node, end in every if end.topic not in others]
     remedies = [one.remedy for one in _connection_finder(evidence).suggestions(unconnected)]
     facts, severity = list(_facts(unconnected)), Severity.WARNING
     if not remedies:
@@ -48,7 +48,9 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
         remedies.append(state("start-publisher", topics=topics))
         quiet = quiet_programs(evidence) if facts else []
         facts += [state("may-publish", process=one) for one in quiet]
-        severity = Severity.NOTE if quiet else severity
+        # what came often before has lost its publisher
+        is_lost = any(end.messages >= connecting.FEWEST for _, end in unconnected)
+        severity = Severity.NOTE if quiet and not is_lost else severity
     return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
 
 
@@ -73,14 +75,14 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
         return
     suggestions = all_suggestions(evidence)
     known = {(suggestion.publisher, suggestion.channel) for suggestion in suggestions}
-    moving = {suggestion.listener for suggestion in suggestions}
+    apart = {suggestion.listener for suggestion in suggestions} | simulator_ids(evidence)
     awaited = {topic for process in evidence.processes for topic in process.awaited}
     unconnected = [
         (node, end)
         for node, end in connecting.unconnected_ends(evidence.graph, Role.PUBLISHER)
         if (node.id, end.topic) not in known
         if end.topic not in awaited | evidence.stale_subscribed
-        if node.id not in moving and not is_simulator(node)
+        if node.id not in apart
     ]
     remedies_for_publication = _connection_finder(evidence).remedies_for_publication
     remedies = (remedy for end in unconnected for remedy in remedies_for_publication(*end))
@@ -90,8 +92,7 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
 def quiet_programs(evidence: Evidence) -> list[LcmProcess]:
     """Return plain LCM programs on this bus that neither listen nor sent during the look."""
     known = {one.pid for one in evidence.listeners} | {one.pid for one in evidence.streams}
-    known |= {node.pid for node in evidence.own_nodes()}
-    return [p for p in evidence.processes if not p.bus and p.pid not in known]
+    return [one for one in evidence.plain_programs() if one.pid not in known]
 
 
 def missed_topics(evidence: Evidence) -> set[str]:
@@ -100,11 +101,21 @@ def missed_topics(evidence: Evidence) -> set[str]:
 
 
 @derived
+def missed_on_other_buses(evidence: Evidence) -> set[str]:
+    """Return the topics of subscriptions without a publisher that are published on another bus.
+
+    Not those that a likely change connects to what is published on this one.
+    """
+    there = {topic for process in evidence.processes for topic in process.topics}
+    missed = [one for one in unconnected_subscriptions(evidence) if one[1].topic in there]
+    finder = _connection_finder(evidence)
+    return {end.topic for node, end in missed if not finder.suggestions([(node, end)])}
+
+
+@derived
 def unconnected_subscriptions(evidence: Evidence) -> list[connecting.End]:
     """Return the subscriptions of live nodes without a publisher."""
-    nodes = {node.pid for node in evidence.own_nodes()}
-    plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
-    beside_plain = evidence.has_others() or any(plain)
+    beside_plain = evidence.has_others() or bool(evidence.plain_programs())
     return connecting.unconnected_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
 
 

@@ -5,13 +5,16 @@ from collections.abc import Iterator
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import WAKE_OR_END
+from lcmtools.graph.model import Node
 
 _PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
 _NEARLY_ALL, _AT_EDGES = 0.95, 2  # share of the messages of a look; messages at its ends
+_SECOND_LOOK = 3.0  # [s] in which a program that handles messages only at times does so
 _FILLING = 1.2  # times the bytes that waited at its start
-_BUFFER = 4 << 20  # bytes that are enough for most
+_BUFFER, _LARGE = 4 << 20, 8 << 20  # bytes that are enough for most; for all that is common
+_BUFFERS = "net.core.rmem_max"
 
 _SYSCTL = {"sysctl": "`sudo sysctl -w {name}={value}`"}
 _LARGER_BUFFER = {**_SYSCTL, "start-it-with-variable": "start it with {variable}='{value}'"}
@@ -31,14 +34,43 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
 
     It does if a program does not read fast enough, or a burst is larger than its buffer.
     """
-    small = _too_small(evidence)  # reported by another rule
     facts = (
         state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0)
         for x in _programs(evidence)
-        if x.drops and x not in small and not _is_stuck(x, evidence)
+        if x.drops and not _is_stuck(x, evidence)
         if not (x.is_node and evidence.malformed)
     )
     return finding("kernel-drops", facts, *_larger_buffer(evidence))
+
+
+@rule(
+    "incomplete-messages",
+    remedy="send smaller messages, or enlarge receive buffers: sudo sysctl -w"
+    " net.core.rmem_max=8388608",
+    title="The following nodes received messages incompletely:",
+    facts={
+        "incomplete": "{node} lost {lost} large messages of {topic}: parts of them did not arrive",
+        "overflowed": "{node}: its full receive buffers dropped up to {count} datagrams",
+    },
+    remedies={
+        "larger-buffer-there": "on the computer of {node}: `sudo sysctl -w {name}={value}`, and"
+        " restart it",
+        "send-smaller-on": "send fewer or smaller messages on {topic}: one is lost with any of its"
+        " parts",
+    },
+    evidence="the counters in two announcements of each node",
+)
+def nodes_receive_whole_messages(evidence: Evidence) -> Iterator[Finding]:
+    """Nodes receive large messages with all their parts, and their receive buffers have room.
+
+    Nodes announce what they lost, so those of other computers are judged, too. A large message
+    whose sender did not send all of it counts as lost by the sender. What the kernel of this
+    computer dropped is reported with its socket.
+    """
+    found = list(_losses_of_nodes(evidence))
+    yield from finding(
+        "incomplete-messages", (fact for fact, _ in found), *(remedy for _, remedy in found)
+    )
 
 
 @rule(
@@ -47,6 +79,8 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     title="The following are subscribed, but do not read:",
     facts={
         "bytes-wait": "{listener}: {queued_bytes} bytes are waiting",
+        "messages-wait": "{listener}: messages are waiting, and it has handled none for"
+        " {seconds:time}",
         "stopped": "{listener}: it is stopped",
     },
     remedies={
@@ -55,21 +89,26 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
         "inspect-java": "see what it does: `jstack {pid}`",
         "inspect-python": "see what it does: `sudo py-spy dump --pid {pid}`",
     },
-    evidence="the bytes that wait at each socket, the state of processes",
+    evidence="the bytes that wait at each socket and in liblcm, the state of processes",
     root_only="the state of other users' programs",
 )
 def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """Programs that have subscribed read what arrives.
 
-    A stopped program does not, and its buffer fills.
+    A stopped program does not, and its buffer fills. One of liblcm whose callback does not return
+    still empties its buffer, but handles nothing.
     """
     stale = {node.pid for node in evidence.own_nodes() if node.stale}  # reported by another rule
     stuck = [x for x in _programs(evidence) if x.pid not in stale and _is_stuck(x, evidence)]
     facts, remedies = [], []
     for x in stuck:
-        is_stopped = x.state in _STOPPED
-        kind, remedy = ("stopped", "wake-or-end") if is_stopped else ("bytes-wait", _inspect(x))
-        facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
+        if x.state in _STOPPED:
+            facts.append(state("stopped", listener=x, queued_bytes=x.queued_bytes))
+        elif x.hangs:
+            facts.append(state("messages-wait", listener=x, seconds=evidence.listened))
+        else:
+            facts.append(state("bytes-wait", listener=x, queued_bytes=x.queued_bytes))
+        remedy = "wake-or-end" if x.state in _STOPPED else _inspect(x)
         remedies += [state(remedy, pid=x.pid)] if x.pid else []
     return finding("stuck-listeners", facts, *remedies)
 
@@ -93,7 +132,9 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
         title = state("small-buffer", topic=stream.channel, sender=stream, bytes=size)
         small = _too_small(evidence)
         facts = (state("buffer", listener=x, buffer_bytes=x.buffer_bytes or 0) for x in small)
-        yield from finding(title, facts, *_larger_buffer(evidence, 2 * size))
+        # what was dropped may also have been a burst of smaller ones
+        burst = _BUFFER if any(x.drops for x in small) else 0
+        yield from finding(title, facts, *_larger_buffer(evidence, max(2 * size, burst)))
 
 
 @rule(
@@ -121,7 +162,7 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
         facts = [state("listens-on", listener=x, interfaces=x.joined) for x in astray]
         # the interfaces of some programs are unknown
         if not all(listener.joined for listener in evidence.listeners):
-            named = {host.interface, *(name for x in astray for name in x.joined)}
+            named = {host.interface, "lo", *(name for x in astray for name in x.joined)}
             others = (name for name in host.joined if name not in named)
             facts += [state("joined-on", interface=name) for name in others]
         yield from finding(title, facts, "restart-listeners")
@@ -209,6 +250,11 @@ def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     return finding("environment", facts, "correct-environment")
 
 
+def needed_duration(evidence: Evidence) -> float:
+    """Return the duration of a look [s] that shows whether a program hangs; 0 if none does."""
+    return _SECOND_LOOK if any(x.hangs for x in _programs(evidence)) else 0.0
+
+
 def _inspect(listener: Listener) -> str:
     """Return the kind of the remedy that shows where a program waits, by its language."""
     if listener.is_node or listener.interpreter.startswith("python"):
@@ -234,9 +280,32 @@ def _too_small(evidence: Evidence) -> list[Listener]:
     return [x for x in _programs(evidence) if x.buffer_bytes and x.buffer_bytes < needed]
 
 
+def _losses_of_nodes(evidence: Evidence) -> Iterator[tuple[Statement, Statement]]:
+    """Yield what nodes lost while receiving, and the remedy, unless their sockets tell it."""
+    told = {listener.pid for listener in _programs(evidence) if listener.drops}
+    own = {node.id for node in evidence.own_nodes()}
+    before = {node.id: node for node in evidence.before.nodes}
+    for node in evidence.graph.nodes:
+        was, is_own = before.get(node.id), node.id in own
+        if was is None or node.tool or node.stale or (is_own and node.pid in told):
+            continue
+        earlier = _incomplete(was)
+        for topic, count in _incomplete(node).items():
+            if (lost := count - earlier.get(topic, 0)) > 0:
+                fact = state("incomplete", node=node, topic=topic, lost=lost)
+                yield fact, state("send-smaller-on", topic=topic)
+        if not is_own and (dropped := node.overflows - was.overflows) > 0:
+            fact = state("overflowed", node=node, count=dropped)
+            yield fact, state("larger-buffer-there", node=node, name=_BUFFERS, value=_LARGE)
+
+
+def _incomplete(node: Node) -> dict[str, int]:
+    return {end.topic: end.incomplete for end in node.endpoints if end.incomplete}
+
+
 def _is_stuck(listener: Listener, evidence: Evidence) -> bool:
     """Return whether a program reads nothing: a slow one does not drop everything."""
-    if listener.state in _STOPPED:
+    if listener.state in _STOPPED or listener.hangs:
         return True
     before, now = listener.was_queued_bytes, listener.queued_bytes
     came = sum(sender.messages for sender in evidence.senders)
@@ -249,5 +318,5 @@ def _larger_buffer(evidence: Evidence, needed: int = _BUFFER) -> tuple[Statement
     url = f"{evidence.url}{separator}recv_buf_size={needed}"
     remedies = [state("start-it-with-variable", variable="LCM_DEFAULT_URL", value=url)]
     if 0 < evidence.host.most_receive_buffer < needed:
-        remedies.append(state("sysctl", name="net.core.rmem_max", value=max(needed, 8 << 20)))
+        remedies.append(state("sysctl", name=_BUFFERS, value=max(needed, _LARGE)))
     return tuple(remedies)

@@ -11,6 +11,7 @@ _SHARE = 0.5  # of the capacity of an interface
 _WIRELESS = 1e6  # [byte/s] of multicast
 _AHEAD = 0.1  # [s] tolerance: a message cannot arrive before it was sent
 _BEHIND = 0.3  # [s]: a slow network looks the same
+_BEHIND_RELAYS = 1.5  # [s]: a slow line between relays
 _MOST = 6  # nodes that are named
 
 
@@ -190,10 +191,8 @@ def _is_alone(evidence: Evidence) -> bool:
     "clocks",
     remedy="sudo timedatectl set-ntp true, on both; or sudo chronyc makestep",
     title={
-        "clock-ahead": "The clock of {host} ({host.address}) is {seconds:time} ahead of this"
-        " computer's:",
-        "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
-        " computer's:",
+        "clock-ahead": "The clock of {host:called} is {seconds:time} ahead of this computer's:",
+        "clock-behind": "The clock of {host:called} is {seconds:time} behind this computer's:",
     },
     facts=PROGRAM | MORE,
     remedies={
@@ -220,10 +219,19 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:
     """Return the computers whose clocks differ from this one's."""
-    return [c for c in evidence.clocks if c.lag < -_AHEAD or c.lag > _BEHIND]
+    return [c for c in evidence.clocks if not -_AHEAD <= c.lag <= _most_delay(c)]
+
+
+def _most_delay(clock: HostClock) -> float:
+    """Return the longest delay of an announcement that the network may cause [s]."""
+    return _BEHIND if clock.address else _BEHIND_RELAYS
 
 
 def has_wrong_clock(evidence: Evidence, name: str) -> bool:
     """Return whether a sender, by its displayed name, is on a computer whose clock differs."""
     wrong = wrong_clocks(evidence)
-    return any(name in one.nodes or name.startswith(f"{one.address}:") for one in wrong)
+    nodes = {node for one in wrong for node in one.nodes}
+    behind = (node for node in evidence.graph.nodes if node.name in nodes)
+    # a relay sends what nodes behind it have stamped
+    names = nodes | {step.relay for node in behind for step in node.path}
+    return name in names or any(name.startswith(f"{one.address}:") for one in wrong)

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
+from lcmtools.bus.url import another_domain
 from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, finding, rule, state
@@ -10,6 +11,7 @@ from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
 from lcmtools.graph.model import VERSION, Node, Staleness
 from lcmtools.graph.protocol import SOFTWARE
+from lcmtools.observe.simulators import publishes_time
 
 _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
@@ -81,13 +83,18 @@ def _runs(node: Node) -> bool:
     severity=Severity.ERROR,
     title="{count} nodes have the name {name}:",
     facts={"node-process": "pid {pid} on {host}: {command}"},
-    remedies={"end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}"},
+    remedies={
+        "end-or-part": "end one of them{pids:kills}, or start it on another bus, with --domain"
+        " {domain}",
+        "end-or-rename": "end one of them{pids:kills}, or start it with __name:={name}",
+    },
     evidence="announcements",
 )
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """No two nodes have the same name.
 
-    Often an old process was left over. Commands that take a node's name cannot tell them apart.
+    Often an old process was left over. Commands that take a node's name cannot tell them apart. A
+    second simulator needs a bus of its own, because it publishes /clock, too.
     """
     by_name: dict[str, list[Node]] = defaultdict(list)
     for node in evidence.graph.nodes:
@@ -103,6 +110,8 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             pids = tuple(str(one.pid) for one in nodes if one.id not in evidence.remote)
             kills = pids if len(pids) > 1 else ()
             remedy = state("end-or-rename", pids=kills, name=f"{name.rpartition('/')[2]}2")
+            if sum(map(publishes_time, nodes)) > 1:
+                remedy = state("end-or-part", pids=kills, domain=another_domain(evidence.url))
             yield from finding(title, facts, remedy)
 
 

@@ -1,20 +1,21 @@
 """Rules about the rates of publishers: silent, slower than before, irregular."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
+from typing import TypeAlias
 
 from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
-from lcmtools.doctor.rules.shared import WAKE_OR_END
+from lcmtools.doctor.rules.shared import WAKE_OR_END, simulator_ids
 from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
-from lcmtools.observe.simulators import is_simulator, publishes_time
+from lcmtools.observe.simulators import publishes_time, silence
 
 _STOPPED = frozenset({"T", "t"})
 _SILENCE = 3.0  # [s]
@@ -32,6 +33,8 @@ _AT_ONCE = 500_000  # [ns] between messages that are sent one after another
 UNEVEN = 8  # times the usual interval
 _BLAME = 0.6  # share of a gap that a wait for a processor excuses
 SHORTEST = 0.1  # [s] an interval that is worth reporting
+
+_Measured: TypeAlias = Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +83,7 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
     },
     facts={
         "process": "{process} (pid {process.pid})",
-        "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
+        "silent-node": "{publisher}: {topic}, the last of {messages} messages {seconds:.0f} s ago",
         "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
     },
     remedies=WAKE_OR_END,
@@ -96,21 +99,27 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """
     # each publisher once, by the most reliable evidence
     facts: dict[tuple[str, str], Statement] = {}
-    for kind, by, name, topic, age, rate in _silent(evidence):
-        fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
+    for kind, by, name, topic, age, before in _silent(evidence):
+        fact = state(kind, publisher=by, topic=topic, seconds=age, **before)
         facts.setdefault((name, topic), fact)
     yield from finding("silent", facts.values(), severity=Severity.NOTE)
     yield from _stopped(evidence)
 
 
-def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float, float]]:
-    """Yield silent ones: kind of fact, publisher, name, topic, time [s], rate before [Hz]."""
+def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float, _Measured]]:
+    """Yield silent ones: kind of fact, publisher, name, topic, time [s], messages or rate before.
+
+    A node's rate before is not known: its average since the start may be quite another one.
+    """
+    simulators = simulator_ids(evidence)
     for node, endpoint, is_subscribed in _publications(evidence):
         # a simulator measures for subscribers only
-        rate = average_rate(node, endpoint) if is_subscribed or not is_simulator(node) else None
-        age = silence(evidence, node, endpoint)
+        is_wanted = is_subscribed or node.id not in simulators
+        rate = average_rate(node, endpoint) if is_wanted else None
+        age = silence(node, endpoint, evidence.graph.time) / 1e9
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
-            yield "silent-node", node, node.name, endpoint.topic, age, rate
+            known = {"messages": endpoint.messages}
+            yield "silent-node", node, node.name, endpoint.topic, age, known
     for stream in _wanted_streams(evidence):
         interval = usual_interval(stream)
         # the last time is unknown if wtf was too slow or the list of times is full
@@ -119,10 +128,12 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
             is_late = age * _BLAME > evidence.processor_wait
             gap = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
             if is_late and age > max(_PERIODS * interval, _LATE * gap, 0.5):
-                yield "silent-stream", stream, stream.name, stream.channel, age, 1 / interval
+                rate_was = {"rate": 1 / interval}
+                yield "silent-stream", stream, stream.name, stream.channel, age, rate_was
     for pace in _remembered(evidence):
         if pace.age is not None and pace.age > max(_PERIODS / pace.usual, _LATE * pace.gap, 0.5):
-            yield "silent-stream", pace.publisher, pace.name, pace.topic, pace.age, pace.usual
+            rate_was = {"rate": pace.usual}
+            yield "silent-stream", pace.publisher, pace.name, pace.topic, pace.age, rate_was
 
 
 def _stopped(evidence: Evidence) -> Iterator[Finding]:
@@ -230,8 +241,8 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
     Publishers of simulated time are left out too, because another rule judges their pace. A
     simulator sends the poses of resting bodies less often.
     """
-    judged_apart = (n for n in evidence.graph.nodes if is_simulator(n) or publishes_time(n))
-    excepted = {node.name for node in judged_apart}
+    simulators, nodes = simulator_ids(evidence), evidence.graph.nodes
+    excepted = {node.name for node in nodes if node.id in simulators or publishes_time(node)}
     yield from (pace for pace in _remembered(evidence) if pace.name not in excepted)
     ends = ((node, end) for node in evidence.before.nodes for end in node.having(Role.PUBLISHER))
     before = {(node.id, end.topic): (node, end) for node, end in ends}
@@ -239,21 +250,32 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         was, earlier = before.get((node.id, endpoint.topic), (node, endpoint))
         is_known = is_subscribed and earlier.messages >= _ENOUGH
         usual = average_rate(was, earlier) if is_known else None
-        span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
-        if usual and span and earlier is not endpoint and node.name not in excepted:
-            sent, age = endpoint.messages - earlier.messages, silence(evidence, node, endpoint)
+        span = _between(was, node, evidence.listened)
+        if usual and span and was is not node and node.name not in excepted:
+            sent, age = (
+                endpoint.messages - earlier.messages,
+                silence(node, endpoint, evidence.graph.time) / 1e9,
+            )
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
-    nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
+    announced = {sender for node in nodes for sender in node.senders()}
     for one in evidence.senders:
-        has_average = one.average_rate and one.process_age > _AGE and one.sender not in nodes
+        has_average = one.average_rate and one.process_age > _AGE and one.sender not in announced
         if has_average and not evidence.own_drops:
             counts = one.average_rate, one.messages + one.lost, evidence.listened
             yield _Pace("slower-program", one, one.name, "", *counts)
 
 
-def silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
-    """Return the time from an endpoint's last message to the node's last announcement [s]."""
-    return ((node.sent or node.time_there(evidence.graph.time)) - endpoint.last_time) / 1e9
+def _between(was: Node, node: Node, listened: float) -> float:
+    """Return the time between two announcements by the node's clock [s]; 0 if there is none.
+
+    One that a bus or a relay has kept lacks its time: it has counted a message just before.
+    """
+    earlier, later = map(_announced, (was, node))
+    return max(0.0, (later - earlier) / 1e9) if earlier or later else listened
+
+
+def _announced(node: Node) -> int:
+    return node.sent or max((end.last_time for end in node.endpoints), default=0)
 
 
 def _remembered(evidence: Evidence) -> Iterator[_Pace]:

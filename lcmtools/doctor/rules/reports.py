@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.evidence import Evidence, LogLine
 from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
+from lcmtools.doctor.rules.types import disagree
 
 _RECENT = 10.0  # [s]
+_IGNORED = ": message ignored: "  # as nodes log it, after the topic
 _RAISED = ("exception", "count", "place", "message", "callback")
 
 
@@ -50,13 +52,21 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
 def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     """Nodes log neither warnings nor errors on /rosout during the look.
 
-    A simulator, for example, warns of wheels that it does not have. Exceptions of callbacks, which
-    are logged too, are reported by another rule.
+    A simulator, for example, warns of wheels that it does not have. Exceptions of callbacks and
+    messages of another type, which are logged too, are reported by other rules.
     """
     raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
     facts = [
         state("logged", node=Subject("node", x.node), level=x.level, text=x.text, messages=x.count)
         for x in evidence.logs
         if not any(error.exception in x.text for error in raising.get(x.node, ()))
+        if not _is_of_wrong_message(x, evidence)
     ]
     return finding("logged", facts, "read-log")
+
+
+def _is_of_wrong_message(line: LogLine, evidence: Evidence) -> bool:
+    """Return whether a node logs a message that it cannot decode, which another rule reports."""
+    topic, separator, _ = line.text.partition(_IGNORED)
+    is_odd = any(odd.topic == topic and odd.kind == "undecodable" for odd in evidence.oddities)
+    return bool(separator) and (is_odd or disagree(evidence.graph.topic(topic)))

@@ -18,6 +18,7 @@ from lcmtools.doctor.findings import (
     subject,
 )
 from lcmtools.doctor.near_types import NearType, added_and_missing, nearest_type, own_types_like
+from lcmtools.doctor.rules.shared import simulator_ids
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import (
     candidates,
@@ -31,7 +32,6 @@ from lcmtools.messages.registry import (
 from lcmtools.names import is_hidden, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import UNKNOWN
-from lcmtools.observe.simulators import is_simulator
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1
@@ -39,6 +39,9 @@ _MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # instead of a fingerprint, if there is none or it changes with each message
 _SAME_LCM_FILES = {
     "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
+}
+_TYPE_PATH = {
+    "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
 }
 _OLDER, _NEWER = "without the field", "with "  # beginnings of a difference from the known version
 
@@ -90,6 +93,7 @@ class _User:
         "same-type": "it works; declare the same type on both sides, so that all commands show the"
         " same",
         "sends-as": "let {program} send {types:or} on {topic}",
+        **_TYPE_PATH,
     },
     evidence="announced types, fingerprints in messages, the known types",
 )
@@ -128,7 +132,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them"
         " with the code that lcm-gen generates",
         "correct-file": "correct the file that cannot be read: {problem}",
-        "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
+        **_TYPE_PATH,
     },
     evidence="fingerprints and beginnings of messages, the known types",
 )
@@ -184,22 +188,32 @@ def disagree(topic: Topic) -> bool:
 
 def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     """Yield the users of a topic; a node once for each type."""
-    for kind, ends in (("publishes", topic.publishers), ("expects", topic.subscribers)):
+    untyped = _senders_without_type(topic)
+    sent_by = {seen.sender for seen in topic.traffic}
+    publishers = [(x, e) for x, e in topic.publishers if not (x.senders() & sent_by & untyped)]
+    for kind, ends in (("publishes", publishers), ("expects", topic.subscribers)):
         distinct = {(node.id, end.types, end.fingerprints): (node, end) for node, end in ends}
         for node, end in distinct.values():
             if kind == "publishes" or end.fingerprints:
                 numbers = frozenset(end.fingerprints)
-                yield _User(kind, subject(node), numbers, _announced(end), _weight(node))
-    for seen in topic.foreign:
+                yield _User(kind, subject(node), numbers, _announced(end), _weight(node, evidence))
+    unannounced = [x for x in topic.traffic if x in topic.foreign or x.sender in untyped]
+    for seen in unannounced:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
             grown = _grown(evidence, topic, seen)
             yield _User("sends", sender, frozenset({number}), _type(number, topic, grown=grown))
 
 
-def _weight(node: Node) -> float:
+def _senders_without_type(topic: Topic) -> set[Sender]:
+    """Return the senders of publishers that announce no fingerprint: only their messages tell."""
+    ends = (node for node, end in topic.publishers if not end.fingerprints)
+    return {sender for node in ends for sender in node.senders()}
+
+
+def _weight(node: Node, evidence: Evidence) -> float:
     """Return a node's weight: a simulator's types are fixed, those of a command just typed."""
-    return 0.5 if node.tool else 1.5 if is_simulator(node) else 1.0
+    return 0.5 if node.tool else 1.5 if node.id in simulator_ids(evidence) else 1.0
 
 
 def _diagnosis(
@@ -215,12 +229,12 @@ def _diagnosis(
     for user in users:
         for number in user.fingerprints:
             weights[number] += user.weight
-    usual = max(weights, key=lambda number: weights[number])
+    usual = max(weights, key=lambda number: weights[number], default=_NO_TYPE)
     is_usual = 2 * weights[usual] > sum(user.weight for user in users)
     odd = [user for user in users if is_usual and usual not in user.fingerprints]
     others = [user for user in users if user not in odd]
     types = tuple(_possible(usual, topic)[:1])
-    remedies: list[Statement | str] = ["same-lcm-files"] if unknown else []
+    remedies: list[Statement | str] = ["same-lcm-files", "type-path"] if unknown else []
     if odd and types:
         known = {"senders": [u.subject for u in odd], "programs": [u.subject for u in others]}
         facts.append(state("odd-type", types=types, **known))
@@ -285,6 +299,8 @@ def _announced(end: Endpoint) -> dict[str, Part]:
     first = end.fingerprints[0] if end.fingerprints else _NO_TYPE
     if not end.types:  # seen in the messages of a node whose announcement is not readable
         return _type(first, Topic(end.topic))
+    if not end.fingerprints:
+        return {"types": end.types}
     if len(end.types) != 1 or end.type in candidates(first):
         types = zip_longest(end.types, end.fingerprints[: len(end.types)], fillvalue=_NO_TYPE)
         return {"types": tuple(versioned(str(name), int(number)) for name, number in types)}

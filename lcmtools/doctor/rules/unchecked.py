@@ -9,6 +9,7 @@ _ROOT = 0
 _OF_SOCKETS = ("kernel-drops", "stuck-listeners", "small-buffer", "interfaces", "other-users")
 _REASONS = {
     "bandwidth-unknown": "{interface} reports no speed",
+    "clocks-unknown": "no announcement of {hosts:list} tells when it was sent",
     "buffers-unknown": "this system does not report the size of the listeners' buffers",
     "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
     " wtf shows them",
@@ -34,6 +35,17 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
         yield _unchecked("loss", "no-senders", provider=provider)
     elif provider == "zenoh":
         yield _unchecked("loss", "zenoh-losses")
+    yield from _of_clocks(evidence)
+
+
+def _of_clocks(evidence: Evidence) -> Iterator[Unchecked]:
+    """Yield the rule about clocks for the computers whose clocks could not be compared."""
+    compared = {name for clock in evidence.clocks for name in clock.nodes}
+    remote = [x for x in evidence.graph.nodes if x.id in evidence.remote and not x.stale]
+    known = {node.host for node in remote if node.name in compared}
+    hosts = sorted({node.host for node in remote} - known)
+    if hosts:
+        yield _unchecked("clocks", "clocks-unknown", hosts=hosts)
 
 
 def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
@@ -46,7 +58,8 @@ def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
     if hidden and own != _ROOT:
         users = [evidence.users.get(uid, str(uid)) for uid in sorted(hidden)]
         yield _unchecked("stuck-listeners", "hidden-programs", users=users)
-    if any(listener.buffer_bytes is None for listener in evidence.listeners):
+    sizes = {listener.buffer_bytes for listener in evidence.listeners}
+    if sizes == {None}:  # else a program has closed its socket meanwhile
         yield _unchecked("small-buffer", "buffers-unknown")
 
 

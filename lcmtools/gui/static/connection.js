@@ -1,30 +1,18 @@
-// The connection to the server. It reconnects by itself and then reopens its streams.
+// The connection to the server. It reconnects by itself and then reopens its streams, except those that send.
 
 const SHORTEST = 250; // [ms] before the first attempt to reconnect
 const LONGEST = 4000;
 const ENDED = "the connection to lcmtools gui is gone";
+const SENDING = "publishing"; // the stream that makes the server send; only a person starts it
 
 /**
  * @typedef {{version: string, bus: string, source: "bus" | "log", rights: string[],
- *   view: {panel?: string, settings?: object}}} Hello
+ *   limits: [number, number], view: {panel?: string, settings?: object}}} Hello
  * @typedef {(data: any, payload?: ArrayBuffer) => void} OnData
  * @typedef {{id: number, stream: string, parameters: object, onData: OnData,
  *   onProblem: (text: string) => void}} Opened
  * @typedef {{id: number, change: (parameters: object) => void, close: () => void}} Stream
  */
-
-/** The server's error response to a request. */
-export class Failure extends Error {
-  /**
-   * @param {string} what
-   * @param {string} hint
-   */
-  constructor(what, hint) {
-    super(hint ? `${what}; ${hint}` : what);
-    this.what = what;
-    this.hint = hint;
-  }
-}
 
 /** The connection. It dispatches "change" when the link, the rights or the state has changed. */
 export class Connection extends EventTarget {
@@ -49,10 +37,7 @@ export class Connection extends EventTarget {
     this.pause = SHORTEST;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
-    addEventListener("online", () => this.retry());
-    document.addEventListener("visibilitychange", () => {
-      if (!document.hidden) this.retry();
-    });
+    this.changed = () => this.dispatchEvent(new Event("change"));
     this.connect();
   }
 
@@ -79,8 +64,13 @@ export class Connection extends EventTarget {
   /** @param {CloseEvent} event */
   lose(event) {
     this.isOpen = false;
-    for (const request of this.requests.values()) request.reject(new Failure(ENDED, ""));
+    for (const request of this.requests.values()) request.reject(new Error(ENDED));
     this.requests.clear();
+    for (const opened of this.streams.values()) {
+      if (opened.stream !== SENDING) continue;
+      this.streams.delete(opened.id);
+      opened.onProblem(`stopped: ${ENDED}`);
+    }
     if (event.code === 1008) {
       this.refusal = `the server has closed this page: ${event.reason}`;
     } else {
@@ -88,10 +78,6 @@ export class Connection extends EventTarget {
       this.pause = Math.min(LONGEST, this.pause * 1.6);
     }
     this.changed();
-  }
-
-  changed() {
-    this.dispatchEvent(new Event("change"));
   }
 
   /** @param {string | ArrayBuffer} data */
@@ -125,7 +111,8 @@ export class Connection extends EventTarget {
   answer(frame) {
     const request = this.requests.get(frame.id);
     this.requests.delete(frame.id);
-    if (frame.error) request?.reject(new Failure(frame.error.what, frame.error.hint));
+    const { error } = frame;
+    if (error) request?.reject(new Error(error.hint ? `${error.what}; ${error.hint}` : error.what));
     else request?.resolve(frame.answer);
   }
 
@@ -135,7 +122,7 @@ export class Connection extends EventTarget {
    */
   send(message) {
     if (!this.isOpen || this.socket?.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(JSON.stringify(message));
+    this.socket.send(JSON.stringify({ ...message, sent: performance.now() / 1000 }));
     return true;
   }
 
@@ -145,7 +132,7 @@ export class Connection extends EventTarget {
   }
 
   /**
-   * Open a stream; it is reopened after a lost connection.
+   * Open a stream; it is reopened after a lost connection, unless it sends.
    * @param {string} stream
    * @param {object} parameters
    * @param {OnData} onData called with each update
@@ -172,13 +159,13 @@ export class Connection extends EventTarget {
    * Send a request for a value ("ask") or an action ("do"); resolve to the response.
    * @param {"ask" | "do"} op
    * @param {string} what
-   * @param {object} parameters
+   * @param {object} [parameters]
    * @returns {Promise<any>}
    */
-  request(op, what, parameters) {
+  request(op, what, parameters = {}) {
     const id = this.next++;
     return new Promise((resolve, reject) => {
-      if (!this.send({ ...parameters, op, id, what })) reject(new Failure(ENDED, ""));
+      if (!this.send({ ...parameters, op, id, what })) reject(new Error(ENDED));
       else this.requests.set(id, { resolve, reject });
     });
   }

@@ -2,6 +2,8 @@
 
 import { element, write } from "./elements.js";
 
+/** @typedef {(what: string, parameters?: object) => Promise<any>} Request rejected with an Error */
+
 /** The context of one panel; the streams opened through it are closed with the panel. */
 export class Context {
   /**
@@ -11,12 +13,23 @@ export class Context {
    */
   constructor(connection, page) {
     this.connection = connection;
-    this.page = page;
+    /** Save the panel's settings after a change. */
+    this.changed = page.changed;
+    /** Announce a text to screen readers. */
+    this.announce = page.announce;
+    /** Open another panel. */
+    this.add = page.add;
+    /** Request a value from the server. @type {Request} */
+    this.ask = (what, parameters) => connection.request("ask", what, parameters);
+    /** Request an action from the server; only pages with the right to command may. @type {Request} */
+    this.do = (what, parameters) => connection.request("do", what, parameters);
     /** The problems of the panel's streams, which the frame shows above the panel. */
     this.notice = element("p", { class: "notice", role: "status", hidden: true });
     /** @type {Map<object, string>} */
     this.problems = new Map();
     this.ends = new AbortController();
+    /** Aborts when the panel is closed, for example for listeners of the window. */
+    this.signal = this.ends.signal;
   }
 
   get canCommand() {
@@ -46,7 +59,7 @@ export class Context {
       opened.close();
       this.showProblem(key, "");
     };
-    this.ends.signal.addEventListener("abort", close);
+    this.signal.addEventListener("abort", close);
     return { id: opened.id, change: opened.change, close };
   }
 
@@ -64,67 +77,12 @@ export class Context {
   }
 
   /**
-   * Request a value from the server.
-   * @param {string} what
-   * @param {object} [parameters]
-   * @returns {Promise<any>} rejected with a Failure
-   */
-  ask(what, parameters = {}) {
-    return this.connection.request("ask", what, parameters);
-  }
-
-  /**
-   * Request an action from the server; only pages with the right to command may.
-   * @param {string} what
-   * @param {object} [parameters]
-   * @returns {Promise<any>} rejected with a Failure
-   */
-  do(what, parameters = {}) {
-    return this.connection.request("do", what, parameters);
-  }
-
-  /**
-   * Send a message without a response; return false if there is no connection.
-   * @param {object} message
-   */
-  send(message) {
-    return this.connection.send(message);
-  }
-
-  /**
    * Call a function now, and whenever the connection or the rights have changed.
    * @param {() => void} listener
    */
   onChange(listener) {
-    this.connection.addEventListener("change", listener, { signal: this.ends.signal });
+    this.connection.addEventListener("change", listener, { signal: this.signal });
     listener();
-  }
-
-  /** A signal that aborts when the panel is closed, for example for listeners of the window. */
-  get signal() {
-    return this.ends.signal;
-  }
-
-  /** Save the panel's settings after a change. */
-  changed() {
-    this.page.changed();
-  }
-
-  /**
-   * Announce a text to screen readers.
-   * @param {string} text
-   */
-  announce(text) {
-    this.page.announce(text);
-  }
-
-  /**
-   * Open another panel.
-   * @param {string} panel
-   * @param {object} settings
-   */
-  add(panel, settings) {
-    this.page.add(panel, settings);
   }
 
   close() {

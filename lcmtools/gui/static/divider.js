@@ -1,6 +1,7 @@
 // The dividers between panels, and the sizes of the panels.
 
 import { element } from "./elements.js";
+import { total } from "./tree.js";
 
 /** @typedef {import("./tree.js").Split} Split */
 
@@ -27,7 +28,7 @@ export function divider(tree, index, box, changed) {
   });
   /** @param {number} change as a fraction of the split */
   const shift = (change) => {
-    const sum = tree.sizes.reduce((one, other) => one + other, 0);
+    const sum = total(tree);
     const [before = 0, after = 0] = tree.sizes.slice(index, index + 2);
     const least = LEAST * sum;
     const moved = Math.max(least - before, Math.min(after - least, change * sum));
@@ -43,21 +44,17 @@ export function divider(tree, index, box, changed) {
     event.preventDefault();
     shift(step * STEP);
   });
+  /** @param {PointerEvent} event */
+  const place = (event) => (isRow ? event.clientX : event.clientY);
+  let last = 0;
   line.addEventListener("pointerdown", (event) => {
     line.setPointerCapture(event.pointerId);
-    let last = isRow ? event.clientX : event.clientY;
-    /** @param {PointerEvent} moved */
-    const follow = (moved) => {
-      const now = isRow ? moved.clientX : moved.clientY;
-      shift((now - last) / (isRow ? box.clientWidth : box.clientHeight));
-      last = now;
-    };
-    line.addEventListener("pointermove", follow);
-    line.addEventListener(
-      "lostpointercapture",
-      () => line.removeEventListener("pointermove", follow),
-      { once: true },
-    );
+    last = place(event);
+  });
+  line.addEventListener("pointermove", (event) => {
+    if (!line.hasPointerCapture(event.pointerId)) return;
+    shift((place(event) - last) / (isRow ? box.clientWidth : box.clientHeight));
+    last = place(event);
   });
   line.addEventListener("dblclick", () => {
     const sum = (tree.sizes[index] ?? 1) + (tree.sizes[index + 1] ?? 1);
@@ -73,7 +70,7 @@ export function divider(tree, index, box, changed) {
  * @param {HTMLElement} box
  */
 export function resize(tree, box) {
-  const sum = tree.sizes.reduce((one, other) => one + other, 0);
+  const sum = total(tree);
   let place = 0;
   let until = 0;
   for (const child of box.children) {

@@ -17,10 +17,16 @@ const SVG = "http://www.w3.org/2000/svg";
  * @returns {HTMLElementTagNameMap[T]}
  */
 export function element(tag, attributes = {}, ...children) {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) set(made, name, value);
-  made.append(...present(children));
-  return made;
+  return equip(document.createElement(tag), attributes, children);
+}
+
+/**
+ * Create a div of a class.
+ * @param {string} name
+ * @param {...(Child | Child[])} children
+ */
+export function div(name, ...children) {
+  return element("div", { class: name }, ...children);
 }
 
 /**
@@ -32,9 +38,18 @@ export function element(tag, attributes = {}, ...children) {
  * @returns {SVGElementTagNameMap[T]}
  */
 export function drawing(tag, attributes = {}, ...children) {
-  const made = document.createElementNS(SVG, tag);
+  return equip(document.createElementNS(SVG, tag), attributes, children);
+}
+
+/**
+ * @template {Element} T
+ * @param {T} made
+ * @param {Record<string, any>} attributes
+ * @param {(Child | Child[])[]} children
+ */
+function equip(made, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) set(made, name, value);
-  made.append(...present(children));
+  fill(made, ...children);
   return made;
 }
 
@@ -66,17 +81,8 @@ export function write(target, text) {
  * @param {...(Child | Child[])} children
  */
 export function fill(target, ...children) {
-  target.replaceChildren(...present(children));
-}
-
-/**
- * @param {(Child | Child[])[]} children
- * @returns {(Node | string)[]}
- */
-function present(children) {
-  return /** @type {(Node | string)[]} */ (
-    children.flat().filter((child) => child !== null && child !== undefined && child !== false)
-  );
+  const present = children.flat().filter(Boolean);
+  target.replaceChildren(.../** @type {(Node | string)[]} */ (present));
 }
 
 /** The paths of the icons, in a square of 16 by 16. */
@@ -90,11 +96,13 @@ const ICONS = {
   link: "M6.5 9.5l3-3M7 4.5l1-1a2.8 2.8 0 0 1 4 4l-1 1M9 11.5l-1 1a2.8 2.8 0 0 1-4-4l1-1",
   pause: "M5.5 3.5v9M10.5 3.5v9",
   play: "M5 3.5l7 4.5-7 4.5z",
+  step: "M4 3.5l6 4.5-6 4.5zM12 3.5v9",
   clear: "M3 4.5h10M6 4.5V3h4v1.5M4.5 4.5l.6 8.5h5.8l.6-8.5",
   settings: "M3 5h6M11.5 5H13M3 11h1.5M7 11h6M10 3.5v3M5.5 9.5v3",
   save: "M8 2.5v7M5 7l3 3 3-3M3 13h10",
   plot: "M2.5 12.5h11M3 10l3-4 3 2.5 4-5.5",
-  reset: "M3.5 8a4.5 4.5 0 1 0 1.5-3.4M3.5 3v3h3",
+  undo: "M3.5 8a4.5 4.5 0 1 0 1.5-3.4M3.5 3v3h3",
+  layouts: "M2.5 3h11v10h-11zM7 3v10M7 8h6.5",
 };
 
 /**
@@ -127,42 +135,88 @@ export function button(label, onclick, attributes = {}) {
  * @param {Record<string, any>} [attributes]
  */
 export function iconButton(name, label, onclick, attributes = {}) {
-  const about = { type: "button", class: "icon-button", "aria-label": label, title: label };
-  return element("button", { ...about, ...attributes, onclick }, icon(name));
+  const made = button(null, onclick, { class: "icon-button", ...attributes });
+  relabel(made, name, label);
+  return made;
+}
+
+/** The attributes of a button that opens a menu. */
+export const OPENS_MENU = { "aria-haspopup": "menu", "aria-expanded": "false" };
+
+/**
+ * Change the icon of a button and its label.
+ * @param {HTMLButtonElement} target
+ * @param {keyof typeof ICONS} name
+ * @param {string} label
+ */
+export function relabel(target, name, label) {
+  if (target.title === label) return;
+  fill(target, icon(name));
+  set(target, "title", label);
+  set(target, "aria-label", label);
+}
+
+/**
+ * Create an input that searches while the user types.
+ * @param {string} placeholder
+ * @param {string} label
+ * @param {unknown} value at first, if it is a text
+ * @param {() => void} oninput
+ */
+export function searchField(placeholder, label, value, oninput) {
+  const made = element("input", { type: "search", placeholder, "aria-label": label, oninput });
+  made.value = typeof value === "string" ? value : "";
+  return made;
+}
+
+/**
+ * Create a select; each option is a value and its text.
+ * @param {string} label
+ * @param {[value: string, text: string][]} options
+ * @param {string} value
+ * @param {(value: string) => void} choose
+ */
+export function selection(label, options, value, choose) {
+  const made = element("select", { "aria-label": label, title: label, onchange: () => choose(made.value) });
+  offer(made, options, value);
+  return made;
+}
+
+/**
+ * Replace the options of a select.
+ * @param {HTMLSelectElement} select
+ * @param {[value: string, text: string][]} options
+ * @param {string} value
+ */
+export function offer(select, options, value) {
+  fill(select, options.map(([one, text]) => element("option", { value: one }, text)));
+  select.value = value;
 }
 
 /**
  * Show a menu at a button until an entry is chosen or the focus leaves it.
- * @param {HTMLElement} button
+ * @param {HTMLElement} opener
  * @param {{label: string, detail?: string, run: () => void, disabled?: boolean}[]} entries
  */
-export function openMenu(button, entries) {
+export function openMenu(opener, entries) {
   /** @type {HTMLButtonElement[]} */
-  const items = entries.map((entry) =>
-    element(
-      "button",
-      {
-        type: "button",
-        role: "menuitem",
-        disabled: entry.disabled ?? false,
-        onclick: () => {
-          close(true);
-          entry.run();
-        },
-      },
-      element("span", {}, entry.label),
-      entry.detail ? element("small", {}, entry.detail) : null,
-    ),
-  );
-  const menu = element("div", { class: "menu", role: "menu", "aria-label": button.title }, items);
+  const items = entries.map(({ label, detail, run, disabled }) => {
+    const choose = () => {
+      close(true);
+      run();
+    };
+    const words = [element("span", {}, label), detail ? element("small", {}, detail) : null];
+    return button(words, choose, { role: "menuitem", disabled });
+  });
+  const menu = element("div", { class: "menu", role: "menu", "aria-label": opener.title }, items);
   let isOpen = true;
   /** @param {boolean} comesBack */
   function close(comesBack) {
     if (!isOpen) return; // removing a focused element also triggers focusout
     isOpen = false;
     menu.remove();
-    button.setAttribute("aria-expanded", "false");
-    if (comesBack) button.focus();
+    opener.setAttribute("aria-expanded", "false");
+    if (comesBack) opener.focus();
   }
   menu.addEventListener("focusout", (event) => {
     if (!menu.contains(/** @type {Node | null} */ (event.relatedTarget))) close(false);
@@ -173,16 +227,16 @@ export function openMenu(button, entries) {
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (step) active[(place + step + active.length) % active.length]?.focus();
     else if (event.key === "Home") active[0]?.focus();
-    else if (event.key === "End") active[active.length - 1]?.focus();
+    else if (event.key === "End") active.at(-1)?.focus();
     else if (event.key === "Escape") close(true);
     else return;
     event.preventDefault();
     event.stopPropagation();
   });
   document.body.append(menu);
-  const at = button.getBoundingClientRect();
+  const at = opener.getBoundingClientRect();
   menu.style.top = `${Math.min(at.bottom + 4, innerHeight - menu.offsetHeight - 8)}px`;
   menu.style.left = `${Math.max(8, Math.min(at.left, innerWidth - menu.offsetWidth - 8))}px`;
-  button.setAttribute("aria-expanded", "true");
+  opener.setAttribute("aria-expanded", "true");
   items.find((item) => !item.disabled)?.focus();
 }

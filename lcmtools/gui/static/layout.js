@@ -1,12 +1,14 @@
 // The layout of panels on the page: rows, columns and dividers between them.
 
 import { divider, resize } from "./divider.js";
-import { element } from "./elements.js";
-import { Frame } from "./frame.js";
+import { div, element, set } from "./elements.js";
+import { Frame, SIDES } from "./frame.js";
 import { PANELS } from "./panels/index.js";
-import { beside, checked, isSplit, leaves, without } from "./tree.js";
+import { areEqual, beside, checked, copied, isSplit, leaves, without } from "./tree.js";
 
 const FAR = 6; // [px] before a press becomes a drag
+const BEYOND = 16; // [px] from a panel into its neighbour
+const MOST_UNDONE = 30; // changes that can be undone
 
 /**
  * @typedef {import("./tree.js").Leaf} Leaf
@@ -30,7 +32,10 @@ export class Layout {
     this.frames = new Map();
     /** @type {Leaf | null} */
     this.large = null;
-    this.marker = element("div", { class: "drop-marker", hidden: true });
+    /** The arrangements before the latest changes. @type {(Tree | null)[]} */
+    this.past = [];
+    /** The arrangement when it was last remembered; undefined before. @type {Tree | null | undefined} */
+    this.present = undefined;
     this.element = element("main", { class: "layout" });
   }
 
@@ -39,10 +44,23 @@ export class Layout {
    * @param {any} value
    */
   show(value) {
-    for (const frame of this.frames.values()) frame.close();
-    this.frames.clear();
-    this.large = null;
     this.arrange(checked(value, (panel) => panel in PANELS));
+  }
+
+  /** Remember the arrangement before a change, so that it can be undone. */
+  remember() {
+    if (areEqual(this.tree, this.present)) return;
+    if (this.present !== undefined) this.past = [...this.past, this.present].slice(-MOST_UNDONE);
+    this.present = copied(this.tree);
+  }
+
+  /** Undo the latest change of the arrangement; return false if there is none. */
+  undo() {
+    const before = this.past.pop();
+    if (before === undefined) return false;
+    this.present = before;
+    this.arrange(copied(before));
+    return true;
   }
 
   /** Return the layout with the settings of its panels, as plain values. */
@@ -50,7 +68,7 @@ export class Layout {
     /** @type {(tree: Tree) => Tree} */
     const copy = (tree) =>
       isSplit(tree)
-        ? { ...tree, parts: tree.parts.map(copy), sizes: tree.sizes.map(round) }
+        ? { ...tree, parts: tree.parts.map(copy), sizes: tree.sizes.map((size) => Number(size.toFixed(3))) }
         : { panel: tree.panel, settings: this.frames.get(tree)?.settings() ?? tree.settings };
     return this.tree && copy(this.tree);
   }
@@ -62,7 +80,6 @@ export class Layout {
    * @param {Leaf} [near]
    */
   add(panel, settings, near) {
-    /** @type {Leaf} */
     const leaf = { panel, settings };
     this.enlarge(null);
     if (!this.tree) this.arrange(leaf);
@@ -79,10 +96,8 @@ export class Layout {
 
   /** @param {Leaf} leaf */
   remove(leaf) {
-    const frame = this.frames.get(leaf);
-    this.enlarge(null);
     this.arrange(this.tree && without(this.tree, leaf));
-    this.page.announce(`${frame?.kind.title} closed`);
+    this.page.announce(`${PANELS[leaf.panel]?.title} closed`);
     this.page.changed();
   }
 
@@ -119,31 +134,26 @@ export class Layout {
   }
 
   /**
-   * Return a panel's neighbour on a side.
+   * Return the panel beyond a side of another one; undefined at the edge of the page.
    * @param {Leaf} leaf
    * @param {Side} side
    */
   neighbour(leaf, side) {
-    const from = this.frames.get(leaf)?.element.getBoundingClientRect();
-    if (!from) return undefined;
-    /** @type {(leaf: Leaf) => {gap: number, shared: number}} */
-    const place = (other) => {
-      const box = /** @type {Frame} */ (this.frames.get(other)).element.getBoundingClientRect();
-      const gaps = {
-        left: from.left - box.right,
-        right: box.left - from.right,
-        up: from.top - box.bottom,
-        down: box.top - from.bottom,
-      };
-      const isAcross = side === "left" || side === "right";
-      const shared = isAcross
-        ? Math.min(from.bottom, box.bottom) - Math.max(from.top, box.top)
-        : Math.min(from.right, box.right) - Math.max(from.left, box.left);
-      return { gap: gaps[side], shared };
-    };
-    const others = leaves(this.tree).filter((one) => one !== leaf);
-    const found = others.filter((one) => place(one).gap > -2 && place(one).shared > 0);
-    return found.sort((a, b) => place(a).gap - place(b).gap || place(b).shared - place(a).shared)[0];
+    const box = this.frames.get(leaf)?.element.getBoundingClientRect();
+    if (!box) return undefined;
+    for (const share of [0.5, 0.25, 0.75]) {
+      const [x, y] = [box.left + share * box.width, box.top + share * box.height];
+      const places = { left: [box.left - BEYOND, y], right: [box.right + BEYOND, y], up: [x, box.top - BEYOND], down: [x, box.bottom + BEYOND] };
+      const found = this.leafAt(.../** @type {[number, number]} */ (places[side]));
+      if (found) return found;
+    }
+    return undefined;
+  }
+
+  /** @param {number} x @param {number} y */
+  leafAt(x, y) {
+    const panel = document.elementFromPoint(x, y)?.closest(".panel");
+    return leaves(this.tree).find((leaf) => this.frames.get(leaf)?.element === panel);
   }
 
   /**
@@ -151,48 +161,29 @@ export class Layout {
    * @param {Tree | null} tree
    */
   arrange(tree) {
+    this.enlarge(null);
     this.tree = tree;
     const present = new Set(leaves(tree));
     for (const [leaf, frame] of [...this.frames]) {
       if (present.has(leaf)) continue;
+      leaf.settings = frame.settings(); // with which it comes back if this is undone
       frame.close();
       this.frames.delete(leaf);
     }
     for (const leaf of present) {
-      if (!this.frames.has(leaf)) this.frames.set(leaf, new Frame(this.connection, leaf, this.owner()));
+      if (!this.frames.has(leaf)) this.frames.set(leaf, new Frame(this, leaf));
     }
-    this.element.replaceChildren(tree ? this.draw(tree) : this.empty(), this.marker);
+    const empty = element("p", { class: "empty" }, "No panel is open. Add one at the top.");
+    this.element.replaceChildren(tree ? this.draw(tree) : empty);
   }
 
-  /** @returns {import("./frame.js").Owner} */
-  owner() {
-    return {
-      changed: this.page.changed,
-      announce: this.page.announce,
-      add: (panel, settings, near) => this.add(panel, settings, near),
-      remove: (leaf) => this.remove(leaf),
-      move: (leaf, side) => this.move(leaf, side),
-      enlarge: (leaf) => this.enlarge(leaf),
-      isAlone: (leaf) => this.tree === leaf,
-      drag: (leaf, event) => this.drag(leaf, event),
-    };
-  }
-
-  empty() {
-    return element("p", { class: "empty" }, "No panel is open. Add one at the top.");
-  }
-
-  /**
-   * @param {Tree} tree
-   * @returns {HTMLElement}
-   */
+  /** @param {Tree} tree @returns {HTMLElement} */
   draw(tree) {
     if (!isSplit(tree)) return /** @type {Frame} */ (this.frames.get(tree)).element;
-    const box = element("div", { class: `split ${tree.split}` });
+    const box = div(`split ${tree.split}`);
     tree.parts.forEach((part, index) => {
       if (index) box.append(divider(tree, index - 1, box, this.page.changed));
-      const cell = element("div", { class: "cell" }, this.draw(part));
-      box.append(cell);
+      box.append(div("cell", this.draw(part)));
     });
     resize(tree, box);
     return box;
@@ -210,27 +201,26 @@ export class Layout {
     /** @type {{leaf: Leaf, side: Side} | null} */
     let target = null;
     let isDragged = false;
+    const ends = new AbortController();
     header.setPointerCapture(event.pointerId);
     /** @param {PointerEvent} moved */
-    const follow = (moved) => {
-      const far = Math.hypot(moved.clientX - event.clientX, moved.clientY - event.clientY);
-      isDragged ||= far > FAR;
+    const follow = ({ clientX, clientY }) => {
+      isDragged ||= Math.hypot(clientX - event.clientX, clientY - event.clientY) > FAR;
       if (!isDragged) return;
-      target = this.dropAt(leaf, moved.clientX, moved.clientY);
+      target = this.dropAt(leaf, clientX, clientY);
       this.mark(target);
     };
     /** @param {Event} ended */
     const end = (ended) => {
-      header.removeEventListener("pointermove", follow);
+      ends.abort();
       this.mark(null);
       const left = this.tree && without(this.tree, leaf);
       if (ended.type !== "pointerup" || !target || !left) return;
       this.arrange(beside(left, target.leaf, leaf, target.side));
       this.page.changed();
     };
-    header.addEventListener("pointermove", follow);
-    header.addEventListener("pointerup", end, { once: true });
-    header.addEventListener("pointercancel", end, { once: true });
+    header.addEventListener("pointermove", follow, ends);
+    for (const name of ["pointerup", "pointercancel"]) header.addEventListener(name, end, ends);
   }
 
   /**
@@ -241,43 +231,17 @@ export class Layout {
    * @returns {{leaf: Leaf, side: Side} | null}
    */
   dropAt(dragged, x, y) {
-    for (const [leaf, frame] of this.frames) {
-      const box = frame.element.getBoundingClientRect();
-      const [across, down] = [(x - box.left) / box.width, (y - box.top) / box.height];
-      if (leaf === dragged || across < 0 || across > 1 || down < 0 || down > 1) continue;
-      /** @type {[Side, number][]} */
-      const sides = [
-        ["left", across],
-        ["right", 1 - across],
-        ["up", down],
-        ["down", 1 - down],
-      ];
-      const [nearest] = sides.sort((a, b) => a[1] - b[1]);
-      return nearest ? { leaf, side: nearest[0] } : null;
-    }
-    return null;
+    const leaf = this.leafAt(x, y);
+    const box = leaf && leaf !== dragged && this.frames.get(leaf)?.element.getBoundingClientRect();
+    if (!box) return null;
+    const [across, down] = [(x - box.left) / box.width, (y - box.top) / box.height];
+    const ways = { left: across, right: 1 - across, up: down, down: 1 - down };
+    const side = SIDES.reduce((best, one) => (ways[one] < ways[best] ? one : best));
+    return { leaf, side };
   }
 
   /** @param {{leaf: Leaf, side: Side} | null} target */
   mark(target) {
-    this.marker.hidden = !target;
-    const box = target && this.frames.get(target.leaf)?.element.getBoundingClientRect();
-    if (!target || !box) return;
-    const all = this.element.getBoundingClientRect();
-    const isAcross = target.side === "left" || target.side === "right";
-    const [width, height] = isAcross ? [box.width / 2, box.height] : [box.width, box.height / 2];
-    const x = box.left - all.left + (target.side === "right" ? width : 0);
-    const y = box.top - all.top + (target.side === "down" ? height : 0);
-    Object.assign(this.marker.style, {
-      left: `${x}px`,
-      top: `${y}px`,
-      width: `${width}px`,
-      height: `${height}px`,
-    });
+    for (const [leaf, { element: panel }] of this.frames) set(panel, "data-drop", leaf === target?.leaf ? target.side : null);
   }
-}
-
-/** @param {number} value */
-function round(value) {
-  return Math.round(value * 1000) / 1000;
 }

@@ -1,6 +1,6 @@
 // The timeline of a log, at the bottom of the page: play, pause, step, rate and seeking.
 
-import { drawing, element, fill, icon, iconButton, set, write } from "./elements.js";
+import { div, drawing, element, fill, iconButton, relabel, selection, set, write } from "./elements.js";
 import { clockText } from "./texts.js";
 
 /**
@@ -29,8 +29,9 @@ export class Timeline {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
     this.bars = drawing("svg", { class: "timeline-bars", preserveAspectRatio: "none", "aria-hidden": "true" });
-    this.done = element("div", { class: "timeline-done" });
-    this.hand = element("div", { class: "timeline-hand" });
+    this.done = div("timeline-done");
+    this.hand = div("timeline-hand");
+    const drop = () => (this.isDragged = false);
     this.track = element(
       "div",
       {
@@ -41,35 +42,23 @@ export class Timeline {
         "aria-valuemin": 0,
         onpointerdown: (/** @type {PointerEvent} */ event) => this.press(event),
         onpointermove: (/** @type {PointerEvent} */ event) => this.drag(event),
-        onpointerup: () => this.drop(),
-        onpointercancel: () => this.drop(),
+        onpointerup: drop,
+        onpointercancel: drop,
       },
       this.bars,
       this.done,
       this.hand,
     );
     this.play = iconButton("play", "Play (Space)", () => this.toggle());
-    this.stepper = element(
-      "button",
-      { type: "button", class: "icon-button", title: "One message (.)", "aria-label": "One message", onclick: () => this.act("step") },
-      drawing("svg", { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" }, drawing("path", { d: "M4 3.5l6 4.5-6 4.5zM12 3.5v9" })),
-    );
-    this.rate = element(
-      "select",
-      { "aria-label": "Rate", title: "Rate (< and >)", onchange: () => this.act("rate", { rate: Number(this.rate.value) }) },
-      RATES.map((rate) => element("option", { value: rate }, rateText(rate))),
-    );
+    this.stepper = iconButton("step", "One message (.)", () => this.act("step"));
+    const rates = /** @type {[string, string][]} */ (RATES.map((rate) => [String(rate), rateText(rate)]));
+    this.rate = selection("Rate", rates, "1", (rate) => this.act("rate", { rate: Number(rate) }));
+    this.rate.title = "Rate (< and >)";
     this.clock = element("span", { class: "mono timeline-clock" });
     this.date = element("span", { class: "mono muted timeline-date" });
-    this.element = element(
-      "footer",
-      { class: "timeline", "aria-label": "Playing the log", hidden: true },
-      this.play,
-      this.stepper,
-      this.rate,
-      this.track,
-      element("div", { class: "timeline-times" }, this.clock, this.date),
-    );
+    const times = div("timeline-times", this.clock, this.date);
+    const parts = [this.play, this.stepper, this.rate, this.track, times];
+    this.element = element("footer", { class: "timeline", "aria-label": "Playing the log", hidden: true }, parts);
     connection.addEventListener("change", () => this.update());
     addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.draw()).observe(this.track);
@@ -78,6 +67,10 @@ export class Timeline {
 
   get mayPlay() {
     return this.connection.isOpen && Boolean(this.connection.hello?.rights.includes("play"));
+  }
+
+  get isStill() {
+    return this.position?.isPaused !== false || this.position.isOver;
   }
 
   /** Update the state of the log; request its histogram first. */
@@ -106,14 +99,9 @@ export class Timeline {
   }
 
   /** @param {Position} position */
-  showState({ rate, isPaused, isOver, length }) {
-    const isStill = isPaused || isOver;
-    const label = isStill ? "Play (Space)" : "Pause (Space)";
-    if (this.play.title !== label) {
-      fill(this.play, icon(isStill ? "play" : "pause"));
-      set(this.play, "title", label);
-      set(this.play, "aria-label", label);
-    }
+  showState({ rate, length }) {
+    if (this.isStill) relabel(this.play, "play", "Play (Space)");
+    else relabel(this.play, "pause", "Pause (Space)");
     const nearest = RATES.reduce((best, one) => (Math.abs(one - rate) < Math.abs(best - rate) ? one : best), 1);
     if (document.activeElement !== this.rate) this.rate.value = String(nearest);
     set(this.track, "aria-valuemax", length.toFixed(1));
@@ -121,7 +109,7 @@ export class Timeline {
 
   /** Move the playhead at the log's rate between two updates, so that it does not jump. */
   follow() {
-    this.show(this.now());
+    if (!this.isDragged && this.about) this.showAt(this.now());
     requestAnimationFrame(() => this.follow());
   }
 
@@ -129,25 +117,16 @@ export class Timeline {
   now() {
     const { position } = this;
     if (!position) return 0;
-    const isMoving = !(position.isPaused || position.isOver) && this.connection.isOpen;
+    const isMoving = !this.isStill && this.connection.isOpen;
     const since = isMoving ? ((performance.now() - this.received) / 1000) * position.rate : 0;
     return Math.min(position.time + Math.min(since, position.rate), position.length);
-  }
-
-  /** @param {number} time */
-  show(time) {
-    if (this.isDragged || !this.about) return;
-    this.showAt(time);
   }
 
   /** @param {number} time */
   showAt(time) {
     const { start = 0, length = 1 } = this.about ?? {};
     const part = `${((100 * time) / Math.max(length, 1e-9)).toFixed(3)}%`;
-    if (this.hand.style.left !== part) {
-      this.hand.style.left = part;
-      this.done.style.width = part;
-    }
+    this.hand.style.left = this.done.style.width = part;
     write(this.clock, `${timeText(time)} / ${timeText(length)}`);
     write(this.date, dateText(start + time));
     set(this.track, "aria-valuenow", time.toFixed(1));
@@ -185,8 +164,8 @@ export class Timeline {
   drag(event) {
     if (!this.isDragged || !this.about) return;
     const { left, width } = this.track.getBoundingClientRect();
-    const part = Math.min(1, Math.max(0, (event.clientX - left) / Math.max(1, width)));
-    const time = part * this.about.length;
+    const part = (event.clientX - left) / Math.max(1, width);
+    const time = this.about.length * Math.min(1, Math.max(0, part));
     this.showAt(time);
     clearTimeout(this.timer);
     const wait = Math.max(0, this.nextSeek - performance.now());
@@ -194,24 +173,18 @@ export class Timeline {
     if (!wait) this.nextSeek = performance.now() + OFTEN;
   }
 
-  drop() {
-    this.isDragged = false;
-  }
-
   /** @param {number} time */
   seek(time) {
-    this.nextSeek = performance.now() + OFTEN;
-    const most = this.position?.length ?? 0;
-    if (this.position) {
-      this.position = { ...this.position, time: Math.min(most, Math.max(0, time)), isOver: false };
-      this.received = performance.now();
-    }
-    this.act("seek", { time: Math.min(most, Math.max(0, time)) });
+    const now = performance.now();
+    this.nextSeek = now + OFTEN;
+    const within = Math.min(this.position?.length ?? 0, Math.max(0, time));
+    if (this.position) this.position = { ...this.position, time: within, isOver: false };
+    this.received = now;
+    this.act("seek", { time: within });
   }
 
   toggle() {
-    const isStill = !this.position || this.position.isPaused || this.position.isOver;
-    this.act(isStill ? "play" : "pause");
+    this.act(this.isStill ? "play" : "pause");
   }
 
   /** @param {number} step */
@@ -222,17 +195,10 @@ export class Timeline {
     this.act("rate", { rate });
   }
 
-  /**
-   * @param {string} action
-   * @param {object} [more]
-   */
+  /** @param {string} action @param {object} [more] */
   async act(action, more = {}) {
-    if (!this.mayPlay) return;
-    try {
-      await this.connection.request("do", "play", { action, ...more });
-    } catch {
-      // the page shows that the connection is lost
-    }
+    // the page shows that the connection is lost
+    if (this.mayPlay) await this.connection.request("do", "play", { action, ...more }).catch(() => {});
   }
 
   /** @param {KeyboardEvent} event */
@@ -263,9 +229,9 @@ function gaps(histogram) {
   /** @type {[number, number][]} */
   const found = [];
   histogram.forEach((count, at) => {
-    const last = found[found.length - 1];
+    const last = found.at(-1);
     if (count) return;
-    if (last && last[1] === at) last[1] = at + 1;
+    if (last?.[1] === at) last[1] = at + 1;
     else found.push([at, at + 1]);
   });
   return found.filter(([from, to]) => to - from > 1);

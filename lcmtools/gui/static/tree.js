@@ -7,12 +7,14 @@
  * @typedef {"left" | "right" | "up" | "down"} Side
  */
 
-/**
- * @param {Tree} tree
- * @returns {tree is Split}
- */
+/** @param {Tree} tree @returns {tree is Split} */
 export function isSplit(tree) {
   return "split" in tree;
+}
+
+/** @param {{sizes: number[]}} split */
+export function total({ sizes }) {
+  return sizes.reduce((one, other) => one + other, 0);
 }
 
 /**
@@ -33,14 +35,7 @@ export function leaves(tree) {
  */
 export function without(tree, leaf) {
   if (!isSplit(tree)) return tree === leaf ? null : tree;
-  /** @type {[Tree, number][]} */
-  const kept = [];
-  tree.parts.forEach((part, index) => {
-    const left = without(part, leaf);
-    if (left) kept.push([left, tree.sizes[index] ?? 1]);
-  });
-  if (kept.length < 2) return kept[0]?.[0] ?? null;
-  return flat({ split: tree.split, parts: kept.map(([part]) => part), sizes: kept.map(([, s]) => s) });
+  return joined(tree.split, tree.parts.map((part) => without(part, leaf)), tree.sizes);
 }
 
 /**
@@ -55,35 +50,53 @@ export function beside(tree, target, leaf, side) {
   if (tree === target) {
     const split = side === "left" || side === "right" ? "row" : "column";
     const parts = side === "left" || side === "up" ? [leaf, tree] : [tree, leaf];
-    return flat({ split, parts, sizes: [1, 1] });
+    return joined(split, parts, [1, 1]) ?? leaf;
   }
   if (!isSplit(tree)) return tree;
   const parts = tree.parts.map((part) => beside(part, target, leaf, side));
-  return flat({ split: tree.split, parts, sizes: tree.sizes });
+  return joined(tree.split, parts, tree.sizes) ?? leaf;
 }
 
 /**
- * Flatten a split: no part of the result is a split of the same direction.
- * @param {Split} tree
- * @returns {Split}
+ * Return a split without the parts that are null, and without splits of the same direction in it;
+ * one part alone is returned itself, null if there is none.
+ * @param {Split["split"]} split
+ * @param {(Tree | null)[]} all
+ * @param {number[]} shares the sizes of all
+ * @returns {Tree | null}
  */
-function flat(tree) {
-  /** @type {Tree[]} */
-  const parts = [];
-  /** @type {number[]} */
-  const sizes = [];
-  tree.parts.forEach((part, index) => {
-    const size = tree.sizes[index] ?? 1;
-    if (isSplit(part) && part.split === tree.split) {
-      const sum = part.sizes.reduce((one, other) => one + other, 0);
-      parts.push(...part.parts);
-      sizes.push(...part.sizes.map((one) => (one / sum) * size));
-    } else {
-      parts.push(part);
-      sizes.push(size);
-    }
+function joined(split, all, shares) {
+  /** @type {Split} */
+  const made = { split, parts: [], sizes: [] };
+  all.forEach((part, index) => {
+    const size = shares[index] ?? 1;
+    const inner = part && isSplit(part) && part.split === split ? part : { parts: part ? [part] : [], sizes: [1] };
+    made.parts.push(...inner.parts);
+    made.sizes.push(...inner.sizes.map((one) => (one / total(inner)) * size));
   });
-  return { split: tree.split, parts, sizes };
+  return made.parts.length < 2 ? (made.parts[0] ?? null) : made;
+}
+
+/**
+ * Return a copy of a tree with the same panels.
+ * @param {Tree | null} tree
+ * @returns {Tree | null}
+ */
+export function copied(tree) {
+  if (!tree || !isSplit(tree)) return tree;
+  return { ...tree, parts: /** @type {Tree[]} */ (tree.parts.map(copied)), sizes: [...tree.sizes] };
+}
+
+/**
+ * Return true if two trees have the same panels in the same places, of the same sizes.
+ * @param {Tree | null | undefined} a
+ * @param {Tree | null | undefined} b
+ * @returns {boolean}
+ */
+export function areEqual(a, b) {
+  if (a === b || !a || !b || !isSplit(a) || !isSplit(b)) return a === b;
+  const isAlike = a.split === b.split && String(a.sizes) === String(b.sizes);
+  return isAlike && a.parts.every((part, index) => areEqual(part, b.parts[index]));
 }
 
 /**
@@ -100,18 +113,12 @@ export function checked(value, isKnown, depth = 0) {
     return { panel: value.panel, settings };
   }
   if (!Array.isArray(value.parts) || !["row", "column"].includes(value.split)) return null;
-  /** @type {Tree[]} */
-  const parts = [];
-  /** @type {number[]} */
-  const sizes = [];
-  value.parts.slice(0, 20).forEach((/** @type {any} */ part, /** @type {number} */ index) => {
-    const found = checked(part, isKnown, depth + 1);
-    const size = Number(value.sizes?.[index]);
-    if (found) {
-      parts.push(found);
-      sizes.push(size > 0 && size < 1000 ? size : 1);
-    }
-  });
-  if (parts.length < 2) return parts[0] ?? null;
-  return flat({ split: value.split, parts, sizes });
+  /** @type {any[]} */
+  const parts = value.parts.slice(0, 20);
+  const sizes = parts.map((_, index) => Number(value.sizes?.[index]));
+  return joined(
+    value.split,
+    parts.map((part) => checked(part, isKnown, depth + 1)),
+    sizes.map((size) => (size > 0 && size < 1000 ? size : 1)),
+  );
 }

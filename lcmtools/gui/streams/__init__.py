@@ -6,8 +6,10 @@ from lcmtools.gui.protocol import MalformedRequest
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
+    "answer": "message:ServiceAnswer",
     "drawable": "world:Drawable",
     "findings": "findings:DoctorFindings",
+    "frame-tree": "frame_tree:FrameTree",
     "frames": "world:Frames",
     "graph": "graph:GraphStream",
     "image": "image:NewestImage",
@@ -15,8 +17,10 @@ STREAMS = {
     "markers": "world:Markers",
     "message": "message:LatestMessage",
     "newest": "world:Newest",
+    "offers": "offers:Offers",
     "plot": "plot:Plot",
     "publishing": "message_form:RepeatedForm",
+    "recording": "recording:RecordingState",
     "steer": "steer:Steer",
     "topics": "topics:Topics",
 }

@@ -14,7 +14,10 @@ _MOST = 500  # lines that wait for a page; beyond this, the oldest are dropped
 
 
 class LogLines(PageStream):
-    """The lines on /rosout; each update has those since the last one."""
+    """The lines on /rosout; each update has those since the last one.
+
+    The first one has earlier lines too, which the page has already if it has lost its connection.
+    """
 
     period = 0.2
 
@@ -23,6 +26,7 @@ class LogLines(PageStream):
         self._lock = threading.Lock()
         self._waiting: deque[Packet] = deque(maxlen=_MOST)
         self._left_out = 0
+        self._is_first = True
         self.until_closed(source.follow(_TOPIC, self.receive))
 
     def receive(self, packet: Packet) -> None:
@@ -40,7 +44,8 @@ class LogLines(PageStream):
         if not packets:
             return None
         lines = [line for packet in packets if (line := self._line(packet)) is not None]
-        return Update({"lines": lines, "leftOut": left_out})
+        is_first, self._is_first = self._is_first, False
+        return Update({"lines": lines, "leftOut": left_out, "isFirst": is_first})
 
     def _line(self, packet: Packet) -> Json:
         try:

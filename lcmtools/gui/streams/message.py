@@ -1,13 +1,14 @@
-"""The stream of a topic's latest message, decoded, as lines that can be unfolded."""
+"""A topic's latest message, or a service's answer, as lines that can be unfolded."""
 
 import threading
 import time
+from collections.abc import Sequence
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json, Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.source import Source, publishers_of
 from lcmtools.gui.streams.base import PageStream, Update
-from lcmtools.messages.registry import type_name
+from lcmtools.messages.registry import Message, type_name
 from lcmtools.observe.channels.field_lines import FieldLine, field_lines
 from lcmtools.wire.packet import Packet
 
@@ -46,9 +47,7 @@ class LatestMessage(PageStream):
             return None
         about: dict[str, Json] = {"time": packet.time / 1e9, "size": packet.size, "type": ""}
         try:
-            message = self.source.decode(packet)
-            about |= {"type": type_name(message)}
-            about["lines"] = [_line(line) for line in field_lines(message, self._toggled)]
+            about |= _unfolded(self.source.decode(packet), self._toggled)
             self._fault = ""
         except LcmtoolsError as error:
             self._fault = str(error)
@@ -59,6 +58,30 @@ class LatestMessage(PageStream):
     def problem(self) -> str:
         """Return why it cannot be decoded, or why nothing arrives."""
         return super().problem() or self._fault
+
+
+class ServiceAnswer(PageStream):
+    """The kept answer of a service with a ``number``, with ``toggled`` parts as above."""
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        answer = publishers_of(source).answers.get(int(parameters.number("number")))
+        self._lines = _unfolded(answer, parameters.texts("toggled")) if answer else None
+        self._fault = "" if answer else "this answer is no longer kept; call the service again"
+
+    def update(self) -> Update | None:
+        """Return the answer as lines, once."""
+        lines, self._lines = self._lines, None
+        return Update(lines) if lines else None
+
+    def problem(self) -> str:
+        """Return why there is no answer."""
+        return self._fault
+
+
+def _unfolded(message: Message, toggled: Sequence[str]) -> dict[str, Json]:
+    lines = [_line(line) for line in field_lines(message, toggled)]
+    return {"type": type_name(message), "lines": lines}
 
 
 def _line(line: FieldLine) -> Json:

@@ -5,7 +5,7 @@ import time
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json, Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.source import Source, publishers_of
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.type_forms import filled_in
 from lcmtools.names import resolve
@@ -13,6 +13,7 @@ from lcmtools.publish.publication import check_topic
 from lcmtools.publish.schedule import due_times
 
 _LOWEST, _HIGHEST = 0.01, 200.0  # [Hz]
+_STANDSTILL = 1.0  # [s] behind the schedule after which nobody expects more messages
 
 
 class FilledForm:
@@ -26,13 +27,11 @@ class FilledForm:
     """
 
     def __init__(self, source: Source, parameters: Parameters) -> None:
-        if source.publishers is None:
-            raise LcmtoolsError("a log takes no messages", "open the window on a bus")
-        self._publishers = source.publishers
+        self._publishers = publishers_of(source)
         topic = parameters.text("topic")
         # A name on the bus remains unchanged, others are resolved by ROS's rules.
         is_known = any(row.channel == topic for row in source.latest.rows)
-        check_topic(topic, literal=is_known)
+        check_topic(topic, plain_channel=is_known)
         self._topic = topic if is_known else resolve(topic)
         self._template = filled_in(parameters)
 
@@ -76,8 +75,13 @@ class RepeatedForm(PageStream):
         return self._fault
 
     def _publish(self) -> None:
-        due = due_times(self._rate)
-        while not self._over.wait(max(0.0, next(due) - time.monotonic())):
+        for due in due_times(self._rate):
+            if self._over.wait(max(0.0, due - time.monotonic())):
+                return
+            behind = time.monotonic() - due
+            if behind > _STANDSTILL:
+                self._fault = f"stopped: the server stood still for {behind:.0f} s"
+                return
             self._fault = self._send()
             self._count += not self._fault
 

@@ -1,4 +1,4 @@
-"""The stream of a plot: all values of some numeric fields, with their times.
+"""The stream of a plot: all values of some numeric fields, with their times and units.
 
 For a log, these are all values from its start to its end, wherever it is played.
 """
@@ -9,16 +9,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 
+from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.model import Graph
 from lcmtools.gui.log_source import LogSource
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.type_forms import unit_of
+from lcmtools.messages.message_time import message_time
 from lcmtools.messages.path import Path, splits
+from lcmtools.messages.registry import Message
 from lcmtools.names import closest, is_hidden
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.measuring.curves import numbers
+from lcmtools.observe.reading.arrivals import ArrivalClock
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
 from lcmtools.wire.packet import Packet
 
@@ -49,7 +54,11 @@ class _Fields:
 
 
 class Plot(PageStream):
-    """Curves; each update has the new samples, in order of arrival."""
+    """Curves; each update has the new samples, in order of arrival.
+
+    Their ``time`` is that of "arrival", by the system clock; the "stamp" of the message, or a field
+    such as ``utime``; or the "simulated" time of arrival.
+    """
 
     period = 0.05
 
@@ -58,7 +67,12 @@ class Plot(PageStream):
         self._lock = threading.Condition()
         self._fields = [_Fields(text) for text in parameters.texts("fields")]
         self._choice = parameters.number("choice", 0)
+        self._time = parameters.text("time", "arrival")
+        if self._time not in ("arrival", "stamp", "simulated"):
+            raise MalformedRequest(f"there is no time '{self._time[:40]}'")
+        self._clock = ArrivalClock(is_simulated=True)
         self._curves: dict[str, int] = {}
+        self._units: list[str] = []
         self._samples = array("d")
         self._left_out = 0
         self._followed: set[str] = set()
@@ -82,6 +96,7 @@ class Plot(PageStream):
         if about != self._told:
             self._told = data["fields"] = about
             data["curves"] = list(self._curves)
+            data["units"] = list(self._units)
         if not samples and not data:
             return None
         return Update({"choice": self._choice, **data}, samples.tobytes())  # which fields these are
@@ -103,13 +118,17 @@ class Plot(PageStream):
         is_first, self._seen = self._seen is None, latest
         for one in self._fields:
             one.update(latest.graph)
-            for topic in one.paths.keys() - self._followed:
-                self._followed.add(topic)
-                if not isinstance(self.source, LogSource):
-                    self.until_closed(self.source.follow(topic, self._receive))
+        wanted = {topic for one in self._fields for topic in one.paths}
+        if self._time == "simulated":
+            wanted.add(CLOCK_TOPIC)
+        for topic in wanted - self._followed:
+            self._followed.add(topic)
+            if not isinstance(self.source, LogSource):
+                self.until_closed(self.source.follow(topic, self._receive))
         if isinstance(self.source, LogSource) and is_first:
             every, packets = self.source.read(self._followed)
-            self._about_log = {"start": self.source.start, "every": every}
+            start = self.source.start if self._time == "arrival" else None
+            self._about_log = {"start": start, "every": every}
             self._reader = threading.Thread(
                 target=self._read, args=[packets], name="plot of a log", daemon=True
             )
@@ -126,8 +145,10 @@ class Plot(PageStream):
             self._receive(packet)
 
     def _receive(self, packet: Packet) -> None:
+        self._clock.update(packet)
         try:
             message = self.source.decode(packet)
+            time = self._time_of(packet, message)
         except DecodeError as error:
             self._note(packet.channel, str(error))
             return
@@ -144,11 +165,27 @@ class Plot(PageStream):
                 one.mistake = ""
                 for inner, value in found:
                     curve = self._curve(one, f"{packet.channel}/{inner}")
-                    self._samples.extend((packet.time / 1e9, value, curve))
+                    if curve == len(self._units):
+                        self._units.append(unit_of(type(message), inner))
+                    self._samples.extend((time, value, curve))
             extra = len(self._samples) - _SAMPLE * _MOST_SAMPLES
             if extra > 0:
                 del self._samples[: extra + _SAMPLE * _MOST_SAMPLES // 2]
                 self._left_out += extra // _SAMPLE + _MOST_SAMPLES // 2
+
+    def _time_of(self, packet: Packet, message: Message) -> float:
+        """Return the time of a message's samples [s]; DecodeError if it is not known."""
+        if self._time == "stamp":
+            found = message_time(message)
+            if not found or not found.time:
+                what = f"{found.field} is {found.value:g}" if found else "they have no header.stamp"
+                raise DecodeError(f"the messages of {packet.channel} have no time: {what}")
+            return found.time / 1e9
+        if self._time == "simulated":
+            if self._clock.now is None:
+                raise DecodeError(f"simulated time is not known: nothing came on {CLOCK_TOPIC} yet")
+            return self._clock.now / 1e9
+        return packet.time / 1e9
 
     def _curve(self, one: _Fields, label: str) -> int:
         curve = self._curves.setdefault(label, len(self._curves))

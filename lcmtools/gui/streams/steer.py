@@ -24,6 +24,8 @@ class Steer(PageStream):
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
         self._steered = parameters.text("topic")
+        if source.steering:
+            source.steering.prepare()
 
     def update(self) -> Update:
         """Return the known facts about the topic."""

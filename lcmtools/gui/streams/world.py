@@ -9,11 +9,13 @@ from collections import deque
 from typing import ClassVar
 
 from lcmtools.errors import DecodeError
-from lcmtools.gui.drawings import DRAWINGS, MarkerScene, Poses, drawing_kinds
+from lcmtools.graph.model import Graph
+from lcmtools.gui.drawings import DRAWINGS, Malformed, MarkerScene, Poses, drawing_kinds
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
+from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.simulators import simulators
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
@@ -35,13 +37,19 @@ class Drawable(PageStream):
         typed = [(row, row.types[0]) for row in latest.rows if row.types]
         topics: list[Json] = [
             {"topic": row.channel, "type": name, "kind": kinds[name]}
-            | {"rate": row.rate, "silent": row.is_silent}
+            | {"silence": _silence(row, latest.graph)}
             for row, name in typed
             if name in kinds
         ]
         undrawn = sorted({name for _, name in typed if name not in kinds})
         found = sorted({node.name for node in simulators(latest.graph)})
         return Update({"topics": topics, "undrawn": undrawn, "simulators": found})
+
+
+def _silence(row: ChannelRow, graph: Graph) -> Json:
+    """Return how long a topic has been silent [s] that was sent repeatedly; None if it is not."""
+    is_old = row.rate == 0 and row.messages > 1 and not graph.topic(row.channel).is_latched
+    return round(row.age) if is_old and row.age is not None else None
 
 
 class _Messages(PageStream):
@@ -102,7 +110,8 @@ class Frames(_Messages):
         time = 0
         for packet, message in self.pop(TFMessage):
             assert isinstance(message, TFMessage), "it was taken as one"
-            self._poses.add(message)
+            if ignored := self._poses.add(message):
+                self._mistake = f"{self._topic}: {ignored}"
             time = packet.time
         return self._poses.drawing(time / 1e9) if time else None
 
@@ -142,7 +151,11 @@ class Newest(_Messages):
             return None
         for packet, message in self.pop(*DRAWINGS):
             drawing = DRAWINGS[type(message)]
-            found = drawing.convert(message)
+            try:
+                found = drawing.convert(message)
+            except Malformed as error:
+                self._mistake = f"{self._topic}: not drawn: {error}"
+                continue
             self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST
             data = {**found.data, "kind": drawing.kind, "time": packet.time / 1e9}
             return Update(data, found.payload)

@@ -36,7 +36,7 @@ def look_at_bus(url: str, group: int) -> BusLook:
 
 def program_on(evidence: Evidence, group: int) -> BusLook:
     """Return the state of the programs of one process group according to evidence."""
-    nodes = [node for node in evidence.graph.nodes if _is_of(node.pid, group)]
+    nodes = [node for node in evidence.own_nodes() if _is_of(node.pid, group)]
     names = {node.name for node in nodes}
     ends = [end for node in nodes for end in node.endpoints]
     publications = [_wire(end) for end in ends if end.role is Role.PUBLISHER]

@@ -1,20 +1,25 @@
 """The check of a lab: each program runs on its own test bench."""
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from lcmtools.errors import UsageError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
-from lcmtools.labs.checks.checked_programs import split_command
+from lcmtools.labs.checks.checked_programs import check_startable, split_command
 from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, cause_of, raised
 from lcmtools.labs.checks.observations import Observations, last_failure, last_words
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
+from lcmtools.packages.cmake import built_source
+from lcmtools.packages.cpp_nodes import is_cpp
 from lcmtools.packages.finding import find_node
+from lcmtools.packages.programs import built_program, find_program
 from lcmtools.packages.runnable_nodes import runnables
+from lcmtools.packages.workspace import workspace
 
 Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 
@@ -44,16 +49,19 @@ class Run:
 def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
     """Return the programs to check. The lab's names are added to commands without names.
 
-    ``programs`` are the student's command lines by option. Without any, the workspace's nodes with
-    the names of the lab's programs are checked, or the model answers if there are no such nodes.
+    ``programs`` are the student's command lines by option. Without any, the workspace's nodes and
+    scripts with the names of the lab's programs are checked, or the model answers if there are no
+    such nodes.
 
     Raises:
-        UsageError: A program belongs to another lab, a command line is wrong, or a file of the
-            workspace is not declared as a node.
+        UsageError: A program belongs to another lab or does not exist, a command line is wrong,
+            or a file of the workspace is not declared as a node, not built or not executable.
     """
     known = {program.option: program for program in lab.programs}
     may_be_answer = any(text.startswith("lcmtools run") for text in programs.values())
     nodes = _workspace_nodes(lab) if may_be_answer or not programs else {}
+    if not programs:
+        nodes = _workspace_scripts(lab) | nodes
     if not programs and not nodes:
         return [Run(p, [*p.answer, *p.arguments], is_answer=True) for p in lab.programs]
     chosen = []
@@ -63,6 +71,7 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
             hint = ", ".join(f"--{name}" for name in known)
             raise UsageError(f"--{option} is not a program of the lab {lab.name}", f"it has {hint}")
         words = split_command(text)
+        check_startable(words)
         is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
         if not any(":=" in word for word in words):
             words += known[option].arguments
@@ -76,9 +85,23 @@ def _workspace_nodes(lab: Lab) -> dict[str, str]:
     known, here = runnables(Path.cwd()), Path.cwd()
     for program in lab.programs:
         node, _ = find_node([program.node], known, here)
+        if node.source:
+            built_program(node)  # or raise
         if node.folder:
             found[program.option] = f"{node.package} {node.name}"
     return found
+
+
+def _workspace_scripts(lab: Lab) -> dict[str, str]:
+    """Return the scripts of the workspace's packages with these names, likewise."""
+    here = Path.cwd()
+    near = [one.name for one in workspace(here).packages if not one.is_noted]
+    return {
+        program.option: f"{package} {script.name}"
+        for program in lab.programs
+        for package in near
+        if (script := find_program([package, program.node], here))
+    }
 
 
 def check(
@@ -93,14 +116,24 @@ def check(
     It runs at ``rate`` simulated seconds per second (None: a suitable one), for at most
     ``time_limit`` [s] of real time. ``show`` is called with each result at once.
 
+    A source in C++ is built first. If that fails, this is the only row.
+
     Raises:
         UsageError: The program cannot be started.
         LcmtoolsError: The simulator does not start.
     """
-    results = []
-    with TestBench(lab, run.program, rate, time_limit) as bench:
+    results: list[CheckResult] = []
+    with contextlib.ExitStack() as owned:
+        try:
+            command = owned.enter_context(_built(run.command))
+        except LcmtoolsError as error:
+            what, hint = "can be built", str(error)
+            row = CheckResult(what, "a program", "none", is_ok=False, hint=hint, cause="not-built")
+            show(row)
+            return Report(run.program.option, run.command, [row]), {}
+        bench = owned.enter_context(TestBench(lab, run.program, rate, time_limit))
         explanation = Explanation(bench.observe)
-        for result in _limited(_rows(bench, run), time_limit):
+        for result in _limited(_rows(bench, replace(run, command=command)), time_limit):
             explained = explanation.of(result)
             if result.cause == RAISED and explained.follows:
                 continue  # it has been reported as the cause of another row
@@ -112,6 +145,17 @@ def check(
         duration = bench.recorder.duration
     report = Report(run.program.option, run.command, results, observed, run.is_answer, duration)
     return report, bench.world
+
+
+@contextlib.contextmanager
+def _built(command: Sequence[str]) -> Iterator[Sequence[str]]:
+    """Build a source in C++; yield the command line with its program, or as it is."""
+    source, *arguments = command
+    if not is_cpp(Path(source)):
+        yield command
+        return
+    with built_source(Path(source)) as program:
+        yield [str(program), *arguments]
 
 
 def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:

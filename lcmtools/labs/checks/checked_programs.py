@@ -4,6 +4,8 @@ A program runs on the test bench's bus and always ends with it. Its output goes 
 reach it through its own terminal.
 """
 
+import errno
+import os
 import re
 import shlex
 import sys
@@ -14,6 +16,7 @@ from shutil import which
 from lcmtools.errors import UsageError
 from lcmtools.labs.checks.diagnosis import DIED, SILENT
 from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.packages.cpp_nodes import is_cpp
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
@@ -21,6 +24,20 @@ _ESCAPE = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|[ -/]*[0-~])")  # as curses wr
 _TIMEOUTS = StopTimeouts(4.0, 2.0)
 _TAIL_BYTES = 65_536
 _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not fill the disk
+
+
+def check_startable(command: Sequence[str]) -> None:
+    """Raise UsageError unless a command line's first word is a program, or a source in C++."""
+    if command[0] != "lcmtools" and not is_cpp(Path(command[0])) and which(command[0]) is None:
+        is_path = "/" in command[0] and Path(command[0]).exists()
+        raise _cannot_run(command[0], os.strerror(errno.EACCES if is_path else errno.ENOENT))
+
+
+def _cannot_run(program: str, reason: str | None) -> UsageError:
+    hint = "give the command line as you type it, in quotes"
+    if Path(program).suffix == ".py" and Path(program).is_file():
+        hint = f'did you mean "python {program}"?'
+    return UsageError(f"cannot run '{program}': {reason}", hint)
 
 
 class CheckedProgram(ChildProcess):
@@ -52,10 +69,7 @@ class CheckedProgram(ChildProcess):
         try:
             super().__init__(start, guard, _TIMEOUTS)
         except OSError as error:
-            hint = "give the command line as you type it, in quotes"
-            if Path(command[0]).suffix == ".py" and Path(command[0]).is_file():
-                hint = f'did you mean "python {command[0]}"?'
-            raise UsageError(f"cannot run '{command[0]}': {error.strerror}", hint) from None
+            raise _cannot_run(command[0], error.strerror) from None
 
     def printed(self) -> str:
         """Return its output, or the end of it if it is long."""
@@ -90,9 +104,9 @@ class CheckedProgram(ChildProcess):
     def why_it_goes_on(self) -> Cause:
         """Return why it does not end on Ctrl-C."""
         if self.takes_interrupts_as_keys():
-            text = r"after tty.setraw, Ctrl-C is the key '\x03': end at it, or use tty.setcbreak"
+            text = r"in a raw terminal Ctrl-C is the key '\x03': end at it, or use cbreak mode"
         else:
-            text = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
+            text = "let the loop end at Ctrl-C: when ok() of lcmtools is false, or at SIGINT"
         return Cause("goes-on", text)
 
     def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:

@@ -51,7 +51,7 @@ class ClassCheck:
         jobs: int,
     ) -> None:
         self._lab, self._commands, self._arguments = lab, commands, arguments
-        self._plot, self._jobs = plot, jobs
+        self._plot, self.jobs = plot, jobs
         self._is_over = threading.Event()
 
     def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:
@@ -67,7 +67,7 @@ class ClassCheck:
         submissions = submissions_in(folder)
         found = {path.name: self._jobs_of(path) for path in submissions}
         reports = {name: dict[str, Report]() for name in found}
-        with ProcessGuard() as guard, ThreadPoolExecutor(self._jobs) as pool:
+        with ProcessGuard() as guard, ThreadPoolExecutor(self.jobs) as pool:
             running = {
                 pool.submit(self._check, job, guard): (name, job.option)
                 for name, jobs in found.items()

@@ -10,6 +10,7 @@ import signal
 from collections.abc import Mapping, Sequence
 
 from lcmtools.doctor.renaming import are_near
+from lcmtools.labs.catalogue import LabProgram
 from lcmtools.labs.checks.observations import (
     BusLook,
     Failure,
@@ -33,6 +34,7 @@ TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsu
 TIMER = "timer"
 STRAYS, UNLIKE = "strays", "unlike"
 """It strays from the path, or its picture is another one: input from another topic explains it."""
+UNMOVED = "unmoved-"  # the beginning of the key, before the field that has no effect
 LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION, TIMER)
 """Keys of the causes that time does not mend; others may be of a program that starts slowly."""
 
@@ -42,7 +44,7 @@ _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
 _LONG_TIMER = re.compile(r"create_timer: a period of .+")  # as a node warns
 _SMALL = 1e-6
-_NO_SPIN = "does it call lcmtools.spin(node), or spin_once often?"
+_NO_SPIN = "does it call spin(node), or spin_once often?"
 
 
 def cause_of(result: CheckResult, observed: Observations) -> Cause:
@@ -65,7 +67,7 @@ def died(observed: Observations) -> Cause:
     words = last_words(observed.printed) or "it printed nothing"
     code = observed.code or 0
     how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
-    end = "; a node runs as long as it spins: lcmtools.spin(node)" if code == 0 else ""
+    end = "; a node runs as long as it spins: spin(node)" if code == 0 else ""
     if code == _NOT_FOUND and r"\r" in observed.printed:  # as env writes a carriage return
         end = r"; its lines end as on Windows: sed -i 's/\r$//' FILE, or run it by python"
     return Cause(DIED, f"the program died: it {how}: {words}{end or _missing_module(words)}")
@@ -80,12 +82,13 @@ def _missing_module(words: str) -> str:
 def misled(observed: Observations, result: CheckResult) -> Cause | None:
     """Return the wrong input topic if the callback for it raises, or if the row is about it."""
     look, wanted = observed.look, observed.program.subscribes
-    found = _not_hearing(look, wanted) if look else None
+    found = _not_hearing(look, observed.program) if look else None
     if look is None or found is None or found.key != SUBSCRIPTION:
         return None
     others = {wire.topic for wire in look.subscriptions if wire.topic not in wanted}
     raises = any(failure.callback in others for failure in look.failures)
-    return found if raises or result.cause in (SELDOM, STRAYS, UNLIKE) else None
+    is_about = result.cause in (SELDOM, ZERO, STRAYS, UNLIKE)
+    return found if raises or is_about or result.cause.startswith(UNMOVED) else None
 
 
 def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | None:
@@ -144,8 +147,7 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     is_bare = not (look.publications or look.subscriptions)
     if is_bare and program.publishes and not program.has_keys:
         return Cause("publisher", f"it does not create a publisher of {program.publishes[0]}")
-    wrong = _elsewhere(look, program.publishes, program.types)
-    wrong = wrong or _not_hearing(look, program.subscribes)
+    wrong = _elsewhere(look, program) or _not_hearing(look, program)
     if wrong or program.has_keys:
         return wrong
     if warning := _LONG_TIMER.search(observed.printed):
@@ -153,8 +155,9 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     return _not_publishing(look, program.publishes, hint)
 
 
-def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Cause | None:
+def _elsewhere(look: BusLook, program: LabProgram) -> Cause | None:
     """Return the wrong topic or type that it publishes."""
+    wanted, types = program.publishes, program.types
     if not wanted:
         return None
     here = [wire for wire in look.publications if wire.topic in wanted]
@@ -173,12 +176,13 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
     return Cause(
         TOPIC,
         f"it publishes on {other.topic}, and not on {target}:"
-        f" {_renaming(look, other.topic, target)}",
+        f" {_renaming(look, program, other.topic, target)}",
     )
 
 
-def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
+def _not_hearing(look: BusLook, program: LabProgram) -> Cause | None:
     """Return the topic that it does not subscribe to, unless it is a plain LCM program."""
+    wanted = program.subscribes
     odd = next((wire for wire in look.subscriptions if wire.offered), None)
     if odd:
         return Cause(
@@ -193,8 +197,8 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
         if not others:
             return Cause(UNSUBSCRIBED, f"it does not subscribe to {topic}")
         other = (near or others)[0]
-        text = f"it subscribes to {other}, and not to {topic}: {_renaming(look, other, topic)}"
-        return Cause(SUBSCRIPTION, text)
+        remedy = _renaming(look, program, other, topic)
+        return Cause(SUBSCRIPTION, f"it subscribes to {other}, and not to {topic}: {remedy}")
     return None
 
 
@@ -220,12 +224,29 @@ def _is_near(topic: str, wanted: Sequence[str]) -> bool:
     )  # fmt: skip
 
 
-def _renaming(look: BusLook, old: str, new: str) -> str:
+def _renaming(look: BusLook, program: LabProgram, old: str, new: str) -> str:
     """Return the remedy for a topic that the program names wrongly."""
     spaces = {namespace_of(name) for name in look.nodes}
+    (space,) = spaces if len(spaces) == 1 else ("",)
+    name = new.removeprefix(f"{space}/")
+    if space not in ("", "/") and name != new and not old.startswith(f"{space}/"):
+        return _without_slash(program, space, old, name)
+    given = f"__ns:={namespace_of(new)}"
+    if space == "/" and given in program.arguments and base_name_of(old) == base_name_of(new):
+        return f"start it with {given}"
     if spaces == {namespace_of(old)} == {namespace_of(new)}:
         old, new = base_name_of(old), base_name_of(new)
     return f"change the name in it, or start it with {old}:={new}"
+
+
+def _without_slash(program: LabProgram, space: str, topic: str, name: str) -> str:
+    """Return the remedy for a name that begins with "/" in a program with a namespace."""
+    remap = next((one for one in program.arguments if f"/{one}".startswith(f"{topic}:=")), "")
+    given = (
+        f"neither __ns:={space} nor {remap} applies" if remap else f"__ns:={space} does not apply"
+    )
+    name = topic[1:] if remap else name
+    return f"it begins with /, so {given}: write '{name}'"
 
 
 def misplaced(twist: Twist) -> Cause | None:

@@ -68,7 +68,7 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
     timer = "a timer of 0.5 s that publishes once each time"
     if count == 1:
         text = f"one command came, and no other for {silent:.1f} s: publish in the timer's callback"
-        return Cause("once", f"{text}; a period is in seconds, so that 500 ms are 0.5")
+        return Cause("once", f"{text}; a period of 500 ms is 0.5 s")
     if silent > _SILENCE:
         return Cause("stopped", f"{count} commands came, and then none for {silent:.1f} s: {timer}")
     word = "seldom" if rate < _RATE else "often"

@@ -3,8 +3,20 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 
-from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of, explain_number
+from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of
+from lcmtools.labs.checks.error_statistics import (
+    OF_ERRORS,
+    Velocity,
+    average_cause,
+    average_hint,
+    error_cause,
+    error_hint,
+    root_mean_square,
+    wrong_average,
+)
 from lcmtools.labs.checks.observations import Desire, TrueState
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
@@ -27,8 +39,12 @@ _REPEAT, _TIMES = 0.2, 5  # [s]; a desired velocity is repeated, for LCM loses m
 _SOME = 6  # messages
 _SOME_TIME = 10.0  # [s] in which they are to come
 _NEAR = 0.5  # [m]
+_REACTION = 3.0  # [s] in which an evaluator is to follow a change
+_CIRCLE = 0.4, 0.6  # efforts of the wheels; the robot drives at about 0.5 m/s and 0.2 rad/s
+_STEADY, _FLAT = 0.5, 1e-4  # [s] simulated, and the change of the turn rate in it [rad/s]
 _LATE = 10.0  # [s] of a check, after which further causes need not be confirmed in real time
 FASTEST, _TURN = Step(1.0, 0.0), Step(0.0, 0.3)
+_GOAL = Step(0.3, 0.4)  # that an evaluator is to compare with
 STEPS = (Step(0.1, 0.0), Step(0.5, 0.0), FASTEST, REST, _TURN)
 _LOST = ("speed-sign", "measured", "zero", "weak", "unmoved-linear.x", "stop")
 """Causes after which other speeds would show nothing new."""
@@ -80,6 +96,23 @@ class _Robot:
         self.desire(step)
         self._bench.wait(lambda: self.run(step).is_over(), 2 * LONGEST / self._bench.rate + 5.0)
         return self.run(step)
+
+    def drive(self) -> Velocity:
+        """Drive a circle by effort; return the velocity once it is steady."""
+        wheels = self._bench.node.create_publisher(JointState, f"{_ROBOT}/wheel_cmd")
+        command = JointState()
+        command.name, command.effort = ["left", "right"], [*_CIRCLE]
+        for _ in range(_TIMES):
+            wheels.publish(command)
+            self._bench.wait(self._is_steady, LONGEST / _TIMES / self._bench.rate)
+        return self._samples[-1].forward, self._samples[-1].turn_rate
+
+    def _is_steady(self) -> bool:
+        if not self._samples or abs(self._samples[-1].forward) < _NEAR / 2:
+            return False
+        start = self._samples[-1].time - _STEADY
+        recent = [sample.turn_rate for sample in self._samples if sample.time > start]
+        return max(recent) - min(recent) < _FLAT
 
     def _is_at_origin(self) -> bool:
         motion = self._bench.recorder.motion
@@ -154,13 +187,11 @@ def _measured(
 
 
 def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
-    """Check a node that evaluates a controller, with a robot at rest."""
+    """Check a node that evaluates a controller: with a robot at rest, and with a moving one."""
     stats = bench.recorder.record(ControllerEvaluationStat, f"{_ROBOT}/evaluation_stat")
     robot = _Robot(bench)
     program = bench.start(command)
-    desired = Step(0.3, 0.4)
-    error = math.hypot(desired.forward, desired.turn_rate)
-    robot.desire(desired)
+    robot.desire(_GOAL)
     hint = f"does it read odometry and desired_velocity, and publish {_ROBOT}/evaluation_stat?"
     row = CheckResult("publishes", "messages that come", "they come", is_ok=True, hint=hint)
     row = bench.first(lambda: stats, _SOME_TIME, row)
@@ -168,69 +199,78 @@ def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckR
         yield row
         return
     bench.wait(lambda: len(stats) >= _SOME or program.code is not None, _SOME_TIME)
-    first, last = stats[0].samples, stats[-1].samples
-    counts = last - first == len(stats) - 1
-    yield CheckResult(
-        "samples",
-        "1 more each time",
-        f"{first} to {last} in {len(stats)} messages",
-        is_ok=counts,
-        hint="count in the odometry callback, and only there: one message for each odometry",
-    )
-    yield _error_result("last_error", stats[-1].last_error, desired)
-    average = _error_result("average_error", stats[-1].average_error, desired, last)
-    yield average if counts else replace(average, cause="samples")
+    before, error = len(stats), stats[-1].last_error
     robot.desire(REST)
-    bench.wait(lambda: stats[-1].last_error < error / 100, 3.0)
-    yield _error_result("last_error at the goal", stats[-1].last_error, REST)
-    yield CheckResult(
-        "average_error remembers",
-        f"between 0 and {error:g}",
-        f"{stats[-1].average_error:.3f}",
-        is_ok=0.0 < stats[-1].average_error < error,
-        hint="it is the average of all samples, not of the last one",
-        cause="" if average.is_ok else SAME,
-    )
+    bench.wait(lambda: stats[-1].last_error < abs(error) / 100, _REACTION)
+    bench.wait(lambda: len(stats) >= 2 * before, _REACTION)
+    at_rest = list(stats)
+    change = _change(at_rest, before)
+    counted = _samples_result(at_rest)
+    yield counted
+    yield _error_result("last_error", error, _GOAL)
+    for average in _average_results(at_rest, change):
+        yield average if counted.is_ok else replace(average, cause="samples")
+    yield _error_result("last_error at the goal", at_rest[-1].last_error, REST)
+    yield _moving_result(bench, robot, stats)
 
 
-def _error_result(what: str, measured: float, desired: Step, samples: int = 0) -> CheckResult:
-    wanted = math.hypot(desired.forward, desired.turn_rate)
+def _change(stats: Sequence[ControllerEvaluationStat], before: int) -> int:
+    """Return the index of the first sample of a robot that is at its goal, ``before`` or later."""
+    errors = [stat.last_error for stat in stats]
+    half = (errors[before - 1] + errors[-1]) / 2
+    return next((i for i in range(before, len(errors)) if errors[i] <= half), before)
+
+
+def _samples_result(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
+    steps = {after.samples - now.samples for now, after in pairwise(stats)}
+    hint = "count in the odometry callback, and only there: one message for each odometry"
+    if stats[0].samples < 1:
+        hint = "count a sample before you publish it: the first message is of 1 sample"
+    elif min(steps) < 0:
+        hint = "it starts again: go on counting when another desired velocity comes"
+    measured = f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages"
+    is_ok = steps == {1} and stats[0].samples >= 1
+    return CheckResult("samples", "1 more each time", measured, is_ok, hint)
+
+
+def _error_result(
+    what: str, measured: float, desired: Step, actual: Velocity = (0.0, 0.0)
+) -> CheckResult:
+    wanted = math.hypot(desired.forward - actual[0], desired.turn_rate - actual[1])
     is_ok = math.isclose(measured, wanted, rel_tol=0.02, abs_tol=0.005)
-    cause = error_cause(measured, desired, samples)
-    hint = error_hint(cause, "the root of the mean of the squares of all errors" if samples else "")
-    return CheckResult(what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, hint, cause or what)
-
-
-def error_hint(cause: str, formula: str = "") -> str:
-    """Return a hint: the formula of the error, and the one used in its place if known."""
-    formula = formula or "the root of (v - desired v)^2 + (w - desired w)^2"
-    return f"it is {cause}, and should be {formula}" if cause else formula
-
-
-def error_cause(measured: float, desired: Step, samples: int = 0) -> str:
-    """Return the formula that gives the measured error of a robot at rest; "" if none does.
-
-    ``samples`` is the number of samples in an average.
-    """
-    v, w = desired.forward, desired.turn_rate
-    error = math.hypot(v, w)
-    averages = {
-        "the sum, not divided by the samples": samples * error,
-        "the root of the sum of the squares, not of their mean": math.sqrt(samples) * error,
-        "the last error, divided by the samples": error / max(samples, 1),
-    }
-    return explain_number(
-        measured,
-        {
-            "always 0": 0.0,
-            "the square, without the root": v * v + w * w,
-            "the error of linear.x only": v,
-            "the error of angular.z only": w,
-            "the sum |v - desired v| + |w - desired w|": v + w,
-            "the negative error": -error,
-            "the negative error of linear.x only": -v,
-            "the mean of both errors": (v + w) / 2,
-            "the root of the mean of both squares": math.sqrt((v * v + w * w) / 2),
-            **(averages if samples else {}),
-        },
+    cause = error_cause(measured, (desired.forward, desired.turn_rate), actual)
+    return CheckResult(
+        what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, error_hint(cause), cause or what
     )
+
+
+def _average_results(
+    stats: Sequence[ControllerEvaluationStat], change: int
+) -> Iterator[CheckResult]:
+    """Yield the rows for the average before and after a change of the error to 0."""
+    goal = _GOAL.forward, _GOAL.turn_rate
+    differences = [goal] * change + [(0.0, 0.0)] * (len(stats) - change)
+    averages = [stat.average_error for stat in stats]
+    wrong = wrong_average(averages, differences)
+    cause = average_cause(averages, differences)
+    hint, key = average_hint(cause), cause.removeprefix(OF_ERRORS) or "average"
+    for what, start, end in (
+        ("average_error", 0, change),
+        ("average_error remembers", change, len(stats)),
+    ):
+        is_ok = wrong is None or not start <= wrong < end
+        index = end - 1 if is_ok or wrong is None else wrong
+        wanted = root_mean_square([math.hypot(*one) for one in differences[: index + 1]])
+        measured = f"{averages[index]:.3f} of {index + 1} samples"
+        yield CheckResult(what, f"{wanted:.3f}", measured, is_ok, hint, key)
+
+
+def _moving_result(
+    bench: TestBench, robot: _Robot, stats: Sequence[ControllerEvaluationStat]
+) -> CheckResult:
+    """Return the row for the last error of a robot that drives a circle."""
+    robot.desire(_GOAL)
+    actual = robot.drive()
+    result = partial(_error_result, "last_error of a moving robot", desired=_GOAL, actual=actual)
+    bench.wait(lambda: result(stats[-1].last_error).is_ok, _REACTION)
+    return result(stats[-1].last_error)

@@ -13,6 +13,7 @@ from lcmtools.bag.log import Log
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path
 from lcmtools.labs.checks.check import Explanation
+from lcmtools.labs.checks.error_statistics import average_hint, error_cause, error_hint
 from lcmtools.labs.checks.observations import TrueState
 from lcmtools.labs.checks.recorded_run import PATH, RecordedRun, read_run
 from lcmtools.labs.checks.results import CheckResult, Report
@@ -130,13 +131,13 @@ def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
     right = [any(abs(stat.last_error - math.hypot(*e)) <= _NEAR for e in near)
              for stat, near in errors]  # fmt: skip
     wrong = [error for error, is_right in zip(errors, right, strict=True) if not is_right]
-    cause = husky.error_cause(wrong[-1][0].last_error, Step(*wrong[-1][1][-1])) if wrong else ""
+    cause = error_cause(wrong[-1][0].last_error, wrong[-1][1][-1]) if wrong else ""
     yield CheckResult(
         "last_error",
         f"{_MOST:.0%} match the odometry",
         f"{sum(right)} of {len(right)}",
         is_ok=sum(right) >= _MOST * len(right) > 0,
-        hint=husky.error_hint(cause),
+        hint=error_hint(cause),
     )
     yield _average(stats)
 
@@ -168,26 +169,28 @@ def _errors(
 
 
 def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
-    """Return the row for the average, which must include each last error (as RMS or mean)."""
+    """Return the row for the average, whose square must include the square of each last error."""
     pairs = [(a, b) for a, b in pairwise(stats) if b.samples == a.samples + 1]
-    right = sum(
-        any(
-            math.isclose(
-                b.samples * b.average_error**power,
-                a.samples * a.average_error**power + b.last_error**power,
-                rel_tol=1e-6,
-                abs_tol=1e-9,
-            )
-            for power in (1, 2)
-        )
-        for a, b in pairs
-    )
+    right = sum(_includes(before, after, 2) for before, after in pairs)
+    is_mean = all(_includes(before, after, 1) for before, after in pairs)
     return CheckResult(
         "average_error remembers",
         "each includes one more error",
         f"{right} of {len(pairs)}",
         is_ok=right == len(pairs),
-        hint="it is the average of all samples, not of the last one",
+        hint=average_hint("the mean of the errors" if is_mean else ""),
+    )
+
+
+def _includes(
+    before: ControllerEvaluationStat, after: ControllerEvaluationStat, power: int
+) -> bool:
+    """Return True if an average of powers of the errors includes the last error."""
+    return math.isclose(
+        after.samples * after.average_error**power,
+        before.samples * before.average_error**power + after.last_error**power,
+        rel_tol=1e-6,
+        abs_tol=1e-9,
     )
 
 

@@ -16,6 +16,11 @@ from lcmtools.types.std_msgs import Time
 _TRACEBACK = "Traceback (most recent call last):"
 _FRAME = re.compile(r'\s+File "(?P<file>.+)", line (?P<line>\d+)')
 _EXCEPTION = re.compile(r"(?P<name>[A-Za-z_][\w.]*)(: (?P<message>.*))?$")
+_OF_CPP = (
+    re.compile(r"terminate called after throwing an instance of '(.+)'\s+what\(\): *(.*)()"),
+    re.compile(r" raised ([\w:]+): (.*) \(([\w.-]+\.(?:cpp|cc|cxx|hpp|h):\d+)\)"),
+)
+"""Lines that a program in C++ prints of an exception: one that ended it, or of a callback."""
 _NOT_THEIRS = re.compile(r"/site-packages/|/lcmtools/|/lib/python|^<")
 _LONGEST_LINE = 200
 
@@ -143,10 +148,18 @@ def seconds(stamp: Time) -> float:
 
 
 def last_failure(printed: str) -> Failure | None:
-    """Return the last exception with a printed traceback, except for that of Ctrl-C."""
+    """Return the last exception with a printed traceback, or of C++; but not that of Ctrl-C."""
     tracebacks = printed.split(_TRACEBACK)[1:] or [f"\n{printed}"] * ("SyntaxError: " in printed)
     found = (failure for text in reversed(tracebacks) if (failure := _failure_in(text)))
-    return next((failure for failure in found if failure.exception != "KeyboardInterrupt"), None)
+    found = (failure for failure in found if failure.exception != "KeyboardInterrupt")
+    return next(found, None) or _failure_of_cpp(printed)
+
+
+def _failure_of_cpp(printed: str) -> Failure | None:
+    for pattern in _OF_CPP:
+        for name, message, place in reversed(pattern.findall(printed)):
+            return Failure(name, message.strip()[:_LONGEST_LINE], place)
+    return None
 
 
 def _failure_in(traceback: str) -> Failure | None:

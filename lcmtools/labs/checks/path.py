@@ -8,7 +8,7 @@ from itertools import accumulate, pairwise
 from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
-from lcmtools.labs.checks.steering_formula import steering_cause
+from lcmtools.labs.checks.steering_formula import ANGLE, steering_cause
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
@@ -139,10 +139,11 @@ def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
         return drive.is_over(bench.time) or program.code is not None
 
     bench.wait(is_over, 2 * drive.length / _LOST / bench.rate + 60.0)
-    rows = judge(drive, seen.touches[touch:], seen.commands)
+    rows = list(judge(drive, seen.touches[touch:], seen.commands))
     # commands that come seldom may do so because a callback waits
     is_seldom = len(seen.commands) <= _EACH * len(drive.offsets)
-    return [replace(row, cause=SELDOM) if is_seldom else row for row in rows]
+    is_unclear = is_seldom and not any(row.cause == ANGLE for row in rows)
+    return [replace(row, cause=SELDOM) if is_unclear else row for row in rows]
 
 
 def judge(
@@ -215,7 +216,7 @@ def _velocity_cause(drive: DrivenPath, commands: Sequence[CommandMessage]) -> Ca
         return _too_fast(wanted)
     if wrapped := _turn_around([sample for sample, _ in drive.offsets]):
         text = f"it turns all the way round at ({wrapped.x:.1f}, {wrapped.y:.1f}): bring the angle"
-        return Cause("wrap", f"{text} between -pi and pi: math.remainder(angle, math.tau)")
+        return Cause("wrap", f"{text} between -pi and pi: remainder(angle, 2 * pi)")
     away = [s.turn_rate * side for s, side in drive.offsets if abs(side) > _MEAN]
     is_early = drive.along < (_FIRST_BEND if abs(offset) > _LOST else _LOST)
     if is_early and math.fsum(away) > 0:

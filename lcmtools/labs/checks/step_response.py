@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from lcmtools.labs.checks.diagnosis import UNMOVED
 from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
@@ -251,7 +252,7 @@ def _unmoved_cause(run: StepRun) -> Cause:
     if strongest < _WEAK:
         text = f"it does not move: the largest effort is {strongest:.3f}, below the dead band"
         return Cause("weak", text)
-    return Cause(f"unmoved-{field}", f"it does not move: does it use {field}?")
+    return Cause(f"{UNMOVED}{field}", f"it does not move: does it use {field}?")
 
 
 def _efforts(command: CommandMessage) -> Sequence[float]:

@@ -9,8 +9,12 @@ from pathlib import Path
 
 from lcmtools.errors import UsageError, os_errors_as
 from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.packages.cpp_nodes import SUFFIXES, has_cpp_main
 
 PROGRAM = "{program}"  # the placeholder in a command line for a submission's path
+_LARGEST = 200_000_000  # bytes of a submission, which is copied
+_PROGRAMS = (".py", ".sh", *SUFFIXES, "", ".bin", ".out")
+"""The suffixes of programs; of two with the same name, the first of these is taken."""
 _MOST_BYTES = 1 << 20  # of a source that is searched for names of topics
 
 
@@ -18,21 +22,41 @@ def submissions_in(folder: Path) -> list[Path]:
     """Return the submissions in a folder: its files and folders.
 
     Raises:
-        UsageError: There is none.
+        UsageError: There is none, or something else, as a pipe, or it is too large.
     """
     with os_errors_as(f"{folder}", "--programs takes a folder", UsageError):
         found = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
     if not found:
         raise UsageError(f"{folder} is empty", "put each submission into it, a file or a folder")
+    for path in found:
+        if not (path.is_file() or path.is_dir()):
+            raise UsageError(f"{path} is neither a file nor a folder", f"move it out of {folder}")
+        files = [path] if path.is_file() else [*_files(path)]
+        if sum(one.stat().st_size for one in files) > _LARGEST:
+            raise UsageError(f"{path} has more than {_LARGEST} bytes", "submit only the programs")
     return found
 
 
 def copy_submission(submission: Path, folder: Path) -> None:
-    """Copy a submission (a file, or the content of a folder) into its own folder."""
+    """Copy a submission (a file, or the content of a folder) into its own folder.
+
+    Devices, pipes and sockets are left out, and folders that CMake has built, where it would insist
+    on the original's path.
+    """
     if submission.is_dir():
-        shutil.copytree(submission, folder, symlinks=True, dirs_exist_ok=True)
+        shutil.copytree(submission, folder, symlinks=True, ignore=_left_out, dirs_exist_ok=True)
     else:
         shutil.copy2(submission, folder)
+
+
+def _left_out(folder: str, names: list[str]) -> list[str]:
+    paths = [Path(folder, name) for name in names]
+    return [
+        one.name
+        for one in paths
+        if (one / "CMakeCache.txt").is_file()
+        or not (one.is_symlink() or one.is_file() or one.is_dir())
+    ]
 
 
 def programs_of(lab: Lab, folder: Path, commands: Mapping[str, str]) -> dict[str, str]:
@@ -45,6 +69,8 @@ def programs_of(lab: Lab, folder: Path, commands: Mapping[str, str]) -> dict[str
     if commands:
         path = shlex.quote(str(files[0].relative_to(folder)) if len(files) == 1 else ".")
         return {option: text.replace(PROGRAM, path) for option, text in commands.items()}
+    files = [path for path in files if path.suffix in _PROGRAMS]
+    files.sort(key=lambda path: _PROGRAMS.index(path.suffix))
     programs = {path: text for path in files if (text := _command(path, folder))}
     chosen = {program.option: _best(lab, program, list(programs)) for program in lab.programs}
     return {option: programs[path] for option, path in chosen.items() if path}
@@ -62,8 +88,9 @@ def _command(path: Path, folder: Path) -> str:
     name = str(path.relative_to(folder))
     if path.suffix == ".py":
         return shlex.join((Path(sys.executable).name, name))
-    is_program = path.stat().st_mode & 0o111 and path.suffix in ("", ".sh", ".bin", ".out")
-    return shlex.quote(f"./{name}") if is_program else ""
+    if path.suffix in SUFFIXES:
+        return shlex.quote(name) if has_cpp_main(path) else ""
+    return shlex.quote(f"./{name}") if path.stat().st_mode & 0o111 else ""
 
 
 def _best(lab: Lab, program: LabProgram, files: list[Path]) -> Path | None:

@@ -88,7 +88,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
             hint = "'i' stops the robot: is it in the program's table of keys, in lower case?"
             yield CheckResult(what, "a speed above 0", "a Twist of 0", is_ok=False, hint=hint)
             return
-        hint = "read single keys, without Enter (tty.setcbreak), and publish on /RosAria/cmd_vel"
+        hint = "read single keys, without Enter (cbreak mode), and publish on /RosAria/cmd_vel"
         yield program.nothing_within(_FIRST, what, wanted, f"{hint} after each")
         return
     yield CheckResult(what, wanted, "it comes", is_ok=True)

@@ -200,7 +200,7 @@ class TestBench:
         ends = program.code is not None or program.ends_on_interrupt()
         stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
         measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
-        text = "publish a final Twist of 0 in a finally block: the robot keeps its last command"
+        text = "publish a final Twist of 0, also at Ctrl-C: the robot keeps its last command"
         cause = Cause("no-stop", text) if ends else program.why_it_goes_on()
         wanted = "a final Twist of 0"
         return CheckResult(STOPS, wanted, measured, stops, cause.text, cause.key)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import PIL.Image
 
-from lcmtools.errors import DecodeError
+from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import read_bytes
 from lcmtools.labs.checks.diagnosis import UNLIKE
 from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.results import CheckResult
@@ -19,6 +20,7 @@ _DEPTH = "/camera/depth/image_raw"
 _PICTURE = 15.0  # [s] until a picture is whole: a program may take seconds for a PNG
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
 _CONTRAST = 25  # of 255: the difference of brightness that can be seen
+_MOST_BYTES = 100_000_000  # of the picture
 _FLIP = PIL.Image.Transpose
 _NO_CONTRAST = "near and far hardly differ: scale some 5000 mm to 255, not to 65535"
 
@@ -31,7 +33,7 @@ def viewer_command(words: Sequence[str], picture: str) -> list[str]:
 
 
 def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
-    """Check a program that saves the Kinect's picture as a PNG file."""
+    """Check a program that saves the Kinect's picture as a file."""
     truths = bench.recorder.record(Image, _DEPTH)
     file = bench.folder / "picture.png"
     bench.start(viewer_command(command, str(file)))
@@ -41,12 +43,12 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         seen.extend(filter(None, [_read(file)]))
         return bool(seen)
 
-    what, wanted = "saves a picture", "a PNG file"
+    what, wanted = "saves a picture", "an image file"
     hint = f"does it subscribe to {_DEPTH}, and save the picture where --save or {PICTURE} says?"
     row = CheckResult(what, wanted, "it comes", is_ok=True, hint=hint)
     first = bench.first(has_come, _PICTURE, row)
     if not first.is_ok and file.exists():
-        hint = "save it as PNG or JPEG"
+        hint = "save it as PNG, JPEG or PGM"
         yield CheckResult(what, wanted, "a file that is not a picture", is_ok=False, hint=hint)
         return
     if not first.is_ok:
@@ -76,8 +78,8 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
 def _read(file: Path) -> Picture | None:
     """Read the picture; None while it is missing or incomplete."""
     try:
-        return read_file(file.read_bytes())
-    except (OSError, DecodeError):
+        return read_file(read_bytes(file, _MOST_BYTES))
+    except LcmtoolsError:
         return None
 
 

@@ -36,6 +36,7 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @examples(
     "lab check husky",
     'lab check husky --controller "python my_controller.py"',
+    "lab check husky --controller my_controller.cpp",
     'lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"',
     'lab check husky --controller "python mine.py" --plot mine.png',
     "lab check dolly --programs class/ --junit results.xml",
@@ -72,14 +73,14 @@ def command(
     """Check programs against a lab: yours or, if there are none, the model answers.
 
     Yours are given as COMMAND; without any, the nodes of your workspace are used by their names.
-    COMMAND is a command line in quotes. Each program runs in its own simulation, on its own bus;
-    unless its command line sets names (:=), those of the lab are added to it. A viewer gets
-    --save FILE, or the file's name in place of {picture}. The exit code is 1 if something is not as
-    the lab specifies.
+    COMMAND is a command line in quotes; a source in C++ as its program is compiled first. Each
+    program runs in its own simulation, on its own bus; unless its command line sets names (:=),
+    those of the lab are added to it. A viewer gets --save FILE, or the file's name in place of
+    {picture}. The exit code is 1 if something is not as the lab specifies.
 
     With --programs each file or folder in FOLDER is a submission, run in its own copy; its programs
-    are found by name (simple_controller.py), or run by COMMAND with {program} in it. As many are
-    checked at a time as there are processors, or as many as --jobs gives.
+    are found by name (simple_controller.py or .cpp), or run by COMMAND with {program} in it. As
+    many are checked at a time as there are processors, or as many as --jobs gives.
 
     With --bag no program is run: the messages of a log are judged in the same way, as far as the
     lab needs them; checks that are not possible are listed.
@@ -89,7 +90,7 @@ def command(
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
-    show = (lambda _: None) if as_json else write_lines
+    show = checking.show_nothing if as_json else write_lines
     if jobs and not folder:
         raise UsageError("--jobs is for --programs FOLDER", "leave it out")
     if log and (chosen or folder or rate or time_limit or plot):

@@ -22,7 +22,13 @@ from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
 Show = Callable[[Sequence[str]], object]
+_USUAL = 10  # [s] that the check of a right program takes
+_LONGER = "longer if something fails"
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
+
+
+def show_nothing(_: Sequence[str]) -> None:
+    """Show no rows, and no note before them: the record that is written at the end has all."""
 
 
 def picture_file(plot: Path | None) -> Path | None:
@@ -62,7 +68,11 @@ def check_one(
     reports: list[Report] = []
     world: Mapping[str, object] = {}
     with StatusLine("lcmtools lab check") as waiting:
-        for run in choose(lab, programs):
+        runs = choose(lab, programs)
+        if show is not show_nothing:
+            each = "a program" if len(runs) == 1 else f"{len(runs)} programs, one after the other"
+            waiting.write_note(f"simulates {each}: about {len(runs) * _USUAL} s, {_LONGER}")
+        for run in runs:
             # shown only of a program that can be started
             head = heading(run.program.option, run.command, is_answer=run.is_answer)
             waiting.write(f"{head[1]} ...")
@@ -119,6 +129,9 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
             show(["", f"== {name}", *head, *rows])
             waiting.write("  ...")
 
+        if show is not show_nothing:
+            text = f"simulates the programs, {checker.jobs} at a time: about {_USUAL} s each,"
+            waiting.write_note(f"{text} {_LONGER}")
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()

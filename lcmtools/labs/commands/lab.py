@@ -10,7 +10,7 @@ from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.labs.catalogue import LABS, Lab, find_lab
-from lcmtools.labs.skeletons import NAMES, copy_skeleton
+from lcmtools.labs.skeletons import CPP_NAMES, NAMES, copy_skeleton
 from lcmtools.text_table import text_table
 
 
@@ -31,7 +31,8 @@ def _plain(lab: Lab) -> dict[str, object]:
 
 
 @subcommand("start", bus_options, ignore_unknown_options=True)
-@examples("lab start husky", "lab start pioneer --view")
+@examples("lab start husky", "lab start pioneer --no-view")
+@flag("--view/--no-view", "opens_view", default=True, help="Show the world in the browser, or not.")
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
 @argument(
     "arguments",
@@ -40,10 +41,11 @@ def _plain(lab: Lab) -> dict[str, object]:
     completer="lcmtools.labs.commands.completion:simulator_arguments",
 )
 @click.pass_context
-def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
-    """Run a lab's simulator until Ctrl-C, and show what to type next.
+def start(ctx: click.Context, name: str, arguments: tuple[str, ...], *, opens_view: bool) -> int:
+    """Run a lab's simulator until Ctrl-C, show its world, and say what to type next.
 
-    ARGUMENTS are passed to the simulator: --rate 4, --view; see lcmtools run sim --help.
+    The world opens in the browser where there is a display, else its address is printed.
+    ARGUMENTS are passed to the simulator: --rate 4, --paused; see lcmtools run sim --help.
     """
     from lcmtools.cli import run
 
@@ -58,33 +60,42 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     steps = (f"  {step}" for step in lab.steps)
     for row in (lab.title, "In a second terminal, type:", *steps, "Ctrl-C ends the simulator."):
         write_note(row)
-    words = ("sim", "--world", lab.world, *arguments)
+    if opens_view:
+        write_note("The robot is shown in the browser; the address comes below.")
+    words = ("sim", "--world", lab.world, *(["--view"] if opens_view else []), *arguments)
     own = {"name": "lcmtools", "arguments": words}
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
 
 
 @subcommand("skeleton", json_option)
-@examples("lab skeleton simple_controller", "lab skeleton kinect_viewer my_lab")
+@examples(
+    "lab skeleton simple_controller",
+    "lab skeleton kinect_viewer my_lab",
+    "lab skeleton moving_robot --cpp",
+)
 @flag("-l", "--list", "show_list", help="List the skeletons.")
+@flag("--cpp", "is_cpp", help="In C++, not Python.")
 @flag("--force", help="Overwrite an existing file.")
 @argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
 @argument("folder", metavar="[DIR]", default=".", type=click.Path(path_type=Path))
 def skeleton(
-    name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool
+    name: str | None, folder: Path, *, show_list: bool, is_cpp: bool, force: bool, as_json: bool
 ) -> None:
     """Copy a lab's node with TODOs into DIR (else here), to complete.
 
-    It runs unchanged, with python; its first lines show the command.
+    It runs unchanged, with python or compiled; its first lines show the command.
     """
     if show_list and name:
         raise UsageError("--list cannot be used with a skeleton's name", "leave out one of them")
     if show_list:
-        write_result(list(NAMES), NAMES, as_json=as_json)
+        names = CPP_NAMES if is_cpp else NAMES
+        write_result(list(names), names, as_json=as_json)
         return
     if not name:
         raise UsageError(
             "the skeleton's name is missing", "lcmtools lab skeleton --list shows them"
         )
-    path = copy_skeleton(name, folder, overwrite=force)
+    path = copy_skeleton(name, folder, is_cpp=is_cpp, overwrite=force)
     write_result({"file": str(path)}, [str(path)], as_json=as_json)
-    write_note(f"fill in its TODOs, and run it: python {path}")
+    run = "and compile it as its first lines show" if is_cpp else f"and run it: python {path}"
+    write_note(f"fill in its TODOs, {run}")

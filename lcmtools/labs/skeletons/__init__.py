@@ -4,6 +4,7 @@
 what is missing. The answers are the nodes of the same names in the folder above.
 """
 
+import re
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -12,25 +13,44 @@ from lcmtools.names import did_you_mean
 from lcmtools.packages.runnable_nodes import ANSWERS
 
 NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
+CPP_NAMES = tuple(sorted(path.stem for path in Path(__file__).parent.glob("*.cpp")))
+"""Those that are there in C++, too."""
+
+_COMPILING = re.compile(r"^//     lcmtools msg generate .*\n//     g\+\+ .*\n", re.MULTILINE)
 
 
-def skeleton_text(name: str) -> str:
+def skeleton_text(name: str, *, is_cpp: bool = False) -> str:
     """Return a node's skeleton, or raise UsageError if there is none with this name."""
-    if name not in NAMES:
-        hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
-        raise UsageError(f"there is no skeleton of '{name}'", hint)
-    return Path(__file__).with_name(f"{name}.py").read_text("utf-8")
+    names, language = (CPP_NAMES, " in C++") if is_cpp else (NAMES, "")
+    if name not in names:
+        hint = did_you_mean(name, names) or f"there are {', '.join(names)}"
+        raise UsageError(f"there is no skeleton of '{name}'{language}", hint)
+    return Path(__file__).with_name(name + suffix(is_cpp=is_cpp)).read_text("utf-8")
 
 
-def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
+def in_package(text: str, name: str, package: str) -> str:
+    """Return a skeleton's text with the commands that build and run it as a package's node."""
+    build = f"//     lcmtools pkg build {package}\n"
+    text = _COMPILING.sub(build, text)
+    return re.sub(rf"python {name}\.py|\./{name}\b", f"lcmtools run {package} {name}", text)
+
+
+def suffix(*, is_cpp: bool) -> str:
+    """Return the suffix of a skeleton's file."""
+    return ".cpp" if is_cpp else ".py"
+
+
+def copy_skeleton(
+    name: str, folder: Path, *, is_cpp: bool = False, overwrite: bool = False
+) -> Path:
     """Write a node's skeleton into a folder, created if missing; return the file.
 
     Raises:
         UsageError: There is no skeleton of that name, or the file already exists.
         LcmtoolsError: It cannot be written.
     """
-    text = skeleton_text(name)
-    path = folder / f"{name}.py"
+    text = skeleton_text(name, is_cpp=is_cpp)
+    path = folder / (name + suffix(is_cpp=is_cpp))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:

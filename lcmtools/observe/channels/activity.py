@@ -4,10 +4,12 @@ Packets are accumulated; times come in as arguments. Arrivals are summed up in s
 quarter of a second, so that reading a busy channel's rates costs no more than a slow one's.
 """
 
-from collections import deque
+import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from lcmtools.bounded import BoundedDict
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:  # lcmtools list --help must not import the bus
@@ -64,7 +66,7 @@ class _Channel:
 
     def __init__(self) -> None:
         self.messages = self.bytes = self.last_time = 0
-        self.slots: deque[_Slot] = deque()
+        self.slots: list[_Slot] = []  # a few
 
     def add(self, time: int, size: int, number: int) -> None:
         """Count a message, and the interval before it in the slot of this number."""
@@ -88,15 +90,18 @@ class _Channel:
             kept -= slots[0].intervals
             if kept < _FEWEST:
                 return
-            slots.popleft()
+            del slots[0]
 
 
 class Activity:
-    """The traffic of all channels, over the last ``window`` seconds; None for no limit."""
+    """The traffic of all channels, over the last ``window`` seconds; None for no limit.
+
+    With a window, which is for live views, channels that were silent longest are forgotten.
+    """
 
     def __init__(self, window: float | None = None) -> None:
         self._window = None if window is None else round(window * 1e9)
-        self._channels: dict[str, _Channel] = {}
+        self._channels = BoundedDict[str, _Channel](MOST_FLOWS if window else sys.maxsize)
 
     def __len__(self) -> int:
         """Return the number of channels."""
@@ -104,7 +109,7 @@ class Activity:
 
     def add(self, packet: Packet) -> None:
         """Count a packet."""
-        channel = self._channels.get(packet.channel)
+        channel = self._channels.use(packet.channel)
         if channel is None:
             channel = self._channels[packet.channel] = _Channel()
         _, payload, time, _, _, whole_bytes, _, _ = packet

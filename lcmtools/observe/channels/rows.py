@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import compress
+from operator import attrgetter
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import message_class
@@ -71,13 +73,35 @@ class ChannelRows:
 
     def __init__(self, selection: ChannelSelection, names: SenderNames) -> None:
         self._selection, self._names = selection, names
-        self._has, self._possible = cache(selection.has), cache(possible_types)
+        self._has = lru_cache(MOST_FLOWS)(selection.has)
+        self._possible = lru_cache(MOST_FLOWS)(possible_types)
 
     def make(
         self, graph: Graph, activity: Activity, lost: Losses, now: int
     ) -> tuple[ChannelRow, ...]:
         """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
-        topics = [topic for topic in graph.topics() if self._has(topic.name)]
+        return self._make(self._selected(graph), activity, lost, now)
+
+    def make_most(
+        self, most: int, graph: Graph, activity: Activity, lost: Losses
+    ) -> tuple[tuple[ChannelRow, ...], int]:
+        """Return the rows of at most so many channels, and the number of those left out.
+
+        Those that nodes have announced come first, then those with the latest messages.
+        """
+        topics = self._selected(graph)
+        left_out = max(0, len(topics) - most)
+        if left_out:
+            kept = sorted(topics, key=_importance, reverse=True)[:most]
+            topics = sorted(kept, key=attrgetter("name"))
+        return self._make(topics, activity, lost, graph.time), left_out
+
+    def _selected(self, graph: Graph) -> list[Topic]:
+        return [topic for topic in graph.topics() if self._has(topic.name)]
+
+    def _make(
+        self, topics: Sequence[Topic], activity: Activity, lost: Losses, now: int
+    ) -> tuple[ChannelRow, ...]:
         self._names.update(seen.sender for topic in topics for seen in topic.foreign)
         return tuple(self._row(topic, activity, lost, now) for topic in topics)
 
@@ -125,6 +149,10 @@ class ChannelRows:
         """The nodes' names, without hidden ones, as commands are."""
         shown = (node for node, _ in ends if self._selection.hidden or not is_hidden(node.name))
         return tuple(dict.fromkeys(map(listed_node, shown)))
+
+
+def _importance(topic: Topic) -> tuple[bool, int]:
+    return bool(topic.publishers), max((seen.last_time for seen in topic.traffic), default=0)
 
 
 @cache

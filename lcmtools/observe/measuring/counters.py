@@ -6,9 +6,10 @@ however short the time between them is.
 
 from collections.abc import Mapping
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.observe.reading.losses import Loss, Losses, total
 from lcmtools.observe.reports.describe import behind_record, endpoint_types
+from lcmtools.observe.simulators import is_simulator, pause_text
 
 _SHORTEST = 200_000_000  # [ns] at least between two samples that tell how busy a node is
 _TEN, _THOUSAND = 9.95, 999.5  # what rounds to 10 and 1000
@@ -23,6 +24,16 @@ def average_rate(node: Node, endpoint: Endpoint) -> float | None:
     if endpoint.messages < 2 or span <= 0:  # noqa: PLR2004 - an interval
         return None
     return endpoint.messages * 1e9 / span
+
+
+def fair_average(node: Node, endpoint: Endpoint) -> float | None:
+    """Return ``average_rate``; None for a publisher of a simulator, which is idle at times."""
+    return None if _pauses(node, endpoint) else average_rate(node, endpoint)
+
+
+def _pauses(node: Node, endpoint: Endpoint) -> bool:
+    """Return whether a publisher sends only while something subscribes."""
+    return endpoint.role is Role.PUBLISHER and is_simulator(node)
 
 
 def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
@@ -84,22 +95,31 @@ class Counters:
     """The counters of endpoints from two samples of a bus, and the loss of each sender."""
 
     def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
-        self._now = after.time
+        self._now, self._graph = after.time, after
         self._lost = lost or {}
         self._before: Mapping[object, Endpoint] = {
             (n.id, e.key): e for n in before.nodes for e in n.endpoints
         }
 
     def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
-        """Return an endpoint's counters as one line."""
+        """Return an endpoint's counters as one line.
+
+        An announcer in a plain LCM program counts nothing; its messages are what was seen.
+        """
+        if not endpoint.messages and (seen := self._seen(node, endpoint)):
+            return self.of_program(seen)
         parts = [f"messages: {endpoint.messages}", f"bytes: {endpoint.bytes}"]
         parts += [f"drops: {endpoint.drops}"]
+        parts += [f"incomplete: {endpoint.incomplete}"] if endpoint.incomplete else []
         parts += [f"depth: {endpoint.depth}"] if endpoint.depth else []
-        measured, average = self._measured(node, endpoint), average_rate(node, endpoint)
+        measured, average = self.rate(node, endpoint), fair_average(node, endpoint)
         if measured is not None:
             parts.append(f"rate: {measured:.2f} Hz")
         elif average is not None:
             parts.append(f"rate: {average:.2g} Hz on average since its start")
+        elif self._is_idle(node, endpoint):
+            idle = "idle: it publishes only while something subscribes"
+            parts.append(pause_text(self._graph) or idle)
         parts.append(_last(endpoint.last_time, node.time_there(self._now)))
         return ", ".join(filter(None, [*parts, callback_times(endpoint)]))
 
@@ -124,21 +144,35 @@ class Counters:
             "messages": endpoint.messages,
             "bytes": endpoint.bytes,
             "drops": endpoint.drops,
-            "rate": self._measured(node, endpoint),
-            "average_rate": average_rate(node, endpoint),
+            "incomplete": endpoint.incomplete,
+            "rate": self.rate(node, endpoint),
+            "average_rate": fair_average(node, endpoint),
             "last_time": endpoint.last_time or None,
             **callback_record(endpoint),
         }
+
+    def rate(self, node: Node, endpoint: Endpoint) -> float | None:
+        """Return the rate of an endpoint's messages now [Hz]; None if it is unknown."""
+        before = self._before.get((node.id, endpoint.key))
+        measured = endpoint.rate_since(before) if before else None
+        # what an idle publisher announces is of the moment when it stopped
+        return measured or (None if self._is_idle(node, endpoint) else endpoint.rate) or None
 
     def lost(self, sender: Node | Traffic) -> Loss | None:
         """Return the loss of a node or a program, over all its topics; None if unknown."""
         senders = sender.senders() if isinstance(sender, Node) else [sender.sender]
         return total(senders, self._lost)
 
-    def _measured(self, node: Node, endpoint: Endpoint) -> float | None:
-        before = self._before.get((node.id, endpoint.key))
-        measured = endpoint.rate_since(before) if before else None
-        return measured or endpoint.rate or None
+    def _seen(self, node: Node, endpoint: Endpoint) -> Traffic | None:
+        own = node.senders() if endpoint.role is Role.PUBLISHER else ()
+        on_topic = (seen for seen in self._graph.traffic if seen.channel == endpoint.topic)
+        return next((seen for seen in on_topic if seen.sender in own), None)
+
+    def _is_idle(self, node: Node, endpoint: Endpoint) -> bool:
+        """Return whether a publisher waits for a subscriber."""
+        if node.is_recorded or not _pauses(node, endpoint):
+            return False
+        return all(one.stale for one, _ in self._graph.topic(endpoint.topic).subscribers)
 
 
 def _last(last: int, now: int) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError, UsageError, needing_extra
+from lcmtools.escapes import ESCAPES
 from lcmtools.folders import write_whole
 from lcmtools.messages.fields import is_time, visible_fields
 from lcmtools.messages.layout import is_generated
@@ -27,6 +28,9 @@ if TYPE_CHECKING:  # only pictures need matplotlib
     from matplotlib.figure import Figure
 
 PICTURES = (".png", ".svg", ".pdf")  # the endings of pictures
+_MARGIN = 0.08  # of the values' span, above and below
+_LEAST_SPAN = 1e-5  # a smaller span is noise
+_RESOLUTION = 1e-8  # of the values' size: so is this
 _MOST_CURVES = 20  # from one path: more cannot be told apart
 _HINT = "name a field of numbers"
 
@@ -167,6 +171,22 @@ def _common_start(curves: Sequence[Curve]) -> float:
     return min((curve.times[0] for curve in curves if curve.times), default=0.0)
 
 
+def value_limits(least: float, most: float, margin: float = _MARGIN) -> tuple[float, float]:
+    """Return the limits of the value axis: the values with a margin, or equal ones in the middle.
+
+    Values count as equal if they differ only by noise. Not finite ones are those of no value. The
+    window has the same rule in ``plot/limits.js``.
+    """
+    size = max(abs(least), abs(most))
+    if size == 0 or not math.isfinite(size):
+        return -1.0, 1.0
+    span = most - least
+    if span >= max(_LEAST_SPAN, _RESOLUTION * size):
+        return least - margin * span, most + margin * span
+    middle, more = least + span / 2, max(0.1 * size, _LEAST_SPAN)
+    return middle - more, middle + more
+
+
 def check_suffix(path: FilePath) -> None:
     """Check that a file's suffix is one of a picture.
 
@@ -197,6 +217,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve]) -> None:
     for curve in curves:
         axes.plot([time - start for time in curve.times], curve.values, label=curve.label)
     axes.set_xlabel("time [s]")
+    axes.set_ylim(*value_limits(*axes.dataLim.intervaly))
     axes.grid(visible=True, alpha=0.3)
     axes.legend(loc="best")
 
@@ -239,13 +260,17 @@ def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool
     plotext.clear_figure()
     plotext.theme("pro" if colored else "clear")
     plotext.plotsize(width, height)
-    start = _common_start(curves)
+    start, shown = _common_start(curves), list[float]()
     for curve in curves:
         finite = [n for n, value in enumerate(curve.values) if math.isfinite(value)]
         times = [curve.times[n] - start for n in finite]
         if finite:
             values = [curve.values[n] for n in finite]
-            plotext.plot(times, values, label=curve.label, marker="braille")
+            label = curve.label.translate(ESCAPES)
+            plotext.plot(times, values, label=label, marker="braille")
+            shown += (min(values), max(values))
+    if shown:
+        plotext.ylim(*value_limits(min(shown), max(shown), margin=0.0))
     plotext.xlabel("time [s]")
     text = str(plotext.build())
     return text if colored else str(plotext.uncolorize(text))

@@ -214,7 +214,8 @@ class Measurement(Generic[ItemT, FoundT]):
                 last = now
             elif now >= give_up:
                 what = "nothing that counts" if batch.arrivals else "nothing"
-                raise NothingReceived(f"{what} {self._which()} within {timeout:g} s")
+                missing = f"{what} {self._which()} within {timeout:g} s"
+                raise NothingReceived(missing, self._stream.situation())
             if now >= due:
                 report = self._report()
                 yield report
@@ -341,11 +342,13 @@ def watch_counters(
     publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
     if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
         return graph, Counters(graph, graph, monitor.losses())
-    ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
-    is_known = all(end.rate for end in ends) and not any(topic.foreign for topic in topics)
+    ends = [one for topic in topics for one in (*topic.publishers, *topic.subscribers)]
+    announced = Counters(graph, graph, monitor.losses())
+    is_foreign = any(topic.foreign for topic in topics)
+    is_known = not is_foreign and all(announced.rate(node, end) for node, end in ends)
     is_seen = all(topic.traffic for topic in topics) or not with_messages
     if wait is None and is_known and is_seen:
-        return graph, Counters(graph, graph, monitor.losses())
+        return graph, announced
     channels = [topic.name for topic in topics]
     # some nodes publish only for a listener: their first messages may take a moment
     came = _listen(monitor, channels, _AWAKENING, 1)

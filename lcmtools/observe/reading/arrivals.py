@@ -4,8 +4,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.graph.model import Graph
 from lcmtools.messages.codec import decode
 from lcmtools.messages.path import Path
@@ -13,7 +15,7 @@ from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.reading.find import GLOBAL, known_spelling, near_topic
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern
-from lcmtools.observe.simulators import has_simulated_time
+from lcmtools.observe.simulators import has_simulated_time, pause_text
 from lcmtools.wire.packet import Packet
 
 TOGETHER = 8  # messages that are shown at once, if they arrived together
@@ -89,8 +91,8 @@ class ArrivalStream:
     ) -> None:
         self._monitor, self._selections, self._names = monitor, selections, names
         self._wall_time, self._strict_time, self._keep = wall_time, strict_time, keep
-        self._routes: dict[str, list[tuple[str, Path]]] = {}
-        self._known: set[str] = set()
+        self._routes = BoundedDict[str, list[tuple[str, Path]]](MOST_FLOWS)
+        self._known = BoundedDict[str, bool](MOST_FLOWS)
         self._heard: set[str] = set()
         self._is_fixed = all(isinstance(one, OneTopic) and one.is_fixed for one in selections)
         self._announced: list[str] = []
@@ -130,7 +132,7 @@ class ArrivalStream:
         self._detect_clock(packets)
         arrivals: list[SelectedPacket] = []
         is_reset, is_simulated = False, self._clock.is_simulated
-        routes_of, keep = self._routes.get, self._keep
+        routes_of, keep = self._routes.use, self._keep
         for packet in packets:
             if is_simulated and self._clock.update(packet):
                 is_reset = True
@@ -164,7 +166,8 @@ class ArrivalStream:
             if near.startswith("did you mean"):
                 return near
         elif publishers := [node.name for node, _ in graph.topic(spelling).publishers]:
-            return f"it is published by {', '.join(publishers)}"
+            found = f"it is published by {', '.join(publishers)}"
+            return "; ".join(filter(None, [found, pause_text(graph)]))
         seen = [name for name in graph.topic_names() if not is_hidden(name)]
         return f"on the bus: {', '.join(seen[:_MOST_NAMED])}" if seen else "no topic is on the bus"
 
@@ -202,8 +205,9 @@ class ArrivalStream:
             self._clock.is_simulated |= any(packet.channel == CLOCK_TOPIC for packet in packets)
 
     def _update_graph_if_due(self, packets: Sequence[Packet]) -> None:
-        new = {packet.channel for packet in packets} - self._known
-        self._known |= new
+        new = {packet.channel for packet in packets if packet.channel not in self._known}
+        for channel in new:
+            self._known[channel] = True
         # an update takes longer the more channels there are, so it is not done for each new one
         is_told = CLOCK_TOPIC in new or any(one.is_told_by(new) for one in self._selections)
         if is_told or time.monotonic() >= self._next_look:

@@ -1,8 +1,10 @@
 """Decoding: choosing the type of a channel's messages once, and reading the message in a packet."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
-from lcmtools.errors import DecodeError
+from lcmtools.bounded import BoundedDict
+from lcmtools.errors import DecodeError, UnknownType
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import (
     Message,
@@ -17,6 +19,8 @@ from lcmtools.messages.type_names import full_name
 from lcmtools.names import is_of_lcm
 from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
+
+_MOST_SETTLED = 4000  # channels and fingerprints whose type is remembered
 
 
 class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
@@ -53,7 +57,9 @@ class Decoder:
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
         self._exact = exact
-        self._settled: dict[tuple[str, bytes], tuple[type[Message], Sequence[str]]] = {}
+        self._settled = BoundedDict[tuple[str, bytes], tuple[type[Message], Sequence[str]]](
+            _MOST_SETTLED
+        )
 
     def message_class(self, packet: Packet) -> type[Message]:
         """Return the type of a packet's message.
@@ -75,7 +81,7 @@ class Decoder:
 
     def _known(self, packet: Packet) -> tuple[type[Message], Sequence[str]]:
         key = packet.channel, packet.payload[:8]
-        known = self._settled.get(key)
+        known = self._settled.use(key)
         if known is None:
             number = packet.fingerprint
             if number is None:
@@ -89,9 +95,10 @@ class Decoder:
         if self._named is not None:
             return self._settle_named(channel, number, self._named)
         names = possible_types(number, channel, self._announced(channel))
-        if not names:
-            raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
-        return message_class(names[0], number), names
+        for place, name in enumerate(names):
+            with suppress(UnknownType):  # an index may name one that it does not define
+                return message_class(name, number), names[place:]
+        raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
 
     def _settle_named(
         self, channel: str, number: int, named: type[Message]

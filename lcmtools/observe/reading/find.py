@@ -1,10 +1,11 @@
 """Finding the topic, the node or the service that a command line argument means."""
 
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
-from lcmtools.graph.model import Ends, Graph, Node, Role, Topic
+from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Role, Topic
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.path import Path, parse_path, splits
 from lcmtools.messages.registry import ServiceType, candidates, service_class
@@ -18,6 +19,7 @@ from lcmtools.names import (
     resolve,
 )
 
+_OF_SERVICES = (Role.SERVICE, Role.CLIENT)
 GLOBAL = Resolver()  # relative names are in "/", and none is remapped
 
 
@@ -161,8 +163,13 @@ def offered_services(
     includes hidden names.
     """
     pattern = Pattern(namespace, hidden=show_all)
-    names = {e.topic for node in graph.nodes for e in node.having(Role.SERVICE)}
-    return [_offered(graph, name) for name in sorted(names) if pattern.covers(name)]
+    found: dict[str, list[tuple[Node, Endpoint]]] = defaultdict(list)
+    for node in graph.nodes:
+        for end in node.endpoints:
+            if end.role in _OF_SERVICES:
+                found[end.topic].append((node, end))
+    services = (_service(name, found[name]) for name in sorted(found) if pattern.covers(name))
+    return [service for service in services if service.servers]
 
 
 def full_service_name(name: str, namespace: str = "/") -> str:
@@ -197,8 +204,12 @@ def near_service(graph: Graph, name: str) -> str:
 
 
 def _offered(graph: Graph, name: str) -> OfferedService:
-    """A service; stale servers count only if there is no other."""
     ends = [(node, end) for node in graph.nodes for end in node.endpoints if end.topic == name]
+    return _service(name, ends)
+
+
+def _service(name: str, ends: Sequence[tuple[Node, Endpoint]]) -> OfferedService:
+    """A service; stale servers count only if there is no other."""
     servers = [pair for pair in ends if pair[1].role is Role.SERVICE]
     alive = [pair for pair in servers if not pair[0].stale]
     clients = dict.fromkeys(node for node, end in ends if end.role is Role.CLIENT)

@@ -15,6 +15,7 @@ from typing import BinaryIO, cast
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reading.unpacking import fitting
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.wire.log_compression import Compression, compression_of, decompressed
 from lcmtools.wire.log_events import SYNC, Event, events
@@ -36,7 +37,6 @@ _FOREIGN = {
 }
 STANDARD_INPUT = Path("-")
 """Stands for the log that is piped into a command."""
-_CHUNK = 1 << 20  # bytes of a compressed log that are read at once
 _BAGS = ("MCAP", "ROS")
 
 
@@ -185,7 +185,7 @@ def _mapped(path: Path) -> "bytes | mmap.mmap":
             return b""
         head = file.read(max(map(len, _FOREIGN)))
         if kind := compression_of(head):
-            return _decompressed(file, kind)
+            return _decompressed(file, kind, path)
         if not head.startswith(SYNC):
             _refuse_foreign(path, head)
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -217,11 +217,11 @@ def _refuse_foreign(path: Path, head: bytes) -> None:
             raise BusError(f"{path} is not an LCM log but {name}", hint)
 
 
-def _decompressed(file: BinaryIO, kind: Compression) -> "bytes | mmap.mmap":
+def _decompressed(file: BinaryIO, kind: Compression, path: Path) -> "bytes | mmap.mmap":
     """Return the bytes of a compressed log, in an unnamed temporary file."""
     file.seek(0)
     with TemporaryFile() as plain:
-        for part in decompressed(kind, iter(lambda: file.read(_CHUNK), b"")):
+        for part in fitting(decompressed(kind, file), path):
             plain.write(part)
         plain.flush()
         if plain.tell() == 0:

@@ -13,11 +13,12 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import (
     PERIOD,
@@ -44,6 +45,8 @@ _AT_LEAST_AFAR = 0.1  # [s] the same between computers: a wireless link may take
 _AHEAD = 0.025  # [s] at most that count as waiting if the request was sent ahead
 _AGAIN = 0.02  # [s] before a second request, if datagrams may be lost
 _AT_MOST = 0.25  # [s] at most in addition, if nodes keep appearing
+_NUMBERED = ("udpm", "zenoh", "file")  # providers whose messages have numbers, which show losses
+_MOST_LISTENED = 2000  # topics in an announcement
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
@@ -57,7 +60,8 @@ class BusMonitor:
         observer: The source of the messages; None for the best observer that the bus allows.
         whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
         plays: Play a log at its own speed; else it is read at once.
-        on_outage: Called with a sentence when the connection to a server is lost or restored.
+        on_outage: Called with a sentence when the connection to a server is lost or restored, and
+            once when there is more on the bus than is remembered.
         on_shutdown: Called when another program requests this one to end; None to ignore that.
         asked: The time at which ``observer`` requested all nodes to announce themselves [s of
             ``time.monotonic``]; 0 if it has not.
@@ -86,12 +90,15 @@ class BusMonitor:
         self._observer = observer or open_observer(
             url, whole=whole, plays=plays, on_outage=self._note_outage
         )
+        self._news: deque[str] = deque()  # of the network; appended to by its watch
+        network_watch.tell(self._news.append)
         self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
         self._last_time = 0
         self._records = NodeRecords(url, environment)
         node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
         self._presence = Presence(node, self._observer.send, on_shutdown)
         self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
+        self._has_told = False
         if self.log:
             self._add_index(self.log)
 
@@ -107,10 +114,16 @@ class BusMonitor:
         """Say goodbye and leave the bus."""
         if self._is_present:
             self._presence.announce(leaving=True)
+        network_watch.forget(self._news.append)
         self._observer.close()
 
     def listen_to(self, topics: Sequence[str]) -> None:
-        """Announce that this command listens to these topics; does nothing on a log."""
+        """Announce that this command listens to these topics; does nothing on a log.
+
+        If there are too many for an announcement, those without a known type are left out first.
+        """
+        if len(topics) > _MOST_LISTENED:
+            topics = sorted(topics, key=lambda topic: not self.types_of(topic))[:_MOST_LISTENED]
         if not self.is_log:
             self._presence.listen_to([Endpoint(topic, Role.SUBSCRIBER) for topic in topics])
 
@@ -130,12 +143,23 @@ class BusMonitor:
         if self._is_present:
             self._presence.attend()
         packets = self._observer.receive(timeout)
+        self._tell_news()
         if not self.is_live:
             self._last_time = packets[-1].time
         for packet in self._builder.add_all(packets):
             if self._is_present:
                 self._presence.answer(packet.channel, packet.payload)
         return packets
+
+    def _tell_news(self) -> None:
+        if self._builder.forgotten and not self._has_told:
+            self._has_told = True
+            self._on_outage(
+                f"more than {MOST_FLOWS} channels or {MOST_NODES} nodes were on the bus, or many "
+                "are silent: those that were silent longest are no longer listed"
+            )
+        while self._news:
+            self._on_outage(self._news.popleft())
 
     def packets(self, duration: float | None = None) -> Iterator[Packet]:
         """Yield every packet as it comes, for ``duration`` [s]; None for without end.
@@ -220,9 +244,10 @@ class BusMonitor:
                     break
                 if self._receives_talk(QUIET / 2):
                     changed = time.monotonic()
-        if foreign and self.url.is_multicast:
+        # programs of another computer are known only by their messages, or told of by a relay
+        if foreign and self.url.is_multicast and not self._is_between_computers:
             self._await_foreign(start + _FOREIGN)
-        elif foreign and self._observer.has_strangers:
+        elif foreign and (self._observer.has_strangers or self._is_between_computers):
             deque(self.packets(start + _FOREIGN - time.monotonic()), maxlen=0)
 
     def graph(self) -> Graph:
@@ -247,6 +272,11 @@ class BusMonitor:
     def tap(self) -> Tap | None:
         """The tap, which knows the senders' datagrams; None if the bus is not multicast."""
         return self._observer if isinstance(self._observer, Tap) else None
+
+    @property
+    def knows_losses(self) -> bool:
+        """False on a bus that does not number messages, as tcpq."""
+        return self.url.provider in _NUMBERED
 
     @property
     def log(self) -> "LogFile | None":
@@ -309,7 +339,8 @@ class BusMonitor:
             ports = {s.port for s in self._builder.senders() if is_local(s.address)}
             ports.add(self._observer.port)
             graph = self.graph()
-            if graph.foreign() or graph.unexplained() or not sockets_are_known():
+            is_foreign = any(not seen.observer for seen in graph.foreign())
+            if is_foreign or graph.unexplained() or not sockets_are_known():
                 deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}

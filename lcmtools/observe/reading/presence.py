@@ -9,9 +9,10 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 
+from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.records import NodeRecords
 from lcmtools.errors import BusError
-from lcmtools.graph.model import Endpoint, Node
+from lcmtools.graph.model import Endpoint, FullLine, Node, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PERIOD,
@@ -23,6 +24,8 @@ from lcmtools.graph.protocol import (
     decode_shutdown,
     encode_announcement,
 )
+
+_REST = 10  # rest for this many times the CPU time of an announcement before another answer
 
 
 class Presence:
@@ -44,29 +47,49 @@ class Presence:
         self._records = records
         self.trouble = ""  # the reason why the last announcement was not sent
         self.send, self._on_shutdown = send, on_shutdown
-        self._next = 0.0
+        self._next = self._rested = 0.0
+        self._worked = 0.0  # CPU time of the latest announcement [s]; the first one imports modules
+        self._owed = 0  # the nonce of a probe that is answered later
 
     def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
         """Announce other endpoints."""
         self.node = self.node._replace(endpoints=tuple(endpoints))
         self.announce()
 
+    def tell(self, observed: Sequence[Traffic], full_lines: tuple[FullLine, ...] = ()) -> None:
+        """Announce what was observed of programs that are not nodes, at once if they changed.
+
+        Also the lines that are full.
+        """
+        before = self.node
+        self.node = before._replace(observed=tuple(observed), full_lines=full_lines)
+        if _flows(before) != _flows(self.node):
+            self.announce()
+
     def attend(self) -> None:
         """Announce the node if it is due."""
         if time.monotonic() >= self._next:
-            self.announce()
+            self.announce(answers=self._owed)
 
     def answer(self, channel: str, payload: bytes) -> None:
         """Answer a message of the protocol, if it is for this node."""
         if channel == PROBE_CHANNEL:
             probe = decode_probe(payload)
             if probe is not None and probe.target in ("", self.node.name):
-                self.announce(answers=probe.nonce)
+                self._answer_probe(probe.nonce)
         elif channel == SHUTDOWN_CHANNEL:
             request = decode_shutdown(payload)
             if self._on_shutdown and request is not None and request.target == self.node.id:
                 self.announce(answers=request.nonce)
                 self._on_shutdown()
+
+    def _answer_probe(self, nonce: int) -> None:
+        """Answer now, or a little later if probes come so often that answers would take long."""
+        if time.monotonic() >= self._rested:
+            self.announce(answers=nonce)
+        else:
+            self._owed = nonce or self._owed
+            self._next = min(self._next, self._rested)
 
     def announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         """Announce the node now."""
@@ -74,14 +97,22 @@ class Presence:
             self._records.remove(self.node.id)
         elif self._records and not self._next:  # the first time
             self._records.write(self.node)
-        announcement = Announcement(self.node, leaving, answers)
+        announcement, began = Announcement(self.node, leaving, answers), time.thread_time()
         # a failed network may come back: the next announcement follows a period later
         try:
             self.send(NODE_CHANNEL, encode_announcement(announcement))
             self.trouble = ""
         except BusError as error:
             self.trouble = str(error)
-        self._next = time.monotonic() + PERIOD
+        now = time.monotonic()
+        self._owed, self._next = 0, now + PERIOD
+        worked = time.thread_time() - began
+        self._rested = now + min(PERIOD, _REST * min(worked, self._worked))
+        self._worked = worked
+
+
+def _flows(node: Node) -> set[tuple[object, ...]]:
+    return {(x.channel, x.sender, x.fingerprints, x.types) for x in node.observed}
 
 
 def own_node(name: str, *, tool: bool) -> Node:
@@ -95,4 +126,5 @@ def own_node(name: str, *, tool: bool) -> Node:
         command=" ".join(sys.argv),
         tool=tool,
         software=SOFTWARE,
+        pid_namespace=own_pid_namespace(),
     )

@@ -9,16 +9,25 @@ import os
 import pwd
 import socket
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import chain
 from typing import NamedTuple
 
-from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
+from lcmtools.bounded import BoundedDict
+from lcmtools.bus.kernel import (
+    ANNOUNCED,
+    SELECTIVE,
+    SUBSCRIBED,
+    marked_sockets,
+    own_pid_namespace,
+)
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import (
     PossibleSenders,
     Process,
     UdpSocket,
+    innermost_pid,
     is_local,
     owners,
     process_of,
@@ -34,6 +43,7 @@ _Key = tuple[Process | None, int | None, str]  # process, user id, address or ""
 
 UNKNOWN = "unknown sender"  # the name if the bus does not identify senders: tcpq, memq and logs
 
+_MOST_SENDERS = 4000  # that are looked up, and whose processes are remembered
 _RETRY = 5.0  # [s] before a sender that was not found is looked up again
 
 
@@ -80,19 +90,22 @@ class SenderNames:
     ) -> None:
         self._read, self._now, self._called = read, now, called
         self._nodes: dict[Sender, Node] = {}
-        self._processes: dict[Sender, Process] = {}
-        self._next_look: dict[Sender, float] = {}
+        self._processes = BoundedDict[Sender, Process](_MOST_SENDERS)
+        self._next_look = BoundedDict[Sender, float](_MOST_SENDERS)
 
     def update(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
         """Note the nodes, and look up the processes of unknown senders, all at once."""
         self._nodes = {sender: node for node in nodes for sender in node.senders()}
         now = self._now()
         new = {sender for sender in senders if sender and self._is_unknown(sender, now)}
-        self._next_look.update(dict.fromkeys(new, now + _RETRY))
+        for sender in new:
+            self._next_look[sender] = now + _RETRY
         local = [sender for sender in new if is_local(sender.address) and not sender.name]
         table = self._read({sender.port for sender in local}) if local else SocketTable({}, {})
         found = {sender: table.processes(sender).only for sender in local}
-        self._processes.update({sender: process for sender, process in found.items() if process})
+        for sender, process in found.items():
+            if process:
+                self._processes[sender] = process
 
     def node(self, sender: Sender | None) -> Node | None:
         """Return the node that a sender belongs to."""
@@ -113,7 +126,7 @@ class SenderNames:
 
     def _is_unknown(self, sender: Sender, now: float) -> bool:
         is_known = sender in self._nodes or sender in self._processes
-        return not is_known and self._next_look.get(sender, now) <= now
+        return not is_known and (self._next_look.get(sender, now)) <= now
 
 
 class Program(NamedTuple):
@@ -129,6 +142,8 @@ class Program(NamedTuple):
     sockets: tuple[UdpSocket, ...] = ()
     # The processes that it may be, if its own is not shown.
     candidates: tuple[Process, ...] = ()
+    observer: str = ""  # the relay or server that observed it; "" if it is on this bus
+    bus: str = ""  # the other bus on which the relay did so
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -142,7 +157,7 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     table = SocketTable({}, {}) if is_log else SocketTable.read()
     listening = frozenset() if is_log else listening_sockets(url)
     others = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) - table.holders.keys()
-    known = {node.pid for node in graph.nodes if is_here(node)} | {os.getpid()}
+    known = {*nodes_by_pid(graph.nodes, table.holders.values()), os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():
         found.setdefault(_key(seen.sender, table), []).append(seen)
@@ -162,12 +177,39 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
 
 
 def is_here(node: Node) -> bool:
-    """Return whether a node runs on this computer; False for one in a log or behind a relay."""
-    if node.is_recorded or node.path:
+    """Return whether a node's process is one of this computer, so that its pid is valid here.
+
+    False for a node in a log, behind a relay, or in a container with processes of its own.
+    """
+    if node.is_recorded or node.path or is_contained(node):
         return False
     if node.sender is not None and not is_local(node.sender.address):
         return False
     return node.host == socket.gethostname()
+
+
+def is_contained(node: Node) -> bool:
+    """Return whether a node's pid is of another namespace than those of this process."""
+    return node.pid_namespace not in (0, own_pid_namespace())
+
+
+def nodes_by_pid(
+    nodes: Iterable[Node], processes: Iterable[Process]
+) -> Mapping[int, Sequence[Node]]:
+    """Return the nodes of this computer's processes by their pids here.
+
+    A node in a container has another pid there; it is found if its process is one of these.
+    """
+    found: dict[int, list[Node]] = defaultdict(list)
+    contained: dict[tuple[int, int], list[Node]] = defaultdict(list)
+    for node in nodes:
+        if is_here(node):
+            found[node.pid].append(node)
+        elif is_contained(node) and not (node.is_recorded or node.path):
+            contained[node.pid_namespace, node.pid].append(node)
+    for pid in {process.pid for process in processes} if contained else ():
+        found[pid] += contained.get(innermost_pid(pid), ())
+    return {pid: some for pid, some in found.items() if some}
 
 
 def is_gone(node: Node) -> bool:
@@ -195,15 +237,19 @@ def _program(
     listens = process in receivers if process else None if traffic else True
     unnamed = [row for row in receivers.get(None, []) if row.uid == uid]
     maybe = (table.processes(sender).candidates for sender in senders if process is None)
+    observer, bus = next(((x.observer, x.bus) for x in traffic if x.observer), ("", ""))
+    places = (sender.address if observer else sender.name or sender.address for sender in senders)
     return Program(
         process,
         "" if uid is None else user_name(uid),
-        next((sender.name or sender.address for sender in senders), address),
+        next(places, address),
         tuple(sorted({sender.port for sender in senders})),
         tuple(traffic),
         listens,
         tuple(receivers.get(process, []) if process else [] if traffic else unnamed),
         tuple(chain.from_iterable(maybe)),
+        observer,
+        bus,
     )
 
 

@@ -10,7 +10,7 @@ from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
 from lcmtools.names import did_you_mean, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
-from lcmtools.observe.reading.senders import SocketTable
+from lcmtools.observe.reading.senders import SocketTable, is_contained
 
 UNKNOWN = "unknown type"
 NO_TYPE = "no type: LCM's own channel"
@@ -107,10 +107,17 @@ def node_text(node: Node) -> str:
 
 
 def host_text(node: Node) -> str:
-    """Return a node's computer; if it is another one, with its address: "ada at 10.0.0.1"."""
+    """Return a node's computer; if it is another one, with its address: "ada at 10.0.0.1".
+
+    A container of this computer is named as one.
+    """
     address = address_of(node)
     place = f"{node.host} at {address}" if address else node.host
-    return f"{place}, on {behind_text(node)}" if node.path else place
+    if node.path:
+        return f"{place}, on {behind_text(node)}"
+    is_of_container = node.host == socket.gethostname() and is_contained(node)
+    is_elsewhere = address or node.is_recorded or not is_of_container
+    return place if is_elsewhere else f"{place}, in another container"
 
 
 def behind_text(node: Node) -> str:
@@ -140,19 +147,28 @@ def all_callback_errors(graph: Graph) -> list[str]:
     return [f"{node.name}: {text}" for node in living for text in callback_errors(node)]
 
 
-def program_text(traffic: Traffic) -> str:
-    """Return the program behind a sender that is not a node, as far as the system shows it."""
-    sender = traffic.sender
+def program_texts(traffic: Sequence[Traffic]) -> list[str]:
+    """Return the programs behind senders that are not nodes, as far as the system shows them."""
+    senders = [seen.sender for seen in traffic]
+    here = (sender for sender in senders if sender and not sender.name)
+    ports = {sender.port for sender in here if sender.port and is_local(sender.address)}
+    table = SocketTable.read(ports) if ports else SocketTable({}, {})
+    return [_program_text(seen, table) for seen in traffic]
+
+
+def _program_text(seen: Traffic, table: SocketTable) -> str:
+    sender = seen.sender
     if sender is None:
         return "a plain LCM program (this kind of bus does not identify senders)"
     if sender.name:
-        return f"{sender.name} (when it was recorded)"
+        by = f"a program at {sender} by {seen.observer}"
+        return by if seen.observer else f"{sender.name} (when it was recorded)"
     if not sender.port:
         place = "of this computer" if is_local(sender.address) else "on another computer"
         return f"a program {place} (session {sender} of Zenoh)"
     if not is_local(sender.address):
         return f"a program on {sender.address}, port {sender.port}"
-    found = SocketTable.read({sender.port}).processes(sender)
+    found = table.processes(sender)
     if found.only:
         called = shortened(found.only.command, LONGEST_COMMAND)
         return f"{called} (pid {found.only.pid}, port {sender.port})"
@@ -207,6 +223,8 @@ class Computers:
         if traffic.sender is None:
             return "unknown"
         address = traffic.sender.address
+        if traffic.observer:
+            return f"{address or 'unknown'}{f' ({traffic.bus})' if traffic.bus else ''}"
         if is_local(address):
             return self._own
         name = self._names.get(address, address)

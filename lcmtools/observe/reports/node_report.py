@@ -6,7 +6,7 @@ from lcmtools.bus.processes import usage_of
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.measuring.counters import average_rate, callback_record, callback_times
+from lcmtools.observe.measuring.counters import callback_record, callback_times, fair_average
 from lcmtools.observe.reading.senders import is_here, user_name
 from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import (
@@ -71,6 +71,7 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
         ],
         "up_time": None if node.stale else up_time(node, now),
         "callback_time": node.busy if node.has_details else None,
+        "overflows": node.overflows if node.has_details else None,
         "callback_errors": [error._asdict() for error in reversed(node.errors)],
         "protocol_version": node.version,
         "software": node.software or None,
@@ -92,6 +93,8 @@ def _process(node: Node, now: int) -> list[str]:
         rows.append(f"Up for: {seconds:.0f} s")
         if node.has_details:
             rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
+    if node.overflows:
+        rows.append(f"Receive buffer: lost at most {node.overflows} datagrams")
     rows += _version(node)
     errors = [f" * {printable(text)}" for text in callback_errors(node)]
     return [*rows, "Errors of callbacks:", *errors] if errors else rows
@@ -139,14 +142,15 @@ def ping_summary(times: Sequence[float]) -> list[str]:
 
 def _counter(node: Node, endpoint: Endpoint) -> str:
     verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
-    rate, took = average_rate(node, endpoint), callback_times(endpoint)
+    rate, took = fair_average(node, endpoint), callback_times(endpoint)
     average = "" if rate is None else f", {rate:.3g} Hz on average"
     counted = f"{endpoint.messages} {verb}, {endpoint.bytes} bytes{average}{_dropped(endpoint)}"
     return f" * {endpoint.topic}: {counted}{f', {took}' if took else ''}"
 
 
 def _dropped(endpoint: Endpoint) -> str:
-    return f", {endpoint.drops} dropped" if endpoint.drops else ""
+    dropped = f", {endpoint.drops} dropped" if endpoint.drops else ""
+    return dropped + (f", {endpoint.incomplete} incomplete" if endpoint.incomplete else "")
 
 
 def _ends(node: Node) -> tuple[Endpoint, ...]:
@@ -171,6 +175,7 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
         "messages": endpoint.messages,
         "bytes": endpoint.bytes,
         "drops": endpoint.drops,
+        "incomplete": endpoint.incomplete,
         **callback_record(endpoint),
     }
 

@@ -20,11 +20,13 @@ from lcmtools.observe.reports.process_rows import usage_rows
 def listed_rows(program: Program) -> list[str]:
     """Return a program as ``node list -a`` shows it: its place, command and role."""
     user = f" (user {program.user})" if program.user else ""
+    bus = f", on {program.bus}" if program.bus else ""
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
     if program.listens:
         lost = sum(row.drops for row in program.sockets)
         parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
-    return [f"{program_place(program)} \t{command_text(program)}{user}", f"\t{', '.join(parts)}"]
+    text = f"{program_place(program)} \t{command_text(program)}{user}{bus}"
+    return [text, f"\t{', '.join(parts)}"]
 
 
 def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
@@ -56,11 +58,12 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
 def record(program: Program) -> dict[str, object]:
     """Return a program for JSON, with the keys of a node that are known."""
     process = program.process
+    elsewhere = program.address if program.observer else ""
     return {
         "observed": True,
         "node": None,
-        "host": socket.gethostname() if process else None,
-        "address": program.address or None,
+        "host": socket.gethostname() if process else elsewhere or None,
+        "address": None if elsewhere else program.address or None,
         "ports": list(program.ports),
         "pid": process.pid if process else None,
         "command": process.command if process else None,
@@ -79,6 +82,7 @@ def record(program: Program) -> dict[str, object]:
         "queued_bytes": sum(row.queued_bytes for row in program.sockets),
         "drops": sum(row.drops for row in program.sockets),
         "candidates": [process.pid for process in program.candidates],
+        **({"bus": program.bus, "relays": [program.observer]} if program.bus else {}),
     }
 
 

@@ -1,14 +1,14 @@
 """A topic as lines of text and as values for JSON."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from lcmtools.graph.model import Endpoint, Node, Topic
+from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.observe.measuring.counters import Counters
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reports.describe import (
     fingerprint_rows,
     node_text,
-    program_text,
+    program_texts,
     topic_kinds,
     type_text,
     types_record,
@@ -27,8 +27,8 @@ def rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
     for rows_of_node, (node, _) in zip(published, topic.publishers, strict=True):
         rows_of_node.extend(_lost(counters.lost(node)))
     published += [
-        [program_text(seen), counters.of_program(seen), *_lost(counters.lost(seen))]
-        for seen in topic.foreign
+        [text, counters.of_program(seen), *_lost(counters.lost(seen))]
+        for text, seen in _programs(topic)
     ]
     subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
     found += ["", *_section("Publishers", published), ""]
@@ -49,7 +49,7 @@ def record(topic: Topic, counters: Counters) -> dict[str, object]:
         "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
         "other_publishers": [
             {
-                "program": program_text(seen),
+                "program": text,
                 "sender": seen.sender and str(seen.sender),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
@@ -57,9 +57,14 @@ def record(topic: Topic, counters: Counters) -> dict[str, object]:
                 "last_time": seen.last_time,
                 **_lost_record(counters.lost(seen)),
             }
-            for seen in topic.foreign
+            for text, seen in _programs(topic)
         ],
     }
+
+
+def _programs(topic: Topic) -> Iterable[tuple[str, Traffic]]:
+    """The programs that are not nodes and send the topic, each with its messages."""
+    return zip(program_texts(topic.foreign), topic.foreign, strict=True)
 
 
 def _nodes(

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class ControllerEvaluationStat(object):
+import lcmtools.message_value
+
+class ControllerEvaluationStat(lcmtools.message_value.MessageValue):
     """ The quality of a velocity controller: its error from the commanded velocity. """
 
     __slots__ = ["samples", "last_error", "average_error"]
@@ -16,26 +18,27 @@ class ControllerEvaluationStat(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.samples = 0
+    def __init__(self, samples=0, last_error=0.0, average_error=0.0):
+        self.samples = samples
         """
         number of odometry messages compared with the commanded velocity so far
         LCM Type: int32_t
         """
 
-        self.last_error = 0.0
+        self.last_error = last_error
         """
         [m/s and rad/s combined] error of the last sample: square root of the sum of the
         squared errors of the forward and of the turning velocity
         LCM Type: double
         """
 
-        self.average_error = 0.0
+        self.average_error = average_error
         """
         [as last_error] root of the mean of the squared errors of all samples so far
         LCM Type: double
         """
 
+    __init__.__qualname__ = "ControllerEvaluationStat has the fields samples, last_error, average_error; ControllerEvaluationStat"
 
     def encode(self):
         buf = BytesIO()

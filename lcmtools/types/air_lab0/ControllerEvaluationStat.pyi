@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class ControllerEvaluationStat:
+from lcmtools.message_value import MessageValue
+
+class ControllerEvaluationStat(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     samples: int
     last_error: float
     average_error: float
-    def __init__(self) -> None: ...
+    def __init__(self, samples: int = ..., last_error: float = ..., average_error: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ControllerEvaluationStat: ...

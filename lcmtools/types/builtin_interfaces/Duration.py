@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Duration(object):
+import lcmtools.message_value
+
+class Duration(lcmtools.message_value.MessageValue):
     """
     A duration with ROS 2's field names: sec + nanosec/1e9 seconds, so that -0.5 s is sec =
     -1 and nanosec = 500000000.
@@ -19,19 +21,20 @@ class Duration(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.sec = 0
+    def __init__(self, sec=0, nanosec=0):
+        self.sec = sec
         """
         [s] whole seconds, negative for a negative duration
         LCM Type: int32_t
         """
 
-        self.nanosec = 0
+        self.nanosec = nanosec
         """
         [ns] the rest, 0 to 999999999, always added
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Duration has the fields sec, nanosec; Duration"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Time(object):
+import lcmtools.message_value
+
+class Time(lcmtools.message_value.MessageValue):
     """ A point in time with ROS 2's field names. """
 
     __slots__ = ["sec", "nanosec"]
@@ -16,19 +18,20 @@ class Time(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.sec = 0
+    def __init__(self, sec=0, nanosec=0):
+        self.sec = sec
         """
         [s] whole seconds since 1970-01-01 UTC, or since the start of the simulation
         LCM Type: int32_t
         """
 
-        self.nanosec = 0
+        self.nanosec = nanosec
         """
         [ns] the rest, 0 to 999999999
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Time has the fields sec, nanosec; Time"
 
     def encode(self):
         buf = BytesIO()

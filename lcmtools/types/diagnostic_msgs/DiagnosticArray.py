@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.diagnostic_msgs
 
-class DiagnosticArray(object):
+import lcmtools.message_value
+
+class DiagnosticArray(lcmtools.message_value.MessageValue):
     """ The state of the parts of a robot. """
 
     __slots__ = ["status_length", "header", "status"]
@@ -20,25 +22,26 @@ class DiagnosticArray(object):
 
     __dimensions__ = [None, None, ["status_length"]]
 
-    def __init__(self):
-        self.status_length = 0
+    def __init__(self, header=None, status=None, status_length=0):
+        self.status_length = status_length
         """
         number of elements of status
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the parts were examined; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.status = []
+        self.status = [] if status is None else status
         """
         the parts
         LCM Type: lcmtools.types.diagnostic_msgs.DiagnosticStatus[status_length]
         """
 
+    __init__.__qualname__ = "DiagnosticArray has the fields header, status, status_length; DiagnosticArray"
 
     def encode(self):
         buf = BytesIO()

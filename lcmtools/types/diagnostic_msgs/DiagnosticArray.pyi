@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.diagnostic_msgs.DiagnosticStatus import DiagnosticStatus
 from lcmtools.types.std_msgs.Header import Header
 
-class DiagnosticArray:
+class DiagnosticArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     status_length: int
     header: Header
     status: list[DiagnosticStatus]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., status: list[DiagnosticStatus] = ..., status_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> DiagnosticArray: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.diagnostic_msgs
 
-class DiagnosticStatus(object):
+import lcmtools.message_value
+
+class DiagnosticStatus(lcmtools.message_value.MessageValue):
     """ The state of one part of a robot. """
 
     __slots__ = ["values_length", "level", "name", "message", "hardware_id", "values"]
@@ -27,43 +29,44 @@ class DiagnosticStatus(object):
     STALE = 3
     """ a level: not reported for too long """
 
-    def __init__(self):
-        self.values_length = 0
+    def __init__(self, level=0, name="", message="", hardware_id="", values=None, values_length=0):
+        self.values_length = values_length
         """
         number of elements of values
         LCM Type: int32_t
         """
 
-        self.level = 0
+        self.level = level
         """
         OK, WARN, ERROR or STALE
         LCM Type: int8_t
         """
 
-        self.name = ""
+        self.name = name
         """
         the part, for example driver: left motor
         LCM Type: string
         """
 
-        self.message = ""
+        self.message = message
         """
         the problem, for a human reader
         LCM Type: string
         """
 
-        self.hardware_id = ""
+        self.hardware_id = hardware_id
         """
         identity of the hardware, for example its serial number
         LCM Type: string
         """
 
-        self.values = []
+        self.values = [] if values is None else values
         """
         the measured values
         LCM Type: lcmtools.types.diagnostic_msgs.KeyValue[values_length]
         """
 
+    __init__.__qualname__ = "DiagnosticStatus has the fields level, name, message, hardware_id, values, values_length; DiagnosticStatus"
 
     def encode(self):
         buf = BytesIO()

@@ -2,9 +2,10 @@
 
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.diagnostic_msgs.KeyValue import KeyValue
 
-class DiagnosticStatus:
+class DiagnosticStatus(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +19,7 @@ class DiagnosticStatus:
     message: str
     hardware_id: str
     values: list[KeyValue]
-    def __init__(self) -> None: ...
+    def __init__(self, level: int = ..., name: str = ..., message: str = ..., hardware_id: str = ..., values: list[KeyValue] = ..., values_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> DiagnosticStatus: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class KeyValue(object):
+import lcmtools.message_value
+
+class KeyValue(lcmtools.message_value.MessageValue):
     """ A named value of a diagnosis. """
 
     __slots__ = ["key", "value"]
@@ -16,19 +18,20 @@ class KeyValue(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.key = ""
+    def __init__(self, key="", value=""):
+        self.key = key
         """
         name of the value
         LCM Type: string
         """
 
-        self.value = ""
+        self.value = value
         """
         the value as text, with its unit if it has one
         LCM Type: string
         """
 
+    __init__.__qualname__ = "KeyValue has the fields key, value; KeyValue"
 
     def encode(self):
         buf = BytesIO()

@@ -2,13 +2,15 @@
 
 from typing import ClassVar
 
-class KeyValue:
+from lcmtools.message_value import MessageValue
+
+class KeyValue(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     key: str
     value: str
-    def __init__(self) -> None: ...
+    def __init__(self, key: str = ..., value: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> KeyValue: ...

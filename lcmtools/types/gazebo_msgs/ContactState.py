@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class ContactState(object):
+import lcmtools.message_value
+
+class ContactState(lcmtools.message_value.MessageValue):
     """ A contact between two objects, as reported by Gazebo's bumper. """
 
     __slots__ = ["wrenches_length", "contact_positions_length", "contact_normals_length", "depths_length", "info", "collision1_name", "collision2_name", "wrenches", "total_wrench", "contact_positions", "contact_normals", "depths"]
@@ -18,79 +20,80 @@ class ContactState(object):
 
     __dimensions__ = [None, None, None, None, None, None, None, ["wrenches_length"], None, ["contact_positions_length"], ["contact_normals_length"], ["depths_length"]]
 
-    def __init__(self):
-        self.wrenches_length = 0
+    def __init__(self, info="", collision1_name="", collision2_name="", wrenches=None, total_wrench=None, contact_positions=None, contact_normals=None, depths=None, wrenches_length=0, contact_positions_length=0, contact_normals_length=0, depths_length=0):
+        self.wrenches_length = wrenches_length
         """
         number of elements of wrenches
         LCM Type: int32_t
         """
 
-        self.contact_positions_length = 0
+        self.contact_positions_length = contact_positions_length
         """
         number of elements of contact_positions
         LCM Type: int32_t
         """
 
-        self.contact_normals_length = 0
+        self.contact_normals_length = contact_normals_length
         """
         number of elements of contact_normals
         LCM Type: int32_t
         """
 
-        self.depths_length = 0
+        self.depths_length = depths_length
         """
         number of elements of depths
         LCM Type: int32_t
         """
 
-        self.info = ""
+        self.info = info
         """
         a description of the contact
         LCM Type: string
         """
 
-        self.collision1_name = ""
+        self.collision1_name = collision1_name
         """
         the object with the bumper
         LCM Type: string
         """
 
-        self.collision2_name = ""
+        self.collision2_name = collision2_name
         """
         the object that it touches
         LCM Type: string
         """
 
-        self.wrenches = []
+        self.wrenches = [] if wrenches is None else wrenches
         """
         [N, N*m] force and torque on the first object at each point, in the frame of the header
         LCM Type: lcmtools.types.geometry_msgs.Wrench[wrenches_length]
         """
 
-        self.total_wrench = lcmtools.types.geometry_msgs.Wrench()
+        self.total_wrench = lcmtools.types.geometry_msgs.Wrench() if total_wrench is None else total_wrench
         """
         [N, N*m] the sum of these
         LCM Type: lcmtools.types.geometry_msgs.Wrench
         """
 
-        self.contact_positions = []
+        self.contact_positions = [] if contact_positions is None else contact_positions
         """
         [m] the points of contact, in the frame of the header
         LCM Type: lcmtools.types.geometry_msgs.Vector3[contact_positions_length]
         """
 
-        self.contact_normals = []
+        self.contact_normals = [] if contact_normals is None else contact_normals
         """
         [1] unit vectors towards the first object at each point
         LCM Type: lcmtools.types.geometry_msgs.Vector3[contact_normals_length]
         """
 
-        self.depths = []
+        self.depths = [] if depths is None else depths
         """
         [m] penetration depth at each point
         LCM Type: double[depths_length]
         """
 
+    __init__.__qualname__ = "ContactState has the fields info, collision1_name, collision2_name, wrenches, total_wrench, contact_positions, contact_normals, depths, wrenches_length, contact_positions_length, contact_normals_length, depths_length; ContactState"
 
     def encode(self):
         buf = BytesIO()

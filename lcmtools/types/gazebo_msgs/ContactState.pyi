@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 from lcmtools.types.geometry_msgs.Wrench import Wrench
 
-class ContactState:
+class ContactState(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -22,7 +23,7 @@ class ContactState:
     contact_positions: list[Vector3]
     contact_normals: list[Vector3]
     depths: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, info: str = ..., collision1_name: str = ..., collision2_name: str = ..., wrenches: list[Wrench] = ..., total_wrench: Wrench = ..., contact_positions: list[Vector3] = ..., contact_normals: list[Vector3] = ..., depths: Sequence[float] = ..., wrenches_length: int = ..., contact_positions_length: int = ..., contact_normals_length: int = ..., depths_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ContactState: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.gazebo_msgs
 
-class ContactsState(object):
+import lcmtools.message_value
+
+class ContactsState(lcmtools.message_value.MessageValue):
     """ The contacts of a bumper; no states without contact. """
 
     __slots__ = ["states_length", "header", "states"]
@@ -20,25 +22,26 @@ class ContactsState(object):
 
     __dimensions__ = [None, None, ["states_length"]]
 
-    def __init__(self):
-        self.states_length = 0
+    def __init__(self, header=None, states=None, states_length=0):
+        self.states_length = states_length
         """
         number of elements of states
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when it was measured, and the frame of points and forces
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.states = []
+        self.states = [] if states is None else states
         """
         one for each object that is touched
         LCM Type: lcmtools.types.gazebo_msgs.ContactState[states_length]
         """
 
+    __init__.__qualname__ = "ContactsState has the fields header, states, states_length; ContactsState"
 
     def encode(self):
         buf = BytesIO()

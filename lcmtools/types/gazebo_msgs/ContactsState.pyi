@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.gazebo_msgs.ContactState import ContactState
 from lcmtools.types.std_msgs.Header import Header
 
-class ContactsState:
+class ContactsState(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     states_length: int
     header: Header
     states: list[ContactState]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., states: list[ContactState] = ..., states_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ContactsState: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Accel(object):
+import lcmtools.message_value
+
+class Accel(lcmtools.message_value.MessageValue):
     """ Acceleration in free space: its linear and angular part. """
 
     __slots__ = ["linear", "angular"]
@@ -18,19 +20,20 @@ class Accel(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.linear = lcmtools.types.geometry_msgs.Vector3()
+    def __init__(self, linear=None, angular=None):
+        self.linear = lcmtools.types.geometry_msgs.Vector3() if linear is None else linear
         """
         [m/s^2] linear acceleration along each axis
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.angular = lcmtools.types.geometry_msgs.Vector3()
+        self.angular = lcmtools.types.geometry_msgs.Vector3() if angular is None else angular
         """
         [rad/s^2] angular acceleration about each axis, positive by the right-hand rule
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
+    __init__.__qualname__ = "Accel has the fields linear, angular; Accel"
 
     def encode(self):
         buf = BytesIO()

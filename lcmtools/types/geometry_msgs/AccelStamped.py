@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class AccelStamped(object):
+import lcmtools.message_value
+
+class AccelStamped(lcmtools.message_value.MessageValue):
     """ An acceleration with its time and frame. """
 
     __slots__ = ["header", "accel"]
@@ -20,19 +22,20 @@ class AccelStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, accel=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the acceleration holds, and the frame of its axes
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.accel = lcmtools.types.geometry_msgs.Accel()
+        self.accel = lcmtools.types.geometry_msgs.Accel() if accel is None else accel
         """
         [m/s^2, rad/s^2] acceleration in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Accel
         """
 
+    __init__.__qualname__ = "AccelStamped has the fields header, accel; AccelStamped"
 
     def encode(self):
         buf = BytesIO()

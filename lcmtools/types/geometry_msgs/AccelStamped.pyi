@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Accel import Accel
 from lcmtools.types.std_msgs.Header import Header
 
-class AccelStamped:
+class AccelStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     accel: Accel
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., accel: Accel = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> AccelStamped: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class AccelWithCovariance(object):
+import lcmtools.message_value
+
+class AccelWithCovariance(lcmtools.message_value.MessageValue):
     """ An uncertain acceleration. """
 
     __slots__ = ["accel", "covariance"]
@@ -18,20 +20,21 @@ class AccelWithCovariance(object):
 
     __dimensions__ = [None, [36]]
 
-    def __init__(self):
-        self.accel = lcmtools.types.geometry_msgs.Accel()
+    def __init__(self, accel=None, covariance=None):
+        self.accel = lcmtools.types.geometry_msgs.Accel() if accel is None else accel
         """
         [m/s^2, rad/s^2] the estimated acceleration
         LCM Type: lcmtools.types.geometry_msgs.Accel
         """
 
-        self.covariance = [ 0.0 for dim0 in range(36) ]
+        self.covariance = [ 0.0 for dim0 in range(36) ] if covariance is None else covariance
         """
         [(m/s^2)^2, (m/s^2)*(rad/s^2), (rad/s^2)^2] row-major 6x6 covariance in the order x,
         y, z, rotation about x, about y, about z (fixed axes)
         LCM Type: double[36]
         """
 
+    __init__.__qualname__ = "AccelWithCovariance has the fields accel, covariance; AccelWithCovariance"
 
     def encode(self):
         buf = BytesIO()

@@ -3,15 +3,16 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Accel import Accel
 
-class AccelWithCovariance:
+class AccelWithCovariance(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     accel: Accel
     covariance: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, accel: Accel = ..., covariance: Sequence[float] = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> AccelWithCovariance: ...

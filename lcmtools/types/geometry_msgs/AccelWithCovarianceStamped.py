@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class AccelWithCovarianceStamped(object):
+import lcmtools.message_value
+
+class AccelWithCovarianceStamped(lcmtools.message_value.MessageValue):
     """ An uncertain acceleration with its time and frame. """
 
     __slots__ = ["header", "accel"]
@@ -20,19 +22,20 @@ class AccelWithCovarianceStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, accel=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the estimate holds, and the frame of its axes
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.accel = lcmtools.types.geometry_msgs.AccelWithCovariance()
+        self.accel = lcmtools.types.geometry_msgs.AccelWithCovariance() if accel is None else accel
         """
         [m/s^2, rad/s^2] acceleration in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.AccelWithCovariance
         """
 
+    __init__.__qualname__ = "AccelWithCovarianceStamped has the fields header, accel; AccelWithCovarianceStamped"
 
     def encode(self):
         buf = BytesIO()

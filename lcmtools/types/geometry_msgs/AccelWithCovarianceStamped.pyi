@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.AccelWithCovariance import AccelWithCovariance
 from lcmtools.types.std_msgs.Header import Header
 
-class AccelWithCovarianceStamped:
+class AccelWithCovarianceStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     accel: AccelWithCovariance
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., accel: AccelWithCovariance = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> AccelWithCovarianceStamped: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Inertia(object):
+import lcmtools.message_value
+
+class Inertia(lcmtools.message_value.MessageValue):
     """ Mass, centre of mass and moments of inertia of a rigid body. """
 
     __slots__ = ["m", "com", "ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
@@ -18,55 +20,56 @@ class Inertia(object):
 
     __dimensions__ = [None, None, None, None, None, None, None, None]
 
-    def __init__(self):
-        self.m = 0.0
+    def __init__(self, m=0.0, com=None, ixx=0.0, ixy=0.0, ixz=0.0, iyy=0.0, iyz=0.0, izz=0.0):
+        self.m = m
         """
         [kg] mass
         LCM Type: double
         """
 
-        self.com = lcmtools.types.geometry_msgs.Vector3()
+        self.com = lcmtools.types.geometry_msgs.Vector3() if com is None else com
         """
         [m] centre of mass in the frame of the body
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.ixx = 0.0
+        self.ixx = ixx
         """
         [kg*m^2] xx element of the symmetric inertia tensor
         LCM Type: double
         """
 
-        self.ixy = 0.0
+        self.ixy = ixy
         """
         [kg*m^2] xy and yx element of the inertia tensor
         LCM Type: double
         """
 
-        self.ixz = 0.0
+        self.ixz = ixz
         """
         [kg*m^2] xz and zx element of the inertia tensor
         LCM Type: double
         """
 
-        self.iyy = 0.0
+        self.iyy = iyy
         """
         [kg*m^2] yy element of the inertia tensor
         LCM Type: double
         """
 
-        self.iyz = 0.0
+        self.iyz = iyz
         """
         [kg*m^2] yz and zy element of the inertia tensor
         LCM Type: double
         """
 
-        self.izz = 0.0
+        self.izz = izz
         """
         [kg*m^2] zz element of the inertia tensor
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Inertia has the fields m, com, ixx, ixy, ixz, iyy, iyz, izz; Inertia"
 
     def encode(self):
         buf = BytesIO()

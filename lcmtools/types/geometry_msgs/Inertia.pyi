@@ -2,9 +2,10 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 
-class Inertia:
+class Inertia(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -16,7 +17,7 @@ class Inertia:
     iyy: float
     iyz: float
     izz: float
-    def __init__(self) -> None: ...
+    def __init__(self, m: float = ..., com: Vector3 = ..., ixx: float = ..., ixy: float = ..., ixz: float = ..., iyy: float = ..., iyz: float = ..., izz: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Inertia: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class InertiaStamped(object):
+import lcmtools.message_value
+
+class InertiaStamped(lcmtools.message_value.MessageValue):
     """ Mass and inertia with their time and frame. """
 
     __slots__ = ["header", "inertia"]
@@ -20,19 +22,20 @@ class InertiaStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, inertia=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the values hold, and the frame of the body
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.inertia = lcmtools.types.geometry_msgs.Inertia()
+        self.inertia = lcmtools.types.geometry_msgs.Inertia() if inertia is None else inertia
         """
         [kg, m, kg*m^2] mass and inertia in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Inertia
         """
 
+    __init__.__qualname__ = "InertiaStamped has the fields header, inertia; InertiaStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Point32(object):
+import lcmtools.message_value
+
+class Point32(lcmtools.message_value.MessageValue):
     """ A position of single precision, for many points at low bandwidth; otherwise use Point. """
 
     __slots__ = ["x", "y", "z"]
@@ -16,25 +18,26 @@ class Point32(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.x = 0.0
+    def __init__(self, x=0.0, y=0.0, z=0.0):
+        self.x = x
         """
         [m] along the x axis of the frame
         LCM Type: float
         """
 
-        self.y = 0.0
+        self.y = y
         """
         [m] along the y axis of the frame
         LCM Type: float
         """
 
-        self.z = 0.0
+        self.z = z
         """
         [m] along the z axis of the frame
         LCM Type: float
         """
 
+    __init__.__qualname__ = "Point32 has the fields x, y, z; Point32"
 
     def encode(self):
         buf = BytesIO()

@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class Point32:
+from lcmtools.message_value import MessageValue
+
+class Point32(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     x: float
     y: float
     z: float
-    def __init__(self) -> None: ...
+    def __init__(self, x: float = ..., y: float = ..., z: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Point32: ...

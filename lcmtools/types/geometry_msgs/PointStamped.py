@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PointStamped(object):
+import lcmtools.message_value
+
+class PointStamped(lcmtools.message_value.MessageValue):
     """ A position with its time and frame. """
 
     __slots__ = ["header", "point"]
@@ -20,19 +22,20 @@ class PointStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, point=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the position holds, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.point = lcmtools.types.geometry_msgs.Point()
+        self.point = lcmtools.types.geometry_msgs.Point() if point is None else point
         """
         [m] position in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Point
         """
 
+    __init__.__qualname__ = "PointStamped has the fields header, point; PointStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Polygon(object):
+import lcmtools.message_value
+
+class Polygon(lcmtools.message_value.MessageValue):
     """ A closed polygon in free space; the last point is connected with the first one. """
 
     __slots__ = ["points_length", "points"]
@@ -18,19 +20,20 @@ class Polygon(object):
 
     __dimensions__ = [None, ["points_length"]]
 
-    def __init__(self):
-        self.points_length = 0
+    def __init__(self, points=None, points_length=0):
+        self.points_length = points_length
         """
         number of elements of points
         LCM Type: int32_t
         """
 
-        self.points = []
+        self.points = [] if points is None else points
         """
         [m] the corners in the frame of the message, in their order along the edge
         LCM Type: lcmtools.types.geometry_msgs.Point32[points_length]
         """
 
+    __init__.__qualname__ = "Polygon has the fields points, points_length; Polygon"
 
     def encode(self):
         buf = BytesIO()

@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Point32 import Point32
 
-class Polygon:
+class Polygon(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     points_length: int
     points: list[Point32]
-    def __init__(self) -> None: ...
+    def __init__(self, points: list[Point32] = ..., points_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Polygon: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PolygonStamped(object):
+import lcmtools.message_value
+
+class PolygonStamped(lcmtools.message_value.MessageValue):
     """ A closed polygon with its time and frame. """
 
     __slots__ = ["header", "polygon"]
@@ -20,19 +22,20 @@ class PolygonStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, polygon=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the polygon holds, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.polygon = lcmtools.types.geometry_msgs.Polygon()
+        self.polygon = lcmtools.types.geometry_msgs.Polygon() if polygon is None else polygon
         """
         [m] the polygon in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Polygon
         """
 
+    __init__.__qualname__ = "PolygonStamped has the fields header, polygon; PolygonStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Polygon import Polygon
 from lcmtools.types.std_msgs.Header import Header
 
-class PolygonStamped:
+class PolygonStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     polygon: Polygon
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., polygon: Polygon = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PolygonStamped: ...

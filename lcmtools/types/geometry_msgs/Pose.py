@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Pose(object):
+import lcmtools.message_value
+
+class Pose(lcmtools.message_value.MessageValue):
     """ A position and an orientation in free space. """
 
     __slots__ = ["position", "orientation"]
@@ -18,19 +20,20 @@ class Pose(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.position = lcmtools.types.geometry_msgs.Point()
+    def __init__(self, position=None, orientation=None):
+        self.position = lcmtools.types.geometry_msgs.Point() if position is None else position
         """
         [m] position in the frame of the message
         LCM Type: lcmtools.types.geometry_msgs.Point
         """
 
-        self.orientation = lcmtools.types.geometry_msgs.Quaternion()
+        self.orientation = lcmtools.types.geometry_msgs.Quaternion() if orientation is None else orientation
         """
         orientation relative to the frame of the message
         LCM Type: lcmtools.types.geometry_msgs.Quaternion
         """
 
+    __init__.__qualname__ = "Pose has the fields position, orientation; Pose"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Point import Point
 from lcmtools.types.geometry_msgs.Quaternion import Quaternion
 
-class Pose:
+class Pose(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     position: Point
     orientation: Quaternion
-    def __init__(self) -> None: ...
+    def __init__(self, position: Point = ..., orientation: Quaternion = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Pose: ...

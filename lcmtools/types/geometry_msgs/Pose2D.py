@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Pose2D(object):
+import lcmtools.message_value
+
+class Pose2D(lcmtools.message_value.MessageValue):
     """ A pose on the ground plane. """
 
     __slots__ = ["x", "y", "theta"]
@@ -16,26 +18,27 @@ class Pose2D(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.x = 0.0
+    def __init__(self, x=0.0, y=0.0, theta=0.0):
+        self.x = x
         """
         [m] along the x axis of the frame
         LCM Type: double
         """
 
-        self.y = 0.0
+        self.y = y
         """
         [m] along the y axis of the frame
         LCM Type: double
         """
 
-        self.theta = 0.0
+        self.theta = theta
         """
         [rad] heading: from the x axis of the frame, counter-clockwise positive seen from
         above
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Pose2D has the fields x, y, theta; Pose2D"
 
     def encode(self):
         buf = BytesIO()

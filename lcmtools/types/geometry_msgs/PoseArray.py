@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PoseArray(object):
+import lcmtools.message_value
+
+class PoseArray(lcmtools.message_value.MessageValue):
     """ Many poses in one frame, for example the particles of a filter. """
 
     __slots__ = ["poses_length", "header", "poses"]
@@ -20,25 +22,26 @@ class PoseArray(object):
 
     __dimensions__ = [None, None, ["poses_length"]]
 
-    def __init__(self):
-        self.poses_length = 0
+    def __init__(self, header=None, poses=None, poses_length=0):
+        self.poses_length = poses_length
         """
         number of elements of poses
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the poses hold, and the frame in which they are given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.poses = []
+        self.poses = [] if poses is None else poses
         """
         [m] the poses in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Pose[poses_length]
         """
 
+    __init__.__qualname__ = "PoseArray has the fields header, poses, poses_length; PoseArray"
 
     def encode(self):
         buf = BytesIO()

@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Pose import Pose
 from lcmtools.types.std_msgs.Header import Header
 
-class PoseArray:
+class PoseArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     poses_length: int
     header: Header
     poses: list[Pose]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., poses: list[Pose] = ..., poses_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PoseArray: ...

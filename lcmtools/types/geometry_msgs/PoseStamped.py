@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PoseStamped(object):
+import lcmtools.message_value
+
+class PoseStamped(lcmtools.message_value.MessageValue):
     """ A pose with its time and frame. """
 
     __slots__ = ["header", "pose"]
@@ -20,19 +22,20 @@ class PoseStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, pose=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the pose holds, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         [m] pose in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
+    __init__.__qualname__ = "PoseStamped has the fields header, pose; PoseStamped"
 
     def encode(self):
         buf = BytesIO()

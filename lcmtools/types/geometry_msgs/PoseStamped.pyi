@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Pose import Pose
 from lcmtools.types.std_msgs.Header import Header
 
-class PoseStamped:
+class PoseStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     pose: Pose
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., pose: Pose = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PoseStamped: ...

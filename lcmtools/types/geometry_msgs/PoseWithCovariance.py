@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class PoseWithCovariance(object):
+import lcmtools.message_value
+
+class PoseWithCovariance(lcmtools.message_value.MessageValue):
     """ An uncertain pose. """
 
     __slots__ = ["pose", "covariance"]
@@ -18,20 +20,21 @@ class PoseWithCovariance(object):
 
     __dimensions__ = [None, [36]]
 
-    def __init__(self):
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+    def __init__(self, pose=None, covariance=None):
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         the estimated pose
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
-        self.covariance = [ 0.0 for dim0 in range(36) ]
+        self.covariance = [ 0.0 for dim0 in range(36) ] if covariance is None else covariance
         """
         [m^2, m*rad, rad^2] row-major 6x6 covariance in the order x, y, z, rotation about x,
         about y, about z (fixed axes)
         LCM Type: double[36]
         """
 
+    __init__.__qualname__ = "PoseWithCovariance has the fields pose, covariance; PoseWithCovariance"
 
     def encode(self):
         buf = BytesIO()

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PoseWithCovarianceStamped(object):
+import lcmtools.message_value
+
+class PoseWithCovarianceStamped(lcmtools.message_value.MessageValue):
     """ An uncertain pose with its time and frame. """
 
     __slots__ = ["header", "pose"]
@@ -20,19 +22,20 @@ class PoseWithCovarianceStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, pose=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the estimate holds, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.pose = lcmtools.types.geometry_msgs.PoseWithCovariance()
+        self.pose = lcmtools.types.geometry_msgs.PoseWithCovariance() if pose is None else pose
         """
         [m, rad] pose in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.PoseWithCovariance
         """
 
+    __init__.__qualname__ = "PoseWithCovarianceStamped has the fields header, pose; PoseWithCovarianceStamped"
 
     def encode(self):
         buf = BytesIO()

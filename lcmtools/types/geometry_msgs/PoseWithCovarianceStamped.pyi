@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.PoseWithCovariance import PoseWithCovariance
 from lcmtools.types.std_msgs.Header import Header
 
-class PoseWithCovarianceStamped:
+class PoseWithCovarianceStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     pose: PoseWithCovariance
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., pose: PoseWithCovariance = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PoseWithCovarianceStamped: ...

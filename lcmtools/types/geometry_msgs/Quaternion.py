@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Quaternion(object):
+import lcmtools.message_value
+
+class Quaternion(lcmtools.message_value.MessageValue):
     """
     An orientation in free space as a unit quaternion, x*i + y*j + z*k + w. No rotation is x = y =
     z = 0 and w = 1; all four zero, as in a new message, is no orientation.
@@ -19,31 +21,32 @@ class Quaternion(object):
 
     __dimensions__ = [None, None, None, None]
 
-    def __init__(self):
-        self.x = 0.0
+    def __init__(self, x=0.0, y=0.0, z=0.0, w=0.0):
+        self.x = x
         """
         [1] factor of i
         LCM Type: double
         """
 
-        self.y = 0.0
+        self.y = y
         """
         [1] factor of j
         LCM Type: double
         """
 
-        self.z = 0.0
+        self.z = z
         """
         [1] factor of k
         LCM Type: double
         """
 
-        self.w = 0.0
+        self.w = w
         """
         [1] real part
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Quaternion has the fields x, y, z, w; Quaternion"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class Quaternion:
+from lcmtools.message_value import MessageValue
+
+class Quaternion(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -10,7 +12,7 @@ class Quaternion:
     y: float
     z: float
     w: float
-    def __init__(self) -> None: ...
+    def __init__(self, x: float = ..., y: float = ..., z: float = ..., w: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Quaternion: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class QuaternionStamped(object):
+import lcmtools.message_value
+
+class QuaternionStamped(lcmtools.message_value.MessageValue):
     """ An orientation with its time and frame. """
 
     __slots__ = ["header", "quaternion"]
@@ -20,19 +22,20 @@ class QuaternionStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, quaternion=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the orientation holds, and the frame to which it is relative
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.quaternion = lcmtools.types.geometry_msgs.Quaternion()
+        self.quaternion = lcmtools.types.geometry_msgs.Quaternion() if quaternion is None else quaternion
         """
         orientation relative to header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Quaternion
         """
 
+    __init__.__qualname__ = "QuaternionStamped has the fields header, quaternion; QuaternionStamped"
 
     def encode(self):
         buf = BytesIO()

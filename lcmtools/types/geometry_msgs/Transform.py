@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Transform(object):
+import lcmtools.message_value
+
+class Transform(lcmtools.message_value.MessageValue):
     """ The transform between two frames: rotate, then translate. """
 
     __slots__ = ["translation", "rotation"]
@@ -18,19 +20,20 @@ class Transform(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.translation = lcmtools.types.geometry_msgs.Vector3()
+    def __init__(self, translation=None, rotation=None):
+        self.translation = lcmtools.types.geometry_msgs.Vector3() if translation is None else translation
         """
         [m] position of the child frame's origin in the parent frame
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.rotation = lcmtools.types.geometry_msgs.Quaternion()
+        self.rotation = lcmtools.types.geometry_msgs.Quaternion() if rotation is None else rotation
         """
         orientation of the child frame relative to the parent frame
         LCM Type: lcmtools.types.geometry_msgs.Quaternion
         """
 
+    __init__.__qualname__ = "Transform has the fields translation, rotation; Transform"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Quaternion import Quaternion
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 
-class Transform:
+class Transform(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     translation: Vector3
     rotation: Quaternion
-    def __init__(self) -> None: ...
+    def __init__(self, translation: Vector3 = ..., rotation: Quaternion = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Transform: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class TransformStamped(object):
+import lcmtools.message_value
+
+class TransformStamped(lcmtools.message_value.MessageValue):
     """
     The pose of one frame in another. It transforms coordinates in child_frame_id to
     coordinates in header.frame_id.
@@ -23,25 +25,26 @@ class TransformStamped(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, child_frame_id="", transform=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the transform holds, and the parent frame
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.child_frame_id = ""
+        self.child_frame_id = child_frame_id
         """
         the child frame
         LCM Type: string
         """
 
-        self.transform = lcmtools.types.geometry_msgs.Transform()
+        self.transform = lcmtools.types.geometry_msgs.Transform() if transform is None else transform
         """
         [m] position and orientation of child_frame_id in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Transform
         """
 
+    __init__.__qualname__ = "TransformStamped has the fields header, child_frame_id, transform; TransformStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Transform import Transform
 from lcmtools.types.std_msgs.Header import Header
 
-class TransformStamped:
+class TransformStamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     child_frame_id: str
     transform: Transform
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., child_frame_id: str = ..., transform: Transform = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> TransformStamped: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Twist(object):
+import lcmtools.message_value
+
+class Twist(lcmtools.message_value.MessageValue):
     """
     Velocity in free space: its linear and angular part. As a command to a mobile robot it
     is given in the body frame: x forward, y left, z up.
@@ -21,20 +23,21 @@ class Twist(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.linear = lcmtools.types.geometry_msgs.Vector3()
+    def __init__(self, linear=None, angular=None):
+        self.linear = lcmtools.types.geometry_msgs.Vector3() if linear is None else linear
         """
         [m/s] linear velocity along each axis
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.angular = lcmtools.types.geometry_msgs.Vector3()
+        self.angular = lcmtools.types.geometry_msgs.Vector3() if angular is None else angular
         """
         [rad/s] angular velocity about each axis, positive by the right-hand rule, so that z >
         0 turns left
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
+    __init__.__qualname__ = "Twist has the fields linear, angular; Twist"
 
     def encode(self):
         buf = BytesIO()

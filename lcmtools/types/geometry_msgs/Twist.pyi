@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 
-class Twist:
+class Twist(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     linear: Vector3
     angular: Vector3
-    def __init__(self) -> None: ...
+    def __init__(self, linear: Vector3 = ..., angular: Vector3 = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Twist: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class TwistStamped(object):
+import lcmtools.message_value
+
+class TwistStamped(lcmtools.message_value.MessageValue):
     """ A velocity with its time and frame. """
 
     __slots__ = ["header", "twist"]
@@ -20,19 +22,20 @@ class TwistStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, twist=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the velocity holds, and the frame of its axes
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.twist = lcmtools.types.geometry_msgs.Twist()
+        self.twist = lcmtools.types.geometry_msgs.Twist() if twist is None else twist
         """
         [m/s, rad/s] velocity in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Twist
         """
 
+    __init__.__qualname__ = "TwistStamped has the fields header, twist; TwistStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class TwistWithCovariance(object):
+import lcmtools.message_value
+
+class TwistWithCovariance(lcmtools.message_value.MessageValue):
     """ An uncertain velocity. """
 
     __slots__ = ["twist", "covariance"]
@@ -18,20 +20,21 @@ class TwistWithCovariance(object):
 
     __dimensions__ = [None, [36]]
 
-    def __init__(self):
-        self.twist = lcmtools.types.geometry_msgs.Twist()
+    def __init__(self, twist=None, covariance=None):
+        self.twist = lcmtools.types.geometry_msgs.Twist() if twist is None else twist
         """
         [m/s, rad/s] the estimated velocity
         LCM Type: lcmtools.types.geometry_msgs.Twist
         """
 
-        self.covariance = [ 0.0 for dim0 in range(36) ]
+        self.covariance = [ 0.0 for dim0 in range(36) ] if covariance is None else covariance
         """
         [(m/s)^2, (m/s)*(rad/s), (rad/s)^2] row-major 6x6 covariance in the order x, y, z,
         rotation about x, about y, about z (fixed axes)
         LCM Type: double[36]
         """
 
+    __init__.__qualname__ = "TwistWithCovariance has the fields twist, covariance; TwistWithCovariance"
 
     def encode(self):
         buf = BytesIO()

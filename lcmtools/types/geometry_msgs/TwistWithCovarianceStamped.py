@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class TwistWithCovarianceStamped(object):
+import lcmtools.message_value
+
+class TwistWithCovarianceStamped(lcmtools.message_value.MessageValue):
     """ An uncertain velocity with its time and frame. """
 
     __slots__ = ["header", "twist"]
@@ -20,19 +22,20 @@ class TwistWithCovarianceStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, twist=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the estimate holds, and the frame of its axes
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.twist = lcmtools.types.geometry_msgs.TwistWithCovariance()
+        self.twist = lcmtools.types.geometry_msgs.TwistWithCovariance() if twist is None else twist
         """
         [m/s, rad/s] velocity in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.TwistWithCovariance
         """
 
+    __init__.__qualname__ = "TwistWithCovarianceStamped has the fields header, twist; TwistWithCovarianceStamped"
 
     def encode(self):
         buf = BytesIO()

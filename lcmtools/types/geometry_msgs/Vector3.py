@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Vector3(object):
+import lcmtools.message_value
+
+class Vector3(lcmtools.message_value.MessageValue):
     """
     A vector in free space: a direction with a length, which a change of frame rotates but does
     not move. Its unit depends on the field.
@@ -19,25 +21,26 @@ class Vector3(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.x = 0.0
+    def __init__(self, x=0.0, y=0.0, z=0.0):
+        self.x = x
         """
         along the x axis of the frame; forward in a body frame
         LCM Type: double
         """
 
-        self.y = 0.0
+        self.y = y
         """
         along the y axis of the frame; left in a body frame
         LCM Type: double
         """
 
-        self.z = 0.0
+        self.z = z
         """
         along the z axis of the frame; up in a body frame
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Vector3 has the fields x, y, z; Vector3"
 
     def encode(self):
         buf = BytesIO()

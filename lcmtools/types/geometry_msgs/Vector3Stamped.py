@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class Vector3Stamped(object):
+import lcmtools.message_value
+
+class Vector3Stamped(lcmtools.message_value.MessageValue):
     """ A vector with its time and frame. """
 
     __slots__ = ["header", "vector"]
@@ -20,19 +22,20 @@ class Vector3Stamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, vector=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the vector holds, and the frame of its axes
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.vector = lcmtools.types.geometry_msgs.Vector3()
+        self.vector = lcmtools.types.geometry_msgs.Vector3() if vector is None else vector
         """
         the vector in header.frame_id; its unit depends on the topic
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
+    __init__.__qualname__ = "Vector3Stamped has the fields header, vector; Vector3Stamped"
 
     def encode(self):
         buf = BytesIO()

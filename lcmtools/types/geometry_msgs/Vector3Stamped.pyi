@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 from lcmtools.types.std_msgs.Header import Header
 
-class Vector3Stamped:
+class Vector3Stamped(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     vector: Vector3
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., vector: Vector3 = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Vector3Stamped: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Wrench(object):
+import lcmtools.message_value
+
+class Wrench(lcmtools.message_value.MessageValue):
     """ Force and torque in free space. """
 
     __slots__ = ["force", "torque"]
@@ -18,19 +20,20 @@ class Wrench(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.force = lcmtools.types.geometry_msgs.Vector3()
+    def __init__(self, force=None, torque=None):
+        self.force = lcmtools.types.geometry_msgs.Vector3() if force is None else force
         """
         [N] force along each axis
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.torque = lcmtools.types.geometry_msgs.Vector3()
+        self.torque = lcmtools.types.geometry_msgs.Vector3() if torque is None else torque
         """
         [N*m] torque about each axis, positive by the right-hand rule
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
+    __init__.__qualname__ = "Wrench has the fields force, torque; Wrench"
 
     def encode(self):
         buf = BytesIO()

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class WrenchStamped(object):
+import lcmtools.message_value
+
+class WrenchStamped(lcmtools.message_value.MessageValue):
     """ A wrench with its time and frame. """
 
     __slots__ = ["header", "wrench"]
@@ -20,20 +22,21 @@ class WrenchStamped(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, wrench=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the wrench was applied or measured, and the frame of its axes and of the point at
         which it acts
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.wrench = lcmtools.types.geometry_msgs.Wrench()
+        self.wrench = lcmtools.types.geometry_msgs.Wrench() if wrench is None else wrench
         """
         [N, N*m] wrench in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Wrench
         """
 
+    __init__.__qualname__ = "WrenchStamped has the fields header, wrench; WrenchStamped"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Announcement(object):
+import lcmtools.message_value
+
+class Announcement(lcmtools.message_value.MessageValue):
     """
     The announcement of a node: sent once a second, on each change, in answer to a Probe, and when
     the node leaves. Frozen: this struct never changes. What may grow is in details.
@@ -24,98 +26,99 @@ class Announcement(object):
     LEAVING = 1
     """ a state: the node ends, and this is its last announcement """
 
-    def __init__(self):
-        self.details_length = 0
+    def __init__(self, version=0, name="", host="", pid=0, start_time=0, id="", state=0, revision=0, tool=False, command="", software="", answers=0, sent=0, details=b"", details_length=0):
+        self.details_length = details_length
         """
         number of bytes of details
         LCM Type: int32_t
         """
 
-        self.version = 0
+        self.version = version
         """
         version of the protocol that the node speaks, greater by one with each addition to it
         LCM Type: int32_t
         """
 
-        self.name = ""
+        self.name = name
         """
         fully resolved name of the node, for example /husky0/driver
         LCM Type: string
         """
 
-        self.host = ""
+        self.host = host
         """
         name of the computer on which the node runs
         LCM Type: string
         """
 
-        self.pid = 0
+        self.pid = pid
         """
         process id of the node on that computer
         LCM Type: int32_t
         """
 
-        self.start_time = 0
+        self.start_time = start_time
         """
         [ns since 1970-01-01 UTC] when the node was created
         LCM Type: int64_t
         """
 
-        self.id = ""
+        self.id = id
         """
         identity of this run of the node, which no other node and no other run has
         LCM Type: string
         """
 
-        self.state = 0
+        self.state = state
         """
         LEAVING, or another value for a node that runs
         LCM Type: int8_t
         """
 
-        self.revision = 0
+        self.revision = revision
         """
         a hash of command, tool and details without counters, times and rates: while it stays the
         same, a reader that knows the node does not need to decode the details again
         LCM Type: int64_t
         """
 
-        self.tool = False
+        self.tool = tool
         """
         true for a command that only observes the bus, and is not a part of the system
         LCM Type: boolean
         """
 
-        self.command = ""
+        self.command = command
         """
         command line of the process
         LCM Type: string
         """
 
-        self.software = ""
+        self.software = software
         """
         name and version of the library that announces, for example lcmtools 0.1.0
         LCM Type: string
         """
 
-        self.answers = 0
+        self.answers = answers
         """
         nonce of the Probe or Shutdown that this announcement answers; 0 if it was sent unasked
         LCM Type: int64_t
         """
 
-        self.sent = 0
+        self.sent = sent
         """
         [ns since 1970-01-01 UTC] when this was sent, by the clock of the node's computer; 0 if unknown
         LCM Type: int64_t
         """
 
-        self.details = b""
+        self.details = details
         """
         a NodeDetails, encoded as in Appendable
         LCM Type: byte[details_length]
         """
 
+    __init__.__qualname__ = "Announcement has the fields version, name, host, pid, start_time, id, state, revision, tool, command, software, answers, sent, details, details_length; Announcement"
 
     def encode(self):
         buf = BytesIO()

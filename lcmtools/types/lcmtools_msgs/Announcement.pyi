@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class Announcement:
+from lcmtools.message_value import MessageValue
+
+class Announcement(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -23,7 +25,7 @@ class Announcement:
     answers: int
     sent: int
     details: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, version: int = ..., name: str = ..., host: str = ..., pid: int = ..., start_time: int = ..., id: str = ..., state: int = ..., revision: int = ..., tool: bool = ..., command: str = ..., software: str = ..., answers: int = ..., sent: int = ..., details: bytes = ..., details_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Announcement: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Appendable(object):
+import lcmtools.message_value
+
+class Appendable(lcmtools.message_value.MessageValue):
     """
     A struct whose later versions may append fields: its encoding without a fingerprint. A reader
     ignores bytes after the fields that it knows; fields that are missing at the end have defaults.
@@ -20,19 +22,20 @@ class Appendable(object):
 
     __dimensions__ = [None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, data=b"", data_length=0):
+        self.data_length = data_length
         """
         number of bytes of data
         LCM Type: int32_t
         """
 
-        self.data = b""
+        self.data = data
         """
         the fields in their order
         LCM Type: byte[data_length]
         """
 
+    __init__.__qualname__ = "Appendable has the fields data, data_length; Appendable"
 
     def encode(self):
         buf = BytesIO()

@@ -2,13 +2,15 @@
 
 from typing import ClassVar
 
-class Appendable:
+from lcmtools.message_value import MessageValue
+
+class Appendable(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data_length: int
     data: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, data: bytes = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Appendable: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class CallbackError(object):
+import lcmtools.message_value
+
+class CallbackError(lcmtools.message_value.MessageValue):
     """
     An exception that a callback of a node has raised, once or repeatedly. Appendable: new fields
     are added at the end only.
@@ -19,43 +21,44 @@ class CallbackError(object):
 
     __dimensions__ = [None, None, None, None, None, None]
 
-    def __init__(self):
-        self.callback = ""
+    def __init__(self, callback="", exception="", message="", place="", count=0, last_time=0):
+        self.callback = callback
         """
         the callback: a topic as "/odometry", "timer 0.1 s", "service /reset" or "parameters"
         LCM Type: string
         """
 
-        self.exception = ""
+        self.exception = exception
         """
         name of the exception's class, for example AttributeError
         LCM Type: string
         """
 
-        self.message = ""
+        self.message = message
         """
         first line of its text, shortened
         LCM Type: string
         """
 
-        self.place = ""
+        self.place = place
         """
         innermost line of the user's own code, for example simple_controller.py:35
         LCM Type: string
         """
 
-        self.count = 0
+        self.count = count
         """
         [times] raised since the node's start
         LCM Type: int64_t
         """
 
-        self.last_time = 0
+        self.last_time = last_time
         """
         [ns since 1970-01-01 UTC] when it was raised last
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "CallbackError has the fields callback, exception, message, place, count, last_time; CallbackError"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class CallbackError:
+from lcmtools.message_value import MessageValue
+
+class CallbackError(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -12,7 +14,7 @@ class CallbackError:
     place: str
     count: int
     last_time: int
-    def __init__(self) -> None: ...
+    def __init__(self, callback: str = ..., exception: str = ..., message: str = ..., place: str = ..., count: int = ..., last_time: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> CallbackError: ...

@@ -7,17 +7,19 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Endpoint(object):
+import lcmtools.message_value
+
+class Endpoint(lcmtools.message_value.MessageValue):
     """
     One publisher, subscription, service or client of a node. Appendable: new fields are added at
     the end only.
     """
 
-    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "latched", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate"]
+    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "latched", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate", "incomplete"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "boolean", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "double"]
+    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "boolean", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "double", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None, None, None, None]
 
     PUBLISHER = 0
     """ a role: publishes messages on the topic """
@@ -28,114 +30,121 @@ class Endpoint(object):
     CLIENT = 3
     """ a role: sends requests """
 
-    def __init__(self):
-        self.types_length = 0
+    def __init__(self, topic="", role=0, types=None, fingerprints=None, group="", depth=0, latched=False, messages=0, bytes=0, drops=0, last_time=0, calls=0, busy=0, longest=0, rate=0.0, incomplete=0, types_length=0, fingerprints_length=0):
+        self.types_length = types_length
         """
         number of elements of types
         LCM Type: int32_t
         """
 
-        self.fingerprints_length = 0
+        self.fingerprints_length = fingerprints_length
         """
         number of elements of fingerprints
         LCM Type: int32_t
         """
 
-        self.topic = ""
+        self.topic = topic
         """
         fully resolved name of the topic or service, which is also the LCM channel
         LCM Type: string
         """
 
-        self.role = 0
+        self.role = role
         """
         the node's role for the topic: PUBLISHER, SUBSCRIBER, SERVICE or CLIENT; an endpoint with
         another value is ignored
         LCM Type: int8_t
         """
 
-        self.types = []
+        self.types = [] if types is None else types
         """
         names of the accepted types as package/Name, the declared one first; a service or
         client names its service type
         LCM Type: string[types_length]
         """
 
-        self.fingerprints = []
+        self.fingerprints = [] if fingerprints is None else fingerprints
         """
         fingerprints of these types in the same order, an unsigned 64-bit number stored as
         signed
         LCM Type: int64_t[fingerprints_length]
         """
 
-        self.group = ""
+        self.group = group
         """
         name shared by subscriptions that are alternatives to each other, so that one connected topic
         is enough; "" for none
         LCM Type: string
         """
 
-        self.depth = 0
+        self.depth = depth
         """
         [messages] length of the queue, the newest are kept
         LCM Type: int32_t
         """
 
-        self.latched = False
+        self.latched = latched
         """
         true for a publisher that sends its last message again to each new subscriber
         LCM Type: boolean
         """
 
-        self.messages = 0
+        self.messages = messages
         """
         [messages] sent (publisher, client) or received (subscriber, service) since the start
         LCM Type: int64_t
         """
 
-        self.bytes = 0
+        self.bytes = bytes
         """
         [bytes] payload of these messages
         LCM Type: int64_t
         """
 
-        self.drops = 0
+        self.drops = drops
         """
         [messages] lost because the queue was full, since the start
         LCM Type: int64_t
         """
 
-        self.last_time = 0
+        self.last_time = last_time
         """
         [ns since 1970-01-01 UTC] when the last message was sent or received, 0 for never
         LCM Type: int64_t
         """
 
-        self.calls = 0
+        self.calls = calls
         """
         [calls] of the callback since the start, including a running one; 0 for a publisher or
         client
         LCM Type: int64_t
         """
 
-        self.busy = 0
+        self.busy = busy
         """
         [ns] spent in the callback since the start, including a running call
         LCM Type: int64_t
         """
 
-        self.longest = 0
+        self.longest = longest
         """
         [ns] duration of the longest call, or of a running one so far
         LCM Type: int64_t
         """
 
-        self.rate = 0.0
+        self.rate = rate
         """
         [Hz] of messages over the last one or two seconds; 0 if unknown
         LCM Type: double
         """
 
+        self.incomplete = incomplete
+        """
+        [messages] of which parts were lost on their way, since the start
+        LCM Type: int64_t
+        """
+
+    __init__.__qualname__ = "Endpoint has the fields topic, role, types, fingerprints, group, depth, latched, messages, bytes, drops, last_time, calls, busy, longest, rate, incomplete, types_length, fingerprints_length; Endpoint"
 
     def encode(self):
         buf = BytesIO()
@@ -160,7 +169,7 @@ class Endpoint(object):
         buf.write(struct.pack('>I', len(__group_encoded)+1))
         buf.write(__group_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">ibqqqqqqqd", self.depth, self.latched, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate))
+        buf.write(struct.pack(">ibqqqqqqqdq", self.depth, self.latched, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate, self.incomplete))
 
     @staticmethod
     def decode(data: bytes):
@@ -188,13 +197,13 @@ class Endpoint(object):
         self.group = buf.read(__group_len)[:-1].decode('utf-8', 'replace')
         self.depth = struct.unpack(">i", buf.read(4))[0]
         self.latched = bool(struct.unpack('b', buf.read(1))[0])
-        self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate = struct.unpack(">qqqqqqqd", buf.read(64))
+        self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate, self.incomplete = struct.unpack(">qqqqqqqdq", buf.read(72))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Endpoint in parents: return 0
-        tmphash = (0xbd8d31b8c0db8a16) & 0xffffffffffffffff
+        tmphash = (0x8e0141b5e4b014bb) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -4,7 +4,9 @@ import builtins
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
-class Endpoint:
+from lcmtools.message_value import MessageValue
+
+class Endpoint(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -29,7 +31,8 @@ class Endpoint:
     busy: int
     longest: int
     rate: float
-    def __init__(self) -> None: ...
+    incomplete: int
+    def __init__(self, topic: str = ..., role: int = ..., types: list[str] = ..., fingerprints: Sequence[int] = ..., group: str = ..., depth: int = ..., latched: bool = ..., messages: int = ..., bytes: int = ..., drops: int = ..., last_time: int = ..., calls: int = ..., busy: int = ..., longest: int = ..., rate: float = ..., incomplete: int = ..., types_length: int = ..., fingerprints_length: int = ...) -> None: ...
     def encode(self) -> builtins.bytes: ...
     @staticmethod
     def decode(data: builtins.bytes) -> Endpoint: ...

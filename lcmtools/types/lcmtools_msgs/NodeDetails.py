@@ -9,59 +9,82 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class NodeDetails(object):
+import lcmtools.message_value
+
+class NodeDetails(lcmtools.message_value.MessageValue):
     """ The part of an Announcement that may grow. Appendable: new fields are added at the end only. """
 
-    __slots__ = ["ports_length", "endpoints_length", "errors_length", "ports", "endpoints", "busy", "errors"]
+    __slots__ = ["ports_length", "endpoints_length", "errors_length", "ports", "endpoints", "busy", "errors", "pid_namespace", "overflows", "observed"]
 
-    __typenames__ = ["int32_t", "int32_t", "int32_t", "int32_t", "lcmtools.types.lcmtools_msgs.Appendable", "int64_t", "lcmtools.types.lcmtools_msgs.Appendable"]
+    __typenames__ = ["int32_t", "int32_t", "int32_t", "int32_t", "lcmtools.types.lcmtools_msgs.Appendable", "int64_t", "lcmtools.types.lcmtools_msgs.Appendable", "int64_t", "int64_t", "lcmtools.types.lcmtools_msgs.Appendable"]
 
-    __dimensions__ = [None, None, None, ["ports_length"], ["endpoints_length"], None, ["errors_length"]]
+    __dimensions__ = [None, None, None, ["ports_length"], ["endpoints_length"], None, ["errors_length"], None, None, None]
 
-    def __init__(self):
-        self.ports_length = 0
+    def __init__(self, ports=None, endpoints=None, busy=0, errors=None, pid_namespace=0, overflows=0, observed=None, ports_length=0, endpoints_length=0, errors_length=0):
+        self.ports_length = ports_length
         """
         number of elements of ports
         LCM Type: int32_t
         """
 
-        self.endpoints_length = 0
+        self.endpoints_length = endpoints_length
         """
         number of elements of endpoints
         LCM Type: int32_t
         """
 
-        self.errors_length = 0
+        self.errors_length = errors_length
         """
         number of elements of errors
         LCM Type: int32_t
         """
 
-        self.ports = []
+        self.ports = [] if ports is None else ports
         """
-        UDP ports from which the node sends, in addition to the one that its announcements come from
-        (large messages have a port of their own); empty if the bus is not UDP multicast
+        UDP ports from which the node sends, if they are not only the one that its announcements come
+        from; empty if the bus is not UDP multicast
         LCM Type: int32_t[ports_length]
         """
 
-        self.endpoints = []
+        self.endpoints = [] if endpoints is None else endpoints
         """
         an Endpoint for each publisher, subscription, service and client of the node
         LCM Type: lcmtools.types.lcmtools_msgs.Appendable[endpoints_length]
         """
 
-        self.busy = 0
+        self.busy = busy
         """
         [ns] spent in the callbacks of subscriptions, services and timers since the start
         LCM Type: int64_t
         """
 
-        self.errors = []
+        self.errors = [] if errors is None else errors
         """
         a CallbackError for each different exception of the node's callbacks, the newest five
         LCM Type: lcmtools.types.lcmtools_msgs.Appendable[errors_length]
         """
 
+        self.pid_namespace = pid_namespace
+        """
+        number (inode) of the namespace in which the node's process id is valid, as each container
+        has its own; 0 if unknown
+        LCM Type: int64_t
+        """
+
+        self.overflows = overflows
+        """
+        [datagrams] that full receive buffers of the node's process have lost since its start, at
+        most; 0 also if unknown
+        LCM Type: int64_t
+        """
+
+        self.observed = lcmtools.types.lcmtools_msgs.Appendable() if observed is None else observed
+        """
+        an Observed, from a relay or a server; without bytes from other nodes
+        LCM Type: lcmtools.types.lcmtools_msgs.Appendable
+        """
+
+    __init__.__qualname__ = "NodeDetails has the fields ports, endpoints, busy, errors, pid_namespace, overflows, observed, ports_length, endpoints_length, errors_length; NodeDetails"
 
     def encode(self):
         buf = BytesIO()
@@ -79,6 +102,9 @@ class NodeDetails(object):
         for i0 in range(self.errors_length):
             assert self.errors[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Appendable._get_packed_fingerprint()
             self.errors[i0]._encode_one(buf)
+        buf.write(struct.pack(">qq", self.pid_namespace, self.overflows))
+        assert self.observed._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Appendable._get_packed_fingerprint()
+        self.observed._encode_one(buf)
 
     @staticmethod
     def decode(data: bytes):
@@ -102,13 +128,15 @@ class NodeDetails(object):
         self.errors = []
         for i0 in range(self.errors_length):
             self.errors.append(lcmtools.types.lcmtools_msgs.Appendable._decode_one(buf))
+        self.pid_namespace, self.overflows = struct.unpack(">qq", buf.read(16))
+        self.observed = lcmtools.types.lcmtools_msgs.Appendable._decode_one(buf)
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if NodeDetails in parents: return 0
         newparents = parents + [NodeDetails]
-        tmphash = (0x3bd7810bbdebed77+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0xfeafe7496546fdbf+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)+ lcmtools.types.lcmtools_msgs.Appendable._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
-class NodeDetails:
+class NodeDetails(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -16,7 +17,10 @@ class NodeDetails:
     endpoints: list[Appendable]
     busy: int
     errors: list[Appendable]
-    def __init__(self) -> None: ...
+    pid_namespace: int
+    overflows: int
+    observed: Appendable
+    def __init__(self, ports: Sequence[int] = ..., endpoints: list[Appendable] = ..., busy: int = ..., errors: list[Appendable] = ..., pid_namespace: int = ..., overflows: int = ..., observed: Appendable = ..., ports_length: int = ..., endpoints_length: int = ..., errors_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> NodeDetails: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Parameter(object):
+import lcmtools.message_value
+
+class Parameter(lcmtools.message_value.MessageValue):
     """
     One parameter of a node; in a change, name and value are enough. Frozen: this struct never
     changes.
@@ -19,50 +21,51 @@ class Parameter(object):
 
     __dimensions__ = [None, None, None, None, None, None, None]
 
-    def __init__(self):
-        self.name = ""
+    def __init__(self, name="", type="", value="", description="", minimum="", maximum="", read_only=False):
+        self.name = name
         """
         name below the node's, for example kp
         LCM Type: string
         """
 
-        self.type = ""
+        self.type = type
         """
         bool, int, float or string; one of them with [] for a list; list for a list of several, and
         any for a parameter that takes all of these
         LCM Type: string
         """
 
-        self.value = ""
+        self.value = value
         """
         the value as YAML in one line
         LCM Type: string
         """
 
-        self.description = ""
+        self.description = description
         """
         what it is for, "" if the node does not say
         LCM Type: string
         """
 
-        self.minimum = ""
+        self.minimum = minimum
         """
         smallest value as YAML, "" for none
         LCM Type: string
         """
 
-        self.maximum = ""
+        self.maximum = maximum
         """
         largest value as YAML, "" for none
         LCM Type: string
         """
 
-        self.read_only = False
+        self.read_only = read_only
         """
         true if it cannot change while the node runs
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "Parameter has the fields name, type, value, description, minimum, maximum, read_only; Parameter"
 
     def encode(self):
         buf = BytesIO()

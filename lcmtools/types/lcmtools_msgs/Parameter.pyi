@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class Parameter:
+from lcmtools.message_value import MessageValue
+
+class Parameter(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -13,7 +15,7 @@ class Parameter:
     minimum: str
     maximum: str
     read_only: bool
-    def __init__(self) -> None: ...
+    def __init__(self, name: str = ..., type: str = ..., value: str = ..., description: str = ..., minimum: str = ..., maximum: str = ..., read_only: bool = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Parameter: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class Parameters_Request(object):
+import lcmtools.message_value
+
+class Parameters_Request(lcmtools.message_value.MessageValue):
     """
     Requests a node's parameters, after changing some of them: all of the changes or none. Frozen:
     this struct never changes.
@@ -21,19 +23,20 @@ class Parameters_Request(object):
 
     __dimensions__ = [None, ["changes_length"]]
 
-    def __init__(self):
-        self.changes_length = 0
+    def __init__(self, changes=None, changes_length=0):
+        self.changes_length = changes_length
         """
         number of elements of changes
         LCM Type: int32_t
         """
 
-        self.changes = []
+        self.changes = [] if changes is None else changes
         """
         new values; none to ask only
         LCM Type: lcmtools.types.lcmtools_msgs.Parameter[changes_length]
         """
 
+    __init__.__qualname__ = "Parameters_Request has the fields changes, changes_length; Parameters_Request"
 
     def encode(self):
         buf = BytesIO()

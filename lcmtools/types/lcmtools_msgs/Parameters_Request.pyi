@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Parameter import Parameter
 
-class Parameters_Request:
+class Parameters_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     changes_length: int
     changes: list[Parameter]
-    def __init__(self) -> None: ...
+    def __init__(self, changes: list[Parameter] = ..., changes_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Parameters_Request: ...

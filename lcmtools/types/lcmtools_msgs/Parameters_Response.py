@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class Parameters_Response(object):
+import lcmtools.message_value
+
+class Parameters_Response(lcmtools.message_value.MessageValue):
     """ All parameters of a node. Frozen: this struct never changes. """
 
     __slots__ = ["parameters_length", "errors_length", "parameters", "errors"]
@@ -18,31 +20,32 @@ class Parameters_Response(object):
 
     __dimensions__ = [None, None, ["parameters_length"], ["errors_length"]]
 
-    def __init__(self):
-        self.parameters_length = 0
+    def __init__(self, parameters=None, errors=None, parameters_length=0, errors_length=0):
+        self.parameters_length = parameters_length
         """
         number of elements of parameters
         LCM Type: int32_t
         """
 
-        self.errors_length = 0
+        self.errors_length = errors_length
         """
         number of elements of errors
         LCM Type: int32_t
         """
 
-        self.parameters = []
+        self.parameters = [] if parameters is None else parameters
         """
         as they are after the changes, sorted by name
         LCM Type: lcmtools.types.lcmtools_msgs.Parameter[parameters_length]
         """
 
-        self.errors = []
+        self.errors = [] if errors is None else errors
         """
         why nothing was changed, empty if all changes were made
         LCM Type: string[errors_length]
         """
 
+    __init__.__qualname__ = "Parameters_Response has the fields parameters, errors, parameters_length, errors_length; Parameters_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -2,9 +2,10 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Parameter import Parameter
 
-class Parameters_Response:
+class Parameters_Response(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -12,7 +13,7 @@ class Parameters_Response:
     errors_length: int
     parameters: list[Parameter]
     errors: list[str]
-    def __init__(self) -> None: ...
+    def __init__(self, parameters: list[Parameter] = ..., errors: list[str] = ..., parameters_length: int = ..., errors_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Parameters_Response: ...

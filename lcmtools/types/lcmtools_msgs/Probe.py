@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Probe(object):
+import lcmtools.message_value
+
+class Probe(lcmtools.message_value.MessageValue):
     """ Requests nodes to announce themselves at once. Frozen: this struct never changes. """
 
     __slots__ = ["target", "nonce"]
@@ -16,19 +18,20 @@ class Probe(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.target = ""
+    def __init__(self, target="", nonce=0):
+        self.target = target
         """
         fully resolved name of the node that is to answer, "" for every node
         LCM Type: string
         """
 
-        self.nonce = 0
+        self.nonce = nonce
         """
         number chosen by the asker, which the answers repeat
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "Probe has the fields target, nonce; Probe"
 
     def encode(self):
         buf = BytesIO()

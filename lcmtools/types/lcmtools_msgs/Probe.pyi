@@ -2,13 +2,15 @@
 
 from typing import ClassVar
 
-class Probe:
+from lcmtools.message_value import MessageValue
+
+class Probe(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     target: str
     nonce: int
-    def __init__(self) -> None: ...
+    def __init__(self, target: str = ..., nonce: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Probe: ...

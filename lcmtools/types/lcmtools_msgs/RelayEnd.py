@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class RelayEnd(object):
+import lcmtools.message_value
+
+class RelayEnd(lcmtools.message_value.MessageValue):
     """
     One of the two ends of a relay: its connection to a bus. Appendable: new fields are added at the
     end only.
@@ -19,97 +21,98 @@ class RelayEnd(object):
 
     __dimensions__ = [None, None, None, None, None, ["heard_length"], ["ports_length"], None, None, None, None, None, None, ["commands_length"], None]
 
-    def __init__(self):
-        self.heard_length = 0
+    def __init__(self, id="", bus="", heard=None, ports=None, is_up=False, trouble="", messages=0, bytes=0, left_out=0, dropped=0, commands=None, lost=0, heard_length=0, ports_length=0, commands_length=0):
+        self.heard_length = heard_length
         """
         number of elements of heard
         LCM Type: int32_t
         """
 
-        self.ports_length = 0
+        self.ports_length = ports_length
         """
         number of elements of ports
         LCM Type: int32_t
         """
 
-        self.commands_length = 0
+        self.commands_length = commands_length
         """
         number of elements of commands
         LCM Type: int32_t
         """
 
-        self.id = ""
+        self.id = id
         """
         identity of the end
         LCM Type: string
         """
 
-        self.bus = ""
+        self.bus = bus
         """
         the bus, as a person calls it
         LCM Type: string
         """
 
-        self.heard = []
+        self.heard = [] if heard is None else heard
         """
         identities of other ends that are on the same bus, for their reports come in here
         LCM Type: string[heard_length]
         """
 
-        self.ports = []
+        self.ports = [] if ports is None else ports
         """
         UDP ports that the end sends from; empty if the bus is not UDP multicast
         LCM Type: int32_t[ports_length]
         """
 
-        self.is_up = False
+        self.is_up = is_up
         """
         false if the bus cannot be reached
         LCM Type: boolean
         """
 
-        self.trouble = ""
+        self.trouble = trouble
         """
         the trouble with the bus, "" for none
         LCM Type: string
         """
 
-        self.messages = 0
+        self.messages = messages
         """
         [messages] sent to this bus since the start
         LCM Type: int64_t
         """
 
-        self.bytes = 0
+        self.bytes = bytes
         """
         [bytes] payload of these messages
         LCM Type: int64_t
         """
 
-        self.left_out = 0
+        self.left_out = left_out
         """
         [messages] of this bus that were left out, by the rules
         LCM Type: int64_t
         """
 
-        self.dropped = 0
+        self.dropped = dropped
         """
         [messages] for this bus that were dropped, because it was slow or could not be reached
         LCM Type: int64_t
         """
 
-        self.commands = []
+        self.commands = [] if commands is None else commands
         """
         commands of this bus that do not pass, and that a node of the other bus waits for
         LCM Type: string[commands_length]
         """
 
-        self.lost = 0
+        self.lost = lost
         """
         [messages] of this bus that did not arrive at the relay, by their senders' numbers
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "RelayEnd has the fields id, bus, heard, ports, is_up, trouble, messages, bytes, left_out, dropped, commands, lost, heard_length, ports_length, commands_length; RelayEnd"
 
     def encode(self):
         buf = BytesIO()

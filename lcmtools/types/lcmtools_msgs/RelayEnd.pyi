@@ -4,7 +4,9 @@ import builtins
 from collections.abc import Sequence
 from typing import ClassVar
 
-class RelayEnd:
+from lcmtools.message_value import MessageValue
+
+class RelayEnd(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -23,7 +25,7 @@ class RelayEnd:
     dropped: int
     commands: list[str]
     lost: int
-    def __init__(self) -> None: ...
+    def __init__(self, id: str = ..., bus: str = ..., heard: list[str] = ..., ports: Sequence[int] = ..., is_up: bool = ..., trouble: str = ..., messages: int = ..., bytes: int = ..., left_out: int = ..., dropped: int = ..., commands: list[str] = ..., lost: int = ..., heard_length: int = ..., ports_length: int = ..., commands_length: int = ...) -> None: ...
     def encode(self) -> builtins.bytes: ...
     @staticmethod
     def decode(data: builtins.bytes) -> RelayEnd: ...

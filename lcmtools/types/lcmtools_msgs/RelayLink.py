@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class RelayLink(object):
+import lcmtools.message_value
+
+class RelayLink(lcmtools.message_value.MessageValue):
     """
     The state of a relay: the two buses that it joins. Appendable: new fields are added at the end
     only.
@@ -28,49 +30,50 @@ class RelayLink(object):
     LEFT = 2
     """ a state: it has ended """
 
-    def __init__(self):
-        self.ends_length = 0
+    def __init__(self, id="", name="", host="", state=0, number=0, ends=None, ends_length=0):
+        self.ends_length = ends_length
         """
         number of elements of ends
         LCM Type: int32_t
         """
 
-        self.id = ""
+        self.id = id
         """
         identity of the relay; of two, the smaller one is the older
         LCM Type: string
         """
 
-        self.name = ""
+        self.name = name
         """
         its name as a node
         LCM Type: string
         """
 
-        self.host = ""
+        self.host = host
         """
         name of the computer on which it runs
         LCM Type: string
         """
 
-        self.state = 0
+        self.state = state
         """
         ACTIVE, STANDBY or LEFT; another value means STANDBY
         LCM Type: int8_t
         """
 
-        self.number = 0
+        self.number = number
         """
         counts up with each report of the relay itself, so that the newest is known
         LCM Type: int64_t
         """
 
-        self.ends = []
+        self.ends = [] if ends is None else ends
         """
         a RelayEnd for each of its two ends
         LCM Type: lcmtools.types.lcmtools_msgs.Appendable[ends_length]
         """
 
+    __init__.__qualname__ = "RelayLink has the fields id, name, host, state, number, ends, ends_length; RelayLink"
 
     def encode(self):
         buf = BytesIO()

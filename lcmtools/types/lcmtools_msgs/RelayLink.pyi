@@ -2,9 +2,10 @@
 
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
-class RelayLink:
+class RelayLink(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +19,7 @@ class RelayLink:
     state: int
     number: int
     ends: list[Appendable]
-    def __init__(self) -> None: ...
+    def __init__(self, id: str = ..., name: str = ..., host: str = ..., state: int = ..., number: int = ..., ends: list[Appendable] = ..., ends_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> RelayLink: ...

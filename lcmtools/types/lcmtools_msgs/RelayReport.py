@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class RelayReport(object):
+import lcmtools.message_value
+
+class RelayReport(lcmtools.message_value.MessageValue):
     """
     Everything that a relay knows of relays, its own state first. It is sent to each of its buses
     once a second, on each change and on a Probe, and never passed on. Frozen: this struct never
@@ -22,25 +24,26 @@ class RelayReport(object):
 
     __dimensions__ = [None, None, ["links_length"]]
 
-    def __init__(self):
-        self.links_length = 0
+    def __init__(self, end="", links=None, links_length=0):
+        self.links_length = links_length
         """
         number of elements of links
         LCM Type: int32_t
         """
 
-        self.end = ""
+        self.end = end
         """
         identity of the end that sends this, which is on this bus therefore
         LCM Type: string
         """
 
-        self.links = []
+        self.links = [] if links is None else links
         """
         a RelayLink for each relay, the sender first
         LCM Type: lcmtools.types.lcmtools_msgs.Appendable[links_length]
         """
 
+    __init__.__qualname__ = "RelayReport has the fields end, links, links_length; RelayReport"
 
     def encode(self):
         buf = BytesIO()

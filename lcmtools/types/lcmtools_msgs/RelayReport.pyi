@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
-class RelayReport:
+class RelayReport(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     links_length: int
     end: str
     links: list[Appendable]
-    def __init__(self) -> None: ...
+    def __init__(self, end: str = ..., links: list[Appendable] = ..., links_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> RelayReport: ...

@@ -7,34 +7,43 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class RelayStep(object):
+import lcmtools.message_value
+
+class RelayStep(lcmtools.message_value.MessageValue):
     """ One relay that an announcement has passed. Appendable: new fields are added at the end only. """
 
-    __slots__ = ["id", "relay", "bus"]
+    __slots__ = ["id", "relay", "bus", "kept"]
 
-    __typenames__ = ["string", "string", "string"]
+    __typenames__ = ["string", "string", "string", "int64_t"]
 
-    __dimensions__ = [None, None, None]
+    __dimensions__ = [None, None, None, None]
 
-    def __init__(self):
-        self.id = ""
+    def __init__(self, id="", relay="", bus="", kept=0):
+        self.id = id
         """
         identity of the relay, as in its own Announcement
         LCM Type: string
         """
 
-        self.relay = ""
+        self.relay = relay
         """
         the relay's name as a node
         LCM Type: string
         """
 
-        self.bus = ""
+        self.bus = bus
         """
         the bus that it took the announcement from
         LCM Type: string
         """
 
+        self.kept = kept
+        """
+        [ns] for which the relay kept the announcement before it sent it; 0 if it sent it at once
+        LCM Type: int64_t
+        """
+
+    __init__.__qualname__ = "RelayStep has the fields id, relay, bus, kept; RelayStep"
 
     def encode(self):
         buf = BytesIO()
@@ -55,6 +64,7 @@ class RelayStep(object):
         buf.write(struct.pack('>I', len(__bus_encoded)+1))
         buf.write(__bus_encoded)
         buf.write(b"\0")
+        buf.write(struct.pack(">q", self.kept))
 
     @staticmethod
     def decode(data: bytes):
@@ -75,12 +85,13 @@ class RelayStep(object):
         self.relay = buf.read(__relay_len)[:-1].decode('utf-8', 'replace')
         __bus_len = struct.unpack('>I', buf.read(4))[0]
         self.bus = buf.read(__bus_len)[:-1].decode('utf-8', 'replace')
+        self.kept = struct.unpack(">q", buf.read(8))[0]
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if RelayStep in parents: return 0
-        tmphash = (0xcf0954f48226bd5d) & 0xffffffffffffffff
+        tmphash = (0xe34bcf17b0ab528d) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -2,14 +2,17 @@
 
 from typing import ClassVar
 
-class RelayStep:
+from lcmtools.message_value import MessageValue
+
+class RelayStep(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     id: str
     relay: str
     bus: str
-    def __init__(self) -> None: ...
+    kept: int
+    def __init__(self, id: str = ..., relay: str = ..., bus: str = ..., kept: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> RelayStep: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.lcmtools_msgs
 
-class RemoteAnnouncement(object):
+import lcmtools.message_value
+
+class RemoteAnnouncement(lcmtools.message_value.MessageValue):
     """
     An Announcement of a node on another bus, passed on by relays: its process, ports and computer
     are there. Frozen: this struct never changes.
@@ -21,31 +23,32 @@ class RemoteAnnouncement(object):
 
     __dimensions__ = [None, None, ["announcement_length"], ["steps_length"]]
 
-    def __init__(self):
-        self.announcement_length = 0
+    def __init__(self, announcement=b"", steps=None, announcement_length=0, steps_length=0):
+        self.announcement_length = announcement_length
         """
         number of elements of announcement
         LCM Type: int32_t
         """
 
-        self.steps_length = 0
+        self.steps_length = steps_length
         """
         number of elements of steps
         LCM Type: int32_t
         """
 
-        self.announcement = b""
+        self.announcement = announcement
         """
         the encoded Announcement, with its fingerprint; its topics are named as on this bus
         LCM Type: byte[announcement_length]
         """
 
-        self.steps = []
+        self.steps = [] if steps is None else steps
         """
         a RelayStep for each relay that it has passed, the last one first
         LCM Type: lcmtools.types.lcmtools_msgs.Appendable[steps_length]
         """
 
+    __init__.__qualname__ = "RemoteAnnouncement has the fields announcement, steps, announcement_length, steps_length; RemoteAnnouncement"
 
     def encode(self):
         buf = BytesIO()

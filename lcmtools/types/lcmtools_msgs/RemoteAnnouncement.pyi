@@ -2,9 +2,10 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.lcmtools_msgs.Appendable import Appendable
 
-class RemoteAnnouncement:
+class RemoteAnnouncement(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -12,7 +13,7 @@ class RemoteAnnouncement:
     steps_length: int
     announcement: bytes
     steps: list[Appendable]
-    def __init__(self) -> None: ...
+    def __init__(self, announcement: bytes = ..., steps: list[Appendable] = ..., announcement_length: int = ..., steps_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> RemoteAnnouncement: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class ServiceReply(object):
+import lcmtools.message_value
+
+class ServiceReply(lcmtools.message_value.MessageValue):
     """ Envelope of the reply to one service request. Frozen: this struct never changes. """
 
     __slots__ = ["payload_length", "client", "sequence", "status", "error", "payload"]
@@ -21,43 +23,44 @@ class ServiceReply(object):
     FAILED = 1
     """ a status: the service could not answer, error says why """
 
-    def __init__(self):
-        self.payload_length = 0
+    def __init__(self, client="", sequence=0, status=0, error="", payload=b"", payload_length=0):
+        self.payload_length = payload_length
         """
         number of elements of payload
         LCM Type: int32_t
         """
 
-        self.client = ""
+        self.client = client
         """
         id of the client that asked
         LCM Type: string
         """
 
-        self.sequence = 0
+        self.sequence = sequence
         """
         number of the request that is answered
         LCM Type: int64_t
         """
 
-        self.status = 0
+        self.status = status
         """
         OK; any other value means that the service failed
         LCM Type: int8_t
         """
 
-        self.error = ""
+        self.error = error
         """
         what went wrong, "" if nothing did
         LCM Type: string
         """
 
-        self.payload = b""
+        self.payload = payload
         """
         the encoded _Response struct, with its fingerprint; empty if the service failed
         LCM Type: byte[payload_length]
         """
 
+    __init__.__qualname__ = "ServiceReply has the fields client, sequence, status, error, payload, payload_length; ServiceReply"
 
     def encode(self):
         buf = BytesIO()

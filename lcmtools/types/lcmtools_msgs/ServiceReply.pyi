@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class ServiceReply:
+from lcmtools.message_value import MessageValue
+
+class ServiceReply(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +16,7 @@ class ServiceReply:
     status: int
     error: str
     payload: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, client: str = ..., sequence: int = ..., status: int = ..., error: str = ..., payload: bytes = ..., payload_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ServiceReply: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class ServiceRequest(object):
+import lcmtools.message_value
+
+class ServiceRequest(lcmtools.message_value.MessageValue):
     """ Envelope of one service request. Frozen: this struct never changes. """
 
     __slots__ = ["payload_length", "client", "sequence", "payload"]
@@ -16,31 +18,32 @@ class ServiceRequest(object):
 
     __dimensions__ = [None, None, None, ["payload_length"]]
 
-    def __init__(self):
-        self.payload_length = 0
+    def __init__(self, client="", sequence=0, payload=b"", payload_length=0):
+        self.payload_length = payload_length
         """
         number of elements of payload
         LCM Type: int32_t
         """
 
-        self.client = ""
+        self.client = client
         """
         id of the client, to which the reply is addressed
         LCM Type: string
         """
 
-        self.sequence = 0
+        self.sequence = sequence
         """
         number of the request, counted by the client
         LCM Type: int64_t
         """
 
-        self.payload = b""
+        self.payload = payload
         """
         the encoded _Request struct, with its fingerprint
         LCM Type: byte[payload_length]
         """
 
+    __init__.__qualname__ = "ServiceRequest has the fields client, sequence, payload, payload_length; ServiceRequest"
 
     def encode(self):
         buf = BytesIO()

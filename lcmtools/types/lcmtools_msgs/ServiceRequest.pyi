@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class ServiceRequest:
+from lcmtools.message_value import MessageValue
+
+class ServiceRequest(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -10,7 +12,7 @@ class ServiceRequest:
     client: str
     sequence: int
     payload: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, client: str = ..., sequence: int = ..., payload: bytes = ..., payload_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ServiceRequest: ...

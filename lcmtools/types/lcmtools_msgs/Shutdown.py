@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Shutdown(object):
+import lcmtools.message_value
+
+class Shutdown(lcmtools.message_value.MessageValue):
     """ Requests the program of one node to end, as SIGTERM does. Frozen: this struct never changes. """
 
     __slots__ = ["target", "nonce", "requester"]
@@ -16,26 +18,27 @@ class Shutdown(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.target = ""
+    def __init__(self, target="", nonce=0, requester=""):
+        self.target = target
         """
         id of the node, as in its Announcement; every other node of its process ends with it
         LCM Type: string
         """
 
-        self.nonce = 0
+        self.nonce = nonce
         """
         number chosen by the requester; the node first confirms the request with an Announcement
         that repeats it
         LCM Type: int64_t
         """
 
-        self.requester = ""
+        self.requester = requester
         """
         description of the requester, for the node's log
         LCM Type: string
         """
 
+    __init__.__qualname__ = "Shutdown has the fields target, nonce, requester; Shutdown"
 
     def encode(self):
         buf = BytesIO()

@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class Shutdown:
+from lcmtools.message_value import MessageValue
+
+class Shutdown(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     target: str
     nonce: int
     requester: str
-    def __init__(self) -> None: ...
+    def __init__(self, target: str = ..., nonce: int = ..., requester: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Shutdown: ...

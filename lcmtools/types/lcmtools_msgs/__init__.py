@@ -8,7 +8,10 @@ from .Announcement import Announcement as Announcement
 from .Appendable import Appendable as Appendable
 from .CallbackError import CallbackError as CallbackError
 from .Endpoint import Endpoint as Endpoint
+from .FullLine import FullLine as FullLine
 from .NodeDetails import NodeDetails as NodeDetails
+from .Observed import Observed as Observed
+from .ObservedPublisher import ObservedPublisher as ObservedPublisher
 from .Parameter import Parameter as Parameter
 from .Parameters_Request import Parameters_Request as Parameters_Request
 from .Parameters_Response import Parameters_Response as Parameters_Response

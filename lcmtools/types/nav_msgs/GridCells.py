@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class GridCells(object):
+import lcmtools.message_value
+
+class GridCells(lcmtools.message_value.MessageValue):
     """ Cells of equal size, for example those that a planner considers blocked. """
 
     __slots__ = ["cells_length", "header", "cell_width", "cell_height", "cells"]
@@ -20,37 +22,38 @@ class GridCells(object):
 
     __dimensions__ = [None, None, None, None, ["cells_length"]]
 
-    def __init__(self):
-        self.cells_length = 0
+    def __init__(self, header=None, cell_width=0.0, cell_height=0.0, cells=None, cells_length=0):
+        self.cells_length = cells_length
         """
         number of elements of cells
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the cells were determined, and the frame in which they are given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.cell_width = 0.0
+        self.cell_width = cell_width
         """
         [m] edge of each cell along x
         LCM Type: float
         """
 
-        self.cell_height = 0.0
+        self.cell_height = cell_height
         """
         [m] edge of each cell along y
         LCM Type: float
         """
 
-        self.cells = []
+        self.cells = [] if cells is None else cells
         """
         [m] centre of each cell in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Point[cells_length]
         """
 
+    __init__.__qualname__ = "GridCells has the fields header, cell_width, cell_height, cells, cells_length; GridCells"
 
     def encode(self):
         buf = BytesIO()

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Point import Point
 from lcmtools.types.std_msgs.Header import Header
 
-class GridCells:
+class GridCells(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class GridCells:
     cell_width: float
     cell_height: float
     cells: list[Point]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., cell_width: float = ..., cell_height: float = ..., cells: list[Point] = ..., cells_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> GridCells: ...

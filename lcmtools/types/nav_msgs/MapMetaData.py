@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class MapMetaData(object):
+import lcmtools.message_value
+
+class MapMetaData(lcmtools.message_value.MessageValue):
     """ Size and position of an OccupancyGrid. """
 
     __slots__ = ["map_load_time", "resolution", "width", "height", "origin"]
@@ -20,38 +22,39 @@ class MapMetaData(object):
 
     __dimensions__ = [None, None, None, None, None]
 
-    def __init__(self):
-        self.map_load_time = lcmtools.types.std_msgs.Time()
+    def __init__(self, map_load_time=None, resolution=0.0, width=0, height=0, origin=None):
+        self.map_load_time = lcmtools.types.std_msgs.Time() if map_load_time is None else map_load_time
         """
         when the map was loaded
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
-        self.resolution = 0.0
+        self.resolution = resolution
         """
         [m/cell] edge of a cell
         LCM Type: float
         """
 
-        self.width = 0
+        self.width = width
         """
         [cells] along the x axis of the map
         LCM Type: int32_t
         """
 
-        self.height = 0
+        self.height = height
         """
         [cells] along the y axis of the map
         LCM Type: int32_t
         """
 
-        self.origin = lcmtools.types.geometry_msgs.Pose()
+        self.origin = lcmtools.types.geometry_msgs.Pose() if origin is None else origin
         """
         [m] the map's origin: pose of the outer corner of cell (0, 0) in the frame of the
         message
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
+    __init__.__qualname__ = "MapMetaData has the fields map_load_time, resolution, width, height, origin; MapMetaData"
 
     def encode(self):
         buf = BytesIO()

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Pose import Pose
 from lcmtools.types.std_msgs.Time import Time
 
-class MapMetaData:
+class MapMetaData(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class MapMetaData:
     width: int
     height: int
     origin: Pose
-    def __init__(self) -> None: ...
+    def __init__(self, map_load_time: Time = ..., resolution: float = ..., width: int = ..., height: int = ..., origin: Pose = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MapMetaData: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.nav_msgs
 
-class OccupancyGrid(object):
+import lcmtools.message_value
+
+class OccupancyGrid(lcmtools.message_value.MessageValue):
     """ A map of square cells, each with the probability that it is occupied. """
 
     __slots__ = ["data_length", "header", "info", "data"]
@@ -20,32 +22,33 @@ class OccupancyGrid(object):
 
     __dimensions__ = [None, None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, header=None, info=None, data=None, data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the map was made, and the frame in which it is given, usually map
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.info = lcmtools.types.nav_msgs.MapMetaData()
+        self.info = lcmtools.types.nav_msgs.MapMetaData() if info is None else info
         """
         size, resolution and position of the map
         LCM Type: lcmtools.types.nav_msgs.MapMetaData
         """
 
-        self.data = []
+        self.data = [] if data is None else data
         """
         [%] probability that a cell is occupied, 0 to 100, or -1 for unknown; cell (x, y) is
         data[y * info.width + x]
         LCM Type: int8_t[data_length]
         """
 
+    __init__.__qualname__ = "OccupancyGrid has the fields header, info, data, data_length; OccupancyGrid"
 
     def encode(self):
         buf = BytesIO()

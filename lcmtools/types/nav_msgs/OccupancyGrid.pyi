@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.nav_msgs.MapMetaData import MapMetaData
 from lcmtools.types.std_msgs.Header import Header
 
-class OccupancyGrid:
+class OccupancyGrid(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class OccupancyGrid:
     header: Header
     info: MapMetaData
     data: Sequence[int]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., info: MapMetaData = ..., data: Sequence[int] = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> OccupancyGrid: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class Odometry(object):
+import lcmtools.message_value
+
+class Odometry(lcmtools.message_value.MessageValue):
     """
     Estimate of a robot's pose and velocity, for example from its wheel encoders. The
     pose is given in header.frame_id, the twist in child_frame_id.
@@ -23,32 +25,33 @@ class Odometry(object):
 
     __dimensions__ = [None, None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, child_frame_id="", pose=None, twist=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the estimate holds, and the frame of the pose, usually odom
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.child_frame_id = ""
+        self.child_frame_id = child_frame_id
         """
         the frame whose pose this is and in which the twist is given, usually base_link
         LCM Type: string
         """
 
-        self.pose = lcmtools.types.geometry_msgs.PoseWithCovariance()
+        self.pose = lcmtools.types.geometry_msgs.PoseWithCovariance() if pose is None else pose
         """
         [m, rad] pose of child_frame_id in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.PoseWithCovariance
         """
 
-        self.twist = lcmtools.types.geometry_msgs.TwistWithCovariance()
+        self.twist = lcmtools.types.geometry_msgs.TwistWithCovariance() if twist is None else twist
         """
         [m/s, rad/s] velocity in child_frame_id: linear.x is forward regardless of the
         robot's heading
         LCM Type: lcmtools.types.geometry_msgs.TwistWithCovariance
         """
 
+    __init__.__qualname__ = "Odometry has the fields header, child_frame_id, pose, twist; Odometry"
 
     def encode(self):
         buf = BytesIO()

@@ -2,11 +2,12 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.PoseWithCovariance import PoseWithCovariance
 from lcmtools.types.geometry_msgs.TwistWithCovariance import TwistWithCovariance
 from lcmtools.types.std_msgs.Header import Header
 
-class Odometry:
+class Odometry(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class Odometry:
     child_frame_id: str
     pose: PoseWithCovariance
     twist: TwistWithCovariance
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., child_frame_id: str = ..., pose: PoseWithCovariance = ..., twist: TwistWithCovariance = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Odometry: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class Path(object):
+import lcmtools.message_value
+
+class Path(lcmtools.message_value.MessageValue):
     """ A path through the world as a list of poses. """
 
     __slots__ = ["poses_length", "header", "poses"]
@@ -20,25 +22,26 @@ class Path(object):
 
     __dimensions__ = [None, None, ["poses_length"]]
 
-    def __init__(self):
-        self.poses_length = 0
+    def __init__(self, header=None, poses=None, poses_length=0):
+        self.poses_length = poses_length
         """
         number of elements of poses
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the path was made, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.poses = []
+        self.poses = [] if poses is None else poses
         """
         [m] the poses from start to goal; the header of each may have its arrival time
         LCM Type: lcmtools.types.geometry_msgs.PoseStamped[poses_length]
         """
 
+    __init__.__qualname__ = "Path has the fields header, poses, poses_length; Path"
 
     def encode(self):
         buf = BytesIO()

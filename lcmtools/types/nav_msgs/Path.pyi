@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.PoseStamped import PoseStamped
 from lcmtools.types.std_msgs.Header import Header
 
-class Path:
+class Path(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     poses_length: int
     header: Header
     poses: list[PoseStamped]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., poses: list[PoseStamped] = ..., poses_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Path: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Clock(object):
+import lcmtools.message_value
+
+class Clock(lcmtools.message_value.MessageValue):
     """
     The time of a simulation or a played log, for nodes that use it instead of
     the system's time.
@@ -21,13 +23,14 @@ class Clock(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.clock = lcmtools.types.std_msgs.Time()
+    def __init__(self, clock=None):
+        self.clock = lcmtools.types.std_msgs.Time() if clock is None else clock
         """
         [s, ns] the present time
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
+    __init__.__qualname__ = "Clock has the fields clock; Clock"
 
     def encode(self):
         buf = BytesIO()

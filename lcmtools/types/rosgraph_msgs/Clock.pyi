@@ -2,14 +2,15 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Time import Time
 
-class Clock:
+class Clock(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     clock: Time
-    def __init__(self) -> None: ...
+    def __init__(self, clock: Time = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Clock: ...

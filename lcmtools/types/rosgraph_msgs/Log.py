@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Log(object):
+import lcmtools.message_value
+
+class Log(lcmtools.message_value.MessageValue):
     """ One line of a node's log, as published on /rosout. """
 
     __slots__ = ["topics_length", "header", "level", "name", "msg", "file", "function", "line", "topics"]
@@ -29,61 +31,62 @@ class Log(object):
     FATAL = 16
     """ a level: the node cannot continue """
 
-    def __init__(self):
-        self.topics_length = 0
+    def __init__(self, header=None, level=0, name="", msg="", file="", function="", line=0, topics=None, topics_length=0):
+        self.topics_length = topics_length
         """
         number of elements of topics
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the line was logged; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.level = 0
+        self.level = level
         """
         the severity: DEBUG, INFO, WARN, ERROR or FATAL
         LCM Type: int8_t
         """
 
-        self.name = ""
+        self.name = name
         """
         fully resolved name of the node
         LCM Type: string
         """
 
-        self.msg = ""
+        self.msg = msg
         """
         the text
         LCM Type: string
         """
 
-        self.file = ""
+        self.file = file
         """
         source file in which it was logged
         LCM Type: string
         """
 
-        self.function = ""
+        self.function = function
         """
         function in which it was logged
         LCM Type: string
         """
 
-        self.line = 0
+        self.line = line
         """
         line in that file, from 1
         LCM Type: int32_t
         """
 
-        self.topics = []
+        self.topics = [] if topics is None else topics
         """
         topics that the node publishes
         LCM Type: string[topics_length]
         """
 
+    __init__.__qualname__ = "Log has the fields header, level, name, msg, file, function, line, topics, topics_length; Log"
 
     def encode(self):
         buf = BytesIO()

@@ -2,9 +2,10 @@
 
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 
-class Log:
+class Log(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -22,7 +23,7 @@ class Log:
     function: str
     line: int
     topics: list[str]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., level: int = ..., name: str = ..., msg: str = ..., file: str = ..., function: str = ..., line: int = ..., topics: list[str] = ..., topics_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Log: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class TopicStatistics(object):
+import lcmtools.message_value
+
+class TopicStatistics(lcmtools.message_value.MessageValue):
     """
     Statistics of the messages from one publisher to one subscriber of a topic, during a window of
     time.
@@ -21,91 +23,92 @@ class TopicStatistics(object):
 
     __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, None]
 
-    def __init__(self):
-        self.topic = ""
+    def __init__(self, topic="", node_pub="", node_sub="", window_start=None, window_stop=None, delivered_msgs=0, dropped_msgs=0, traffic=0, period_mean=None, period_stddev=None, period_max=None, stamp_age_mean=None, stamp_age_stddev=None, stamp_age_max=None):
+        self.topic = topic
         """
         fully resolved name of the topic
         LCM Type: string
         """
 
-        self.node_pub = ""
+        self.node_pub = node_pub
         """
         name of the publishing node
         LCM Type: string
         """
 
-        self.node_sub = ""
+        self.node_sub = node_sub
         """
         name of the subscribing node
         LCM Type: string
         """
 
-        self.window_start = lcmtools.types.std_msgs.Time()
+        self.window_start = lcmtools.types.std_msgs.Time() if window_start is None else window_start
         """
         [s, ns] start of the window
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
-        self.window_stop = lcmtools.types.std_msgs.Time()
+        self.window_stop = lcmtools.types.std_msgs.Time() if window_stop is None else window_stop
         """
         [s, ns] end of the window
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
-        self.delivered_msgs = 0
+        self.delivered_msgs = delivered_msgs
         """
         [messages] received during the window
         LCM Type: int32_t
         """
 
-        self.dropped_msgs = 0
+        self.dropped_msgs = dropped_msgs
         """
         [messages] lost during the window
         LCM Type: int32_t
         """
 
-        self.traffic = 0
+        self.traffic = traffic
         """
         [bytes] received during the window
         LCM Type: int32_t
         """
 
-        self.period_mean = lcmtools.types.std_msgs.Duration()
+        self.period_mean = lcmtools.types.std_msgs.Duration() if period_mean is None else period_mean
         """
         [s, ns] mean time from one message to the next
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.period_stddev = lcmtools.types.std_msgs.Duration()
+        self.period_stddev = lcmtools.types.std_msgs.Duration() if period_stddev is None else period_stddev
         """
         [s, ns] standard deviation of that time
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.period_max = lcmtools.types.std_msgs.Duration()
+        self.period_max = lcmtools.types.std_msgs.Duration() if period_max is None else period_max
         """
         [s, ns] longest time from one message to the next
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.stamp_age_mean = lcmtools.types.std_msgs.Duration()
+        self.stamp_age_mean = lcmtools.types.std_msgs.Duration() if stamp_age_mean is None else stamp_age_mean
         """
         [s, ns] mean age at reception, from the stamp in the header; 0 without a header
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.stamp_age_stddev = lcmtools.types.std_msgs.Duration()
+        self.stamp_age_stddev = lcmtools.types.std_msgs.Duration() if stamp_age_stddev is None else stamp_age_stddev
         """
         [s, ns] standard deviation of the age
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.stamp_age_max = lcmtools.types.std_msgs.Duration()
+        self.stamp_age_max = lcmtools.types.std_msgs.Duration() if stamp_age_max is None else stamp_age_max
         """
         [s, ns] greatest age
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
+    __init__.__qualname__ = "TopicStatistics has the fields topic, node_pub, node_sub, window_start, window_stop, delivered_msgs, dropped_msgs, traffic, period_mean, period_stddev, period_max, stamp_age_mean, stamp_age_stddev, stamp_age_max; TopicStatistics"
 
     def encode(self):
         buf = BytesIO()

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Duration import Duration
 from lcmtools.types.std_msgs.Time import Time
 
-class TopicStatistics:
+class TopicStatistics(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -23,7 +24,7 @@ class TopicStatistics:
     stamp_age_mean: Duration
     stamp_age_stddev: Duration
     stamp_age_max: Duration
-    def __init__(self) -> None: ...
+    def __init__(self, topic: str = ..., node_pub: str = ..., node_sub: str = ..., window_start: Time = ..., window_stop: Time = ..., delivered_msgs: int = ..., dropped_msgs: int = ..., traffic: int = ..., period_mean: Duration = ..., period_stddev: Duration = ..., period_max: Duration = ..., stamp_age_mean: Duration = ..., stamp_age_stddev: Duration = ..., stamp_age_max: Duration = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> TopicStatistics: ...

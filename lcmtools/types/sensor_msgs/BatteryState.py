@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class BatteryState(object):
+import lcmtools.message_value
+
+class BatteryState(lcmtools.message_value.MessageValue):
     """ State of a battery. Values that are not measured are NaN. """
 
     __slots__ = ["cell_voltage_length", "cell_temperature_length", "header", "voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage", "power_supply_status", "power_supply_health", "power_supply_technology", "present", "cell_voltage", "cell_temperature", "location", "serial_number"]
@@ -61,115 +63,116 @@ class BatteryState(object):
     POWER_SUPPLY_TECHNOLOGY_LIMN = 6
     """ a technology: lithium manganese oxide """
 
-    def __init__(self):
-        self.cell_voltage_length = 0
+    def __init__(self, header=None, voltage=0.0, temperature=0.0, current=0.0, charge=0.0, capacity=0.0, design_capacity=0.0, percentage=0.0, power_supply_status=0, power_supply_health=0, power_supply_technology=0, present=False, cell_voltage=None, cell_temperature=None, location="", serial_number="", cell_voltage_length=0, cell_temperature_length=0):
+        self.cell_voltage_length = cell_voltage_length
         """
         number of elements of cell_voltage
         LCM Type: int32_t
         """
 
-        self.cell_temperature_length = 0
+        self.cell_temperature_length = cell_temperature_length
         """
         number of elements of cell_temperature
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the values were measured; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.voltage = 0.0
+        self.voltage = voltage
         """
         [V] between the poles
         LCM Type: float
         """
 
-        self.temperature = 0.0
+        self.temperature = temperature
         """
         [deg C] of the battery
         LCM Type: float
         """
 
-        self.current = 0.0
+        self.current = current
         """
         [A] into the battery: negative while it supplies power
         LCM Type: float
         """
 
-        self.charge = 0.0
+        self.charge = charge
         """
         [A*h] present charge
         LCM Type: float
         """
 
-        self.capacity = 0.0
+        self.capacity = capacity
         """
         [A*h] charge when it was last full
         LCM Type: float
         """
 
-        self.design_capacity = 0.0
+        self.design_capacity = design_capacity
         """
         [A*h] design capacity
         LCM Type: float
         """
 
-        self.percentage = 0.0
+        self.percentage = percentage
         """
         [1] charge as a share of capacity, 0 to 1
         LCM Type: float
         """
 
-        self.power_supply_status = 0
+        self.power_supply_status = power_supply_status
         """
         one of the POWER_SUPPLY_STATUS constants
         LCM Type: byte
         """
 
-        self.power_supply_health = 0
+        self.power_supply_health = power_supply_health
         """
         one of the POWER_SUPPLY_HEALTH constants
         LCM Type: byte
         """
 
-        self.power_supply_technology = 0
+        self.power_supply_technology = power_supply_technology
         """
         one of the POWER_SUPPLY_TECHNOLOGY constants
         LCM Type: byte
         """
 
-        self.present = False
+        self.present = present
         """
         true if there is a battery
         LCM Type: boolean
         """
 
-        self.cell_voltage = []
+        self.cell_voltage = [] if cell_voltage is None else cell_voltage
         """
         [V] of each cell; empty if the cells are not measured
         LCM Type: float[cell_voltage_length]
         """
 
-        self.cell_temperature = []
+        self.cell_temperature = [] if cell_temperature is None else cell_temperature
         """
         [deg C] of each cell; empty if the cells are not measured
         LCM Type: float[cell_temperature_length]
         """
 
-        self.location = ""
+        self.location = location
         """
         location of the battery, for example its slot
         LCM Type: string
         """
 
-        self.serial_number = ""
+        self.serial_number = serial_number
         """
         serial number of the battery
         LCM Type: string
         """
 
+    __init__.__qualname__ = "BatteryState has the fields header, voltage, temperature, current, charge, capacity, design_capacity, percentage, power_supply_status, power_supply_health, power_supply_technology, present, cell_voltage, cell_temperature, location, serial_number, cell_voltage_length, cell_temperature_length; BatteryState"
 
     def encode(self):
         buf = BytesIO()

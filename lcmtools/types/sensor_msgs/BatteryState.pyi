@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 
-class BatteryState:
+class BatteryState(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -48,7 +49,7 @@ class BatteryState:
     cell_temperature: Sequence[float]
     location: str
     serial_number: str
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., voltage: float = ..., temperature: float = ..., current: float = ..., charge: float = ..., capacity: float = ..., design_capacity: float = ..., percentage: float = ..., power_supply_status: int = ..., power_supply_health: int = ..., power_supply_technology: int = ..., present: bool = ..., cell_voltage: Sequence[float] = ..., cell_temperature: Sequence[float] = ..., location: str = ..., serial_number: str = ..., cell_voltage_length: int = ..., cell_temperature_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> BatteryState: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.sensor_msgs
 
-class CameraInfo(object):
+import lcmtools.message_value
+
+class CameraInfo(lcmtools.message_value.MessageValue):
     """
     A camera's calibration; published with each image and the same stamp. A camera
     that was not calibrated has K[0] = 0.
@@ -23,59 +25,59 @@ class CameraInfo(object):
 
     __dimensions__ = [None, None, None, None, None, ["D_length"], [9], [9], [12], None, None, None]
 
-    def __init__(self):
-        self.D_length = 0
+    def __init__(self, header=None, height=0, width=0, distortion_model="", D=None, K=None, R=None, P=None, binning_x=0, binning_y=0, roi=None, D_length=0):
+        self.D_length = D_length
         """
         number of elements of D
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the image was exposed, and the optical frame of the camera: z into the scene, x
         right, y down
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.height = 0
+        self.height = height
         """
         [pixels] number of rows at full resolution
         LCM Type: int32_t
         """
 
-        self.width = 0
+        self.width = width
         """
         [pixels] number of columns at full resolution
         LCM Type: int32_t
         """
 
-        self.distortion_model = ""
+        self.distortion_model = distortion_model
         """
         model of the lens's distortion: plumb_bob, rational_polynomial, equidistant
         LCM Type: string
         """
 
-        self.D = []
+        self.D = [] if D is None else D
         """
         [1] parameters of that model; for plumb_bob k1, k2, t1, t2, k3
         LCM Type: double[D_length]
         """
 
-        self.K = [ 0.0 for dim0 in range(9) ]
+        self.K = [ 0.0 for dim0 in range(9) ] if K is None else K
         """
         [pixels] row-major 3x3 matrix of the raw image: fx 0 cx, 0 fy cy, 0 0 1, which maps a
         point of the optical frame, divided by its z, to a pixel
         LCM Type: double[9]
         """
 
-        self.R = [ 0.0 for dim0 in range(9) ]
+        self.R = [ 0.0 for dim0 in range(9) ] if R is None else R
         """
         [1] row-major 3x3 rotation that makes the image planes of a stereo pair parallel; the
         identity for a single camera
         LCM Type: double[9]
         """
 
-        self.P = [ 0.0 for dim0 in range(12) ]
+        self.P = [ 0.0 for dim0 in range(12) ] if P is None else P
         """
         [pixels] row-major 3x4 projection of the rectified image: fx' 0 cx' Tx, 0 fy' cy' Ty,
         0 0 1 0; for the right camera of a stereo pair Tx = -fx' * baseline [pixels*m],
@@ -83,24 +85,25 @@ class CameraInfo(object):
         LCM Type: double[12]
         """
 
-        self.binning_x = 0
+        self.binning_x = binning_x
         """
         [pixels] columns of the sensor joined to one of the image; 0 and 1 both mean none
         LCM Type: int32_t
         """
 
-        self.binning_y = 0
+        self.binning_y = binning_y
         """
         [pixels] rows of the sensor joined to one of the image; 0 and 1 both mean none
         LCM Type: int32_t
         """
 
-        self.roi = lcmtools.types.sensor_msgs.RegionOfInterest()
+        self.roi = lcmtools.types.sensor_msgs.RegionOfInterest() if roi is None else roi
         """
         the part of the full image that is sent, at full resolution; all zero means all of it
         LCM Type: lcmtools.types.sensor_msgs.RegionOfInterest
         """
 
+    __init__.__qualname__ = "CameraInfo has the fields header, height, width, distortion_model, D, K, R, P, binning_x, binning_y, roi, D_length; CameraInfo"
 
     def encode(self):
         buf = BytesIO()

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.RegionOfInterest import RegionOfInterest
 from lcmtools.types.std_msgs.Header import Header
 
-class CameraInfo:
+class CameraInfo(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -22,7 +23,7 @@ class CameraInfo:
     binning_x: int
     binning_y: int
     roi: RegionOfInterest
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., height: int = ..., width: int = ..., distortion_model: str = ..., D: Sequence[float] = ..., K: Sequence[float] = ..., R: Sequence[float] = ..., P: Sequence[float] = ..., binning_x: int = ..., binning_y: int = ..., roi: RegionOfInterest = ..., D_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> CameraInfo: ...

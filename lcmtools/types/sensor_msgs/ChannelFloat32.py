@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class ChannelFloat32(object):
+import lcmtools.message_value
+
+class ChannelFloat32(lcmtools.message_value.MessageValue):
     """ One value for each point of a PointCloud. """
 
     __slots__ = ["values_length", "name", "values"]
@@ -16,26 +18,27 @@ class ChannelFloat32(object):
 
     __dimensions__ = [None, None, ["values_length"]]
 
-    def __init__(self):
-        self.values_length = 0
+    def __init__(self, name="", values=None, values_length=0):
+        self.values_length = values_length
         """
         number of elements of values
         LCM Type: int32_t
         """
 
-        self.name = ""
+        self.name = name
         """
         meaning of the value: intensity, rgb, u and v (column and row of the point in an image),
         ...
         LCM Type: string
         """
 
-        self.values = []
+        self.values = [] if values is None else values
         """
         the values, one for each point; their unit depends on the name
         LCM Type: float[values_length]
         """
 
+    __init__.__qualname__ = "ChannelFloat32 has the fields name, values, values_length; ChannelFloat32"
 
     def encode(self):
         buf = BytesIO()

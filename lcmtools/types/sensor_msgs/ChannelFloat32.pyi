@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
-class ChannelFloat32:
+from lcmtools.message_value import MessageValue
+
+class ChannelFloat32(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     values_length: int
     name: str
     values: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, name: str = ..., values: Sequence[float] = ..., values_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ChannelFloat32: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class CompressedImage(object):
+import lcmtools.message_value
+
+class CompressedImage(lcmtools.message_value.MessageValue):
     """ A compressed image. """
 
     __slots__ = ["data_length", "header", "format", "data"]
@@ -18,31 +20,32 @@ class CompressedImage(object):
 
     __dimensions__ = [None, None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, header=None, format="", data=b"", data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the image was exposed, and the optical frame of the camera
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.format = ""
+        self.format = format
         """
         compression of data: jpeg or png
         LCM Type: string
         """
 
-        self.data = b""
+        self.data = data
         """
         the content of an image file of that format
         LCM Type: byte[data_length]
         """
 
+    __init__.__qualname__ = "CompressedImage has the fields header, format, data, data_length; CompressedImage"
 
     def encode(self):
         buf = BytesIO()

@@ -2,9 +2,10 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 
-class CompressedImage:
+class CompressedImage(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -12,7 +13,7 @@ class CompressedImage:
     header: Header
     format: str
     data: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., format: str = ..., data: bytes = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> CompressedImage: ...

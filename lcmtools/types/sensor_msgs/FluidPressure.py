@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class FluidPressure(object):
+import lcmtools.message_value
+
+class FluidPressure(lcmtools.message_value.MessageValue):
     """ Pressure of a gas or liquid. """
 
     __slots__ = ["header", "fluid_pressure", "variance"]
@@ -18,25 +20,26 @@ class FluidPressure(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, fluid_pressure=0.0, variance=0.0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the pressure was measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.fluid_pressure = 0.0
+        self.fluid_pressure = fluid_pressure
         """
         [Pa] absolute pressure
         LCM Type: double
         """
 
-        self.variance = 0.0
+        self.variance = variance
         """
         [Pa^2] its variance, 0 for unknown
         LCM Type: double
         """
 
+    __init__.__qualname__ = "FluidPressure has the fields header, fluid_pressure, variance; FluidPressure"
 
     def encode(self):
         buf = BytesIO()

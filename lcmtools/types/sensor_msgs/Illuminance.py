@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Illuminance(object):
+import lcmtools.message_value
+
+class Illuminance(lcmtools.message_value.MessageValue):
     """ Brightness, weighted like the human eye. """
 
     __slots__ = ["header", "illuminance", "variance"]
@@ -18,25 +20,26 @@ class Illuminance(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, illuminance=0.0, variance=0.0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the light was measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.illuminance = 0.0
+        self.illuminance = illuminance
         """
         [lx] illuminance
         LCM Type: double
         """
 
-        self.variance = 0.0
+        self.variance = variance
         """
         [lx^2] its variance, 0 for unknown
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Illuminance has the fields header, illuminance, variance; Illuminance"
 
     def encode(self):
         buf = BytesIO()

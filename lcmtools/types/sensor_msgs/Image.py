@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Image(object):
+import lcmtools.message_value
+
+class Image(lcmtools.message_value.MessageValue):
     """
     An uncompressed image. In the camera's optical frame z points into the scene, x to the right
     and y down (REP-103).
@@ -21,57 +23,58 @@ class Image(object):
 
     __dimensions__ = [None, None, None, None, None, None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, header=None, height=0, width=0, encoding="", is_bigendian=0, step=0, data=b"", data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the image was exposed, and the optical frame of the camera
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.height = 0
+        self.height = height
         """
         [pixels] number of rows
         LCM Type: int32_t
         """
 
-        self.width = 0
+        self.width = width
         """
         [pixels] number of columns
         LCM Type: int32_t
         """
 
-        self.encoding = ""
+        self.encoding = encoding
         """
         pixel format: rgb8, bgr8, mono8, ... A depth image is 32FC1 ([m], NaN invalid) or
         16UC1 ([mm], 0 invalid), along the optical axis (REP-118)
         LCM Type: string
         """
 
-        self.is_bigendian = 0
+        self.is_bigendian = is_bigendian
         """
         order of the bytes in a number of several bytes: 1 for most significant first, 0 for
         least significant first
         LCM Type: byte
         """
 
-        self.step = 0
+        self.step = step
         """
         [bytes] length of a row, with any padding at its end
         LCM Type: int32_t
         """
 
-        self.data = b""
+        self.data = data
         """
         the rows from top to bottom, each from left to right, step * height bytes
         LCM Type: byte[data_length]
         """
 
+    __init__.__qualname__ = "Image has the fields header, height, width, encoding, is_bigendian, step, data, data_length; Image"
 
     def encode(self):
         buf = BytesIO()

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class Imu(object):
+import lcmtools.message_value
+
+class Imu(lcmtools.message_value.MessageValue):
     """
     Measurement of an inertial measurement unit. A covariance of all zeros is unknown; if its
     first element is -1, the sensor has no such estimate.
@@ -23,51 +25,52 @@ class Imu(object):
 
     __dimensions__ = [None, None, [9], None, [9], None, [9]]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, orientation=None, orientation_covariance=None, angular_velocity=None, angular_velocity_covariance=None, linear_acceleration=None, linear_acceleration_covariance=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the values were measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.orientation = lcmtools.types.geometry_msgs.Quaternion()
+        self.orientation = lcmtools.types.geometry_msgs.Quaternion() if orientation is None else orientation
         """
         orientation of the sensor relative to a world-fixed frame whose z axis points up
         (REP-145)
         LCM Type: lcmtools.types.geometry_msgs.Quaternion
         """
 
-        self.orientation_covariance = [ 0.0 for dim0 in range(9) ]
+        self.orientation_covariance = [ 0.0 for dim0 in range(9) ] if orientation_covariance is None else orientation_covariance
         """
         [rad^2] row-major 3x3 covariance of the orientation about x, y, z
         LCM Type: double[9]
         """
 
-        self.angular_velocity = lcmtools.types.geometry_msgs.Vector3()
+        self.angular_velocity = lcmtools.types.geometry_msgs.Vector3() if angular_velocity is None else angular_velocity
         """
         [rad/s] angular velocity about the axes of the sensor's frame
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.angular_velocity_covariance = [ 0.0 for dim0 in range(9) ]
+        self.angular_velocity_covariance = [ 0.0 for dim0 in range(9) ] if angular_velocity_covariance is None else angular_velocity_covariance
         """
         [(rad/s)^2] row-major 3x3 covariance of the angular velocity about x, y, z
         LCM Type: double[9]
         """
 
-        self.linear_acceleration = lcmtools.types.geometry_msgs.Vector3()
+        self.linear_acceleration = lcmtools.types.geometry_msgs.Vector3() if linear_acceleration is None else linear_acceleration
         """
         [m/s^2] proper acceleration along the axes of the sensor's frame: at rest +9.81 along
         the axis that points up (REP-145)
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.linear_acceleration_covariance = [ 0.0 for dim0 in range(9) ]
+        self.linear_acceleration_covariance = [ 0.0 for dim0 in range(9) ] if linear_acceleration_covariance is None else linear_acceleration_covariance
         """
         [(m/s^2)^2] row-major 3x3 covariance of the linear acceleration along x, y, z
         LCM Type: double[9]
         """
 
+    __init__.__qualname__ = "Imu has the fields header, orientation, orientation_covariance, angular_velocity, angular_velocity_covariance, linear_acceleration, linear_acceleration_covariance; Imu"
 
     def encode(self):
         buf = BytesIO()

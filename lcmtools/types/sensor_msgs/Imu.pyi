@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Quaternion import Quaternion
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 from lcmtools.types.std_msgs.Header import Header
 
-class Imu:
+class Imu(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +19,7 @@ class Imu:
     angular_velocity_covariance: Sequence[float]
     linear_acceleration: Vector3
     linear_acceleration_covariance: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., orientation: Quaternion = ..., orientation_covariance: Sequence[float] = ..., angular_velocity: Vector3 = ..., angular_velocity_covariance: Sequence[float] = ..., linear_acceleration: Vector3 = ..., linear_acceleration_covariance: Sequence[float] = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Imu: ...

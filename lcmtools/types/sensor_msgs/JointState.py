@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class JointState(object):
+import lcmtools.message_value
+
+class JointState(lcmtools.message_value.MessageValue):
     """
     State of the joints of a robot, or a command to them. Each of the arrays position, velocity
     and effort either has one entry for each name, in the same order, or is empty if it is not
@@ -22,62 +24,63 @@ class JointState(object):
 
     __dimensions__ = [None, None, None, None, None, ["name_length"], ["position_length"], ["velocity_length"], ["effort_length"]]
 
-    def __init__(self):
-        self.name_length = 0
+    def __init__(self, header=None, name=None, position=None, velocity=None, effort=None, name_length=0, position_length=0, velocity_length=0, effort_length=0):
+        self.name_length = name_length
         """
         number of elements of name
         LCM Type: int32_t
         """
 
-        self.position_length = 0
+        self.position_length = position_length
         """
         number of elements of position
         LCM Type: int32_t
         """
 
-        self.velocity_length = 0
+        self.velocity_length = velocity_length
         """
         number of elements of velocity
         LCM Type: int32_t
         """
 
-        self.effort_length = 0
+        self.effort_length = effort_length
         """
         number of elements of effort
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the values were measured; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.name = []
+        self.name = [] if name is None else name
         """
         names of the joints
         LCM Type: string[name_length]
         """
 
-        self.position = []
+        self.position = [] if position is None else position
         """
         [rad] position of each revolute joint, [m] of each prismatic joint
         LCM Type: double[position_length]
         """
 
-        self.velocity = []
+        self.velocity = [] if velocity is None else velocity
         """
         [rad/s] velocity of each revolute joint, [m/s] of each prismatic joint
         LCM Type: double[velocity_length]
         """
 
-        self.effort = []
+        self.effort = [] if effort is None else effort
         """
         [N*m] torque at each revolute joint, [N] force at each prismatic joint; as a command
         to a motor it may be the share of its full effort, -1 to 1
         LCM Type: double[effort_length]
         """
 
+    __init__.__qualname__ = "JointState has the fields header, name, position, velocity, effort, name_length, position_length, velocity_length, effort_length; JointState"
 
     def encode(self):
         buf = BytesIO()

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 
-class JointState:
+class JointState(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +19,7 @@ class JointState:
     position: Sequence[float]
     velocity: Sequence[float]
     effort: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., name: list[str] = ..., position: Sequence[float] = ..., velocity: Sequence[float] = ..., effort: Sequence[float] = ..., name_length: int = ..., position_length: int = ..., velocity_length: int = ..., effort_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> JointState: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Joy(object):
+import lcmtools.message_value
+
+class Joy(lcmtools.message_value.MessageValue):
     """ State of a joystick or gamepad. """
 
     __slots__ = ["axes_length", "buttons_length", "header", "axes", "buttons"]
@@ -18,38 +20,39 @@ class Joy(object):
 
     __dimensions__ = [None, None, None, ["axes_length"], ["buttons_length"]]
 
-    def __init__(self):
-        self.axes_length = 0
+    def __init__(self, header=None, axes=None, buttons=None, axes_length=0, buttons_length=0):
+        self.axes_length = axes_length
         """
         number of elements of axes
         LCM Type: int32_t
         """
 
-        self.buttons_length = 0
+        self.buttons_length = buttons_length
         """
         number of elements of buttons
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the state was read from the device; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.axes = []
+        self.axes = [] if axes is None else axes
         """
         [1] position of each axis, -1 to 1; 0 is the rest position of a stick, forward and
         left are usually positive
         LCM Type: float[axes_length]
         """
 
-        self.buttons = []
+        self.buttons = [] if buttons is None else buttons
         """
         each button: 1 pressed, 0 released
         LCM Type: int32_t[buttons_length]
         """
 
+    __init__.__qualname__ = "Joy has the fields header, axes, buttons, axes_length, buttons_length; Joy"
 
     def encode(self):
         buf = BytesIO()

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 
-class Joy:
+class Joy(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class Joy:
     header: Header
     axes: Sequence[float]
     buttons: Sequence[int]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., axes: Sequence[float] = ..., buttons: Sequence[int] = ..., axes_length: int = ..., buttons_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Joy: ...

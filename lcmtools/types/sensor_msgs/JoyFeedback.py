@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class JoyFeedback(object):
+import lcmtools.message_value
+
+class JoyFeedback(lcmtools.message_value.MessageValue):
     """ A request to a gamepad for light, rumble or sound. """
 
     __slots__ = ["type", "id", "intensity"]
@@ -23,25 +25,26 @@ class JoyFeedback(object):
     TYPE_BUZZER = 2
     """ a type: sound """
 
-    def __init__(self):
-        self.type = 0
+    def __init__(self, type=0, id=0, intensity=0.0):
+        self.type = type
         """
         the actuator: TYPE_LED, TYPE_RUMBLE or TYPE_BUZZER
         LCM Type: byte
         """
 
-        self.id = 0
+        self.id = id
         """
         index among the actuators of that type, from 0
         LCM Type: byte
         """
 
-        self.intensity = 0.0
+        self.intensity = intensity
         """
         [1] intensity, 0 (off) to 1
         LCM Type: float
         """
 
+    __init__.__qualname__ = "JoyFeedback has the fields type, id, intensity; JoyFeedback"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class JoyFeedback:
+from lcmtools.message_value import MessageValue
+
+class JoyFeedback(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -12,7 +14,7 @@ class JoyFeedback:
     type: int
     id: int
     intensity: float
-    def __init__(self) -> None: ...
+    def __init__(self, type: int = ..., id: int = ..., intensity: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> JoyFeedback: ...

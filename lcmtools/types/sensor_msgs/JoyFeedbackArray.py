@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.sensor_msgs
 
-class JoyFeedbackArray(object):
+import lcmtools.message_value
+
+class JoyFeedbackArray(lcmtools.message_value.MessageValue):
     """ A request to a gamepad for several kinds of feedback at once. """
 
     __slots__ = ["array_length", "array"]
@@ -18,19 +20,20 @@ class JoyFeedbackArray(object):
 
     __dimensions__ = [None, ["array_length"]]
 
-    def __init__(self):
-        self.array_length = 0
+    def __init__(self, array=None, array_length=0):
+        self.array_length = array_length
         """
         number of elements of array
         LCM Type: int32_t
         """
 
-        self.array = []
+        self.array = [] if array is None else array
         """
         the requests; actuators that are not named stay unchanged
         LCM Type: lcmtools.types.sensor_msgs.JoyFeedback[array_length]
         """
 
+    __init__.__qualname__ = "JoyFeedbackArray has the fields array, array_length; JoyFeedbackArray"
 
     def encode(self):
         buf = BytesIO()

@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.JoyFeedback import JoyFeedback
 
-class JoyFeedbackArray:
+class JoyFeedbackArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     array_length: int
     array: list[JoyFeedback]
-    def __init__(self) -> None: ...
+    def __init__(self, array: list[JoyFeedback] = ..., array_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> JoyFeedbackArray: ...

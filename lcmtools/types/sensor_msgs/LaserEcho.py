@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class LaserEcho(object):
+import lcmtools.message_value
+
+class LaserEcho(lcmtools.message_value.MessageValue):
     """ All returns of one beam of a laser scanner. """
 
     __slots__ = ["echoes_length", "echoes"]
@@ -16,19 +18,20 @@ class LaserEcho(object):
 
     __dimensions__ = [None, ["echoes_length"]]
 
-    def __init__(self):
-        self.echoes_length = 0
+    def __init__(self, echoes=None, echoes_length=0):
+        self.echoes_length = echoes_length
         """
         number of elements of echoes
         LCM Type: int32_t
         """
 
-        self.echoes = []
+        self.echoes = [] if echoes is None else echoes
         """
         [m] distances, or [device's own] strengths, of the returns of the beam
         LCM Type: float[echoes_length]
         """
 
+    __init__.__qualname__ = "LaserEcho has the fields echoes, echoes_length; LaserEcho"
 
     def encode(self):
         buf = BytesIO()

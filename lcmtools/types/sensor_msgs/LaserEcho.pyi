@@ -3,13 +3,15 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
-class LaserEcho:
+from lcmtools.message_value import MessageValue
+
+class LaserEcho(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     echoes_length: int
     echoes: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, echoes: Sequence[float] = ..., echoes_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> LaserEcho: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class LaserScan(object):
+import lcmtools.message_value
+
+class LaserScan(lcmtools.message_value.MessageValue):
     """
     One sweep of a planar laser scanner. Beam i points at angle_min + i * angle_increment, about
     the z axis of header.frame_id; angle 0 is its x axis.
@@ -21,80 +23,81 @@ class LaserScan(object):
 
     __dimensions__ = [None, None, None, None, None, None, None, None, None, None, ["ranges_length"], ["intensities_length"]]
 
-    def __init__(self):
-        self.ranges_length = 0
+    def __init__(self, header=None, angle_min=0.0, angle_max=0.0, angle_increment=0.0, time_increment=0.0, scan_time=0.0, range_min=0.0, range_max=0.0, ranges=None, intensities=None, ranges_length=0, intensities_length=0):
+        self.ranges_length = ranges_length
         """
         number of elements of ranges
         LCM Type: int32_t
         """
 
-        self.intensities_length = 0
+        self.intensities_length = intensities_length
         """
         number of elements of intensities
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the first beam was measured, and the frame of the scanner
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.angle_min = 0.0
+        self.angle_min = angle_min
         """
         [rad] angle of the first beam, counter-clockwise positive seen from above
         LCM Type: float
         """
 
-        self.angle_max = 0.0
+        self.angle_max = angle_max
         """
         [rad] angle of the last beam
         LCM Type: float
         """
 
-        self.angle_increment = 0.0
+        self.angle_increment = angle_increment
         """
         [rad] from one beam to the next, negative for a scanner that turns clockwise
         LCM Type: float
         """
 
-        self.time_increment = 0.0
+        self.time_increment = time_increment
         """
         [s] from one beam to the next, 0 if all are measured at once
         LCM Type: float
         """
 
-        self.scan_time = 0.0
+        self.scan_time = scan_time
         """
         [s] from one scan to the next
         LCM Type: float
         """
 
-        self.range_min = 0.0
+        self.range_min = range_min
         """
         [m] least distance that is measured
         LCM Type: float
         """
 
-        self.range_max = 0.0
+        self.range_max = range_max
         """
         [m] greatest distance that is measured
         LCM Type: float
         """
 
-        self.ranges = []
+        self.ranges = [] if ranges is None else ranges
         """
         [m] distance along each beam; to be discarded outside range_min to range_max: +inf is
         no return, -inf too near to measure, NaN erroneous (REP-117)
         LCM Type: float[ranges_length]
         """
 
-        self.intensities = []
+        self.intensities = [] if intensities is None else intensities
         """
         [device's own] strength of each return, one for each range or none
         LCM Type: float[intensities_length]
         """
 
+    __init__.__qualname__ = "LaserScan has the fields header, angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max, ranges, intensities, ranges_length, intensities_length; LaserScan"
 
     def encode(self):
         buf = BytesIO()

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class MagneticField(object):
+import lcmtools.message_value
+
+class MagneticField(lcmtools.message_value.MessageValue):
     """ Magnetic field at a sensor. """
 
     __slots__ = ["header", "magnetic_field", "magnetic_field_covariance"]
@@ -20,25 +22,26 @@ class MagneticField(object):
 
     __dimensions__ = [None, None, [9]]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, magnetic_field=None, magnetic_field_covariance=None):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the field was measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.magnetic_field = lcmtools.types.geometry_msgs.Vector3()
+        self.magnetic_field = lcmtools.types.geometry_msgs.Vector3() if magnetic_field is None else magnetic_field
         """
         [T] field along the axes of the sensor's frame, NaN for an axis that is not measured
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.magnetic_field_covariance = [ 0.0 for dim0 in range(9) ]
+        self.magnetic_field_covariance = [ 0.0 for dim0 in range(9) ] if magnetic_field_covariance is None else magnetic_field_covariance
         """
         [T^2] row-major 3x3 covariance of the field along x, y, z; all zeros for unknown
         LCM Type: double[9]
         """
 
+    __init__.__qualname__ = "MagneticField has the fields header, magnetic_field, magnetic_field_covariance; MagneticField"
 
     def encode(self):
         buf = BytesIO()

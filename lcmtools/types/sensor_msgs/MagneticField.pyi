@@ -3,17 +3,18 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
 from lcmtools.types.std_msgs.Header import Header
 
-class MagneticField:
+class MagneticField(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     magnetic_field: Vector3
     magnetic_field_covariance: Sequence[float]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., magnetic_field: Vector3 = ..., magnetic_field_covariance: Sequence[float] = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MagneticField: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class MultiDOFJointState(object):
+import lcmtools.message_value
+
+class MultiDOFJointState(lcmtools.message_value.MessageValue):
     """
     State of joints with several degrees of freedom, for example a floating base. Each of the
     arrays transforms, twist and wrench either has one entry for each name, in the same order, or
@@ -24,61 +26,62 @@ class MultiDOFJointState(object):
 
     __dimensions__ = [None, None, None, None, None, ["joint_names_length"], ["transforms_length"], ["twist_length"], ["wrench_length"]]
 
-    def __init__(self):
-        self.joint_names_length = 0
+    def __init__(self, header=None, joint_names=None, transforms=None, twist=None, wrench=None, joint_names_length=0, transforms_length=0, twist_length=0, wrench_length=0):
+        self.joint_names_length = joint_names_length
         """
         number of elements of joint_names
         LCM Type: int32_t
         """
 
-        self.transforms_length = 0
+        self.transforms_length = transforms_length
         """
         number of elements of transforms
         LCM Type: int32_t
         """
 
-        self.twist_length = 0
+        self.twist_length = twist_length
         """
         number of elements of twist
         LCM Type: int32_t
         """
 
-        self.wrench_length = 0
+        self.wrench_length = wrench_length
         """
         number of elements of wrench
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the state was measured, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.joint_names = []
+        self.joint_names = [] if joint_names is None else joint_names
         """
         names of the joints
         LCM Type: string[joint_names_length]
         """
 
-        self.transforms = []
+        self.transforms = [] if transforms is None else transforms
         """
         [m] position and orientation of each joint
         LCM Type: lcmtools.types.geometry_msgs.Transform[transforms_length]
         """
 
-        self.twist = []
+        self.twist = [] if twist is None else twist
         """
         [m/s, rad/s] velocity of each joint
         LCM Type: lcmtools.types.geometry_msgs.Twist[twist_length]
         """
 
-        self.wrench = []
+        self.wrench = [] if wrench is None else wrench
         """
         [N, N*m] force and torque at each joint
         LCM Type: lcmtools.types.geometry_msgs.Wrench[wrench_length]
         """
 
+    __init__.__qualname__ = "MultiDOFJointState has the fields header, joint_names, transforms, twist, wrench, joint_names_length, transforms_length, twist_length, wrench_length; MultiDOFJointState"
 
     def encode(self):
         buf = BytesIO()

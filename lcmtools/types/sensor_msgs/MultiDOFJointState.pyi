@@ -2,12 +2,13 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Transform import Transform
 from lcmtools.types.geometry_msgs.Twist import Twist
 from lcmtools.types.geometry_msgs.Wrench import Wrench
 from lcmtools.types.std_msgs.Header import Header
 
-class MultiDOFJointState:
+class MultiDOFJointState(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -20,7 +21,7 @@ class MultiDOFJointState:
     transforms: list[Transform]
     twist: list[Twist]
     wrench: list[Wrench]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., joint_names: list[str] = ..., transforms: list[Transform] = ..., twist: list[Twist] = ..., wrench: list[Wrench] = ..., joint_names_length: int = ..., transforms_length: int = ..., twist_length: int = ..., wrench_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiDOFJointState: ...

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.LaserEcho import LaserEcho
 from lcmtools.types.std_msgs.Header import Header
 
-class MultiEchoLaserScan:
+class MultiEchoLaserScan(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -21,7 +22,7 @@ class MultiEchoLaserScan:
     range_max: float
     ranges: list[LaserEcho]
     intensities: list[LaserEcho]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., angle_min: float = ..., angle_max: float = ..., angle_increment: float = ..., time_increment: float = ..., scan_time: float = ..., range_min: float = ..., range_max: float = ..., ranges: list[LaserEcho] = ..., intensities: list[LaserEcho] = ..., ranges_length: int = ..., intensities_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiEchoLaserScan: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.sensor_msgs
 
-class NavSatFix(object):
+import lcmtools.message_value
+
+class NavSatFix(lcmtools.message_value.MessageValue):
     """ Position of a satellite receiver's antenna, on the WGS 84 ellipsoid. """
 
     __slots__ = ["header", "status", "latitude", "longitude", "altitude", "position_covariance", "position_covariance_type"]
@@ -29,49 +31,50 @@ class NavSatFix(object):
     COVARIANCE_TYPE_KNOWN = 3
     """ a type of covariance: all of it is known """
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, status=None, latitude=0.0, longitude=0.0, altitude=0.0, position_covariance=None, position_covariance_type=0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the position was measured, and the frame of the antenna
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.status = lcmtools.types.sensor_msgs.NavSatStatus()
+        self.status = lcmtools.types.sensor_msgs.NavSatStatus() if status is None else status
         """
         the kind of fix
         LCM Type: lcmtools.types.sensor_msgs.NavSatStatus
         """
 
-        self.latitude = 0.0
+        self.latitude = latitude
         """
         [deg] positive north of the equator
         LCM Type: double
         """
 
-        self.longitude = 0.0
+        self.longitude = longitude
         """
         [deg] positive east of Greenwich
         LCM Type: double
         """
 
-        self.altitude = 0.0
+        self.altitude = altitude
         """
         [m] above the ellipsoid, NaN if not known
         LCM Type: double
         """
 
-        self.position_covariance = [ 0.0 for dim0 in range(9) ]
+        self.position_covariance = [ 0.0 for dim0 in range(9) ] if position_covariance is None else position_covariance
         """
         [m^2] row-major 3x3 covariance of the position in the order east, north, up
         LCM Type: double[9]
         """
 
-        self.position_covariance_type = 0
+        self.position_covariance_type = position_covariance_type
         """
         one of the COVARIANCE_TYPE constants
         LCM Type: byte
         """
 
+    __init__.__qualname__ = "NavSatFix has the fields header, status, latitude, longitude, altitude, position_covariance, position_covariance_type; NavSatFix"
 
     def encode(self):
         buf = BytesIO()

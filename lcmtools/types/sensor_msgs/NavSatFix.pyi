@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.NavSatStatus import NavSatStatus
 from lcmtools.types.std_msgs.Header import Header
 
-class NavSatFix:
+class NavSatFix(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -21,7 +22,7 @@ class NavSatFix:
     altitude: float
     position_covariance: Sequence[float]
     position_covariance_type: int
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., status: NavSatStatus = ..., latitude: float = ..., longitude: float = ..., altitude: float = ..., position_covariance: Sequence[float] = ..., position_covariance_type: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> NavSatFix: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class NavSatStatus(object):
+import lcmtools.message_value
+
+class NavSatStatus(lcmtools.message_value.MessageValue):
     """ The kind of a satellite receiver's fix. """
 
     __slots__ = ["status", "service"]
@@ -33,19 +35,20 @@ class NavSatStatus(object):
     SERVICE_GALILEO = 8
     """ a service: Galileo """
 
-    def __init__(self):
-        self.status = 0
+    def __init__(self, status=0, service=0):
+        self.status = status
         """
         one of the STATUS constants
         LCM Type: int8_t
         """
 
-        self.service = 0
+        self.service = service
         """
         the satellites used: sum of SERVICE constants
         LCM Type: int16_t
         """
 
+    __init__.__qualname__ = "NavSatStatus has the fields status, service; NavSatStatus"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class NavSatStatus:
+from lcmtools.message_value import MessageValue
+
+class NavSatStatus(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -16,7 +18,7 @@ class NavSatStatus:
     SERVICE_GALILEO: Final = 8
     status: int
     service: int
-    def __init__(self) -> None: ...
+    def __init__(self, status: int = ..., service: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> NavSatStatus: ...

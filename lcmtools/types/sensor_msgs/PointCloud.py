@@ -13,7 +13,9 @@ import lcmtools.types.sensor_msgs
 
 import lcmtools.types.geometry_msgs
 
-class PointCloud(object):
+import lcmtools.message_value
+
+class PointCloud(lcmtools.message_value.MessageValue):
     """ Points in space with further values for each. New programs should use PointCloud2. """
 
     __slots__ = ["points_length", "channels_length", "header", "points", "channels"]
@@ -22,37 +24,38 @@ class PointCloud(object):
 
     __dimensions__ = [None, None, None, ["points_length"], ["channels_length"]]
 
-    def __init__(self):
-        self.points_length = 0
+    def __init__(self, header=None, points=None, channels=None, points_length=0, channels_length=0):
+        self.points_length = points_length
         """
         number of elements of points
         LCM Type: int32_t
         """
 
-        self.channels_length = 0
+        self.channels_length = channels_length
         """
         number of elements of channels
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the points were measured, and the frame in which they are given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.points = []
+        self.points = [] if points is None else points
         """
         [m] the points in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Point32[points_length]
         """
 
-        self.channels = []
+        self.channels = [] if channels is None else channels
         """
         further values of the points, each with one element per point
         LCM Type: lcmtools.types.sensor_msgs.ChannelFloat32[channels_length]
         """
 
+    __init__.__qualname__ = "PointCloud has the fields header, points, channels, points_length, channels_length; PointCloud"
 
     def encode(self):
         buf = BytesIO()

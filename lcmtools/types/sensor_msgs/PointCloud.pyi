@@ -2,11 +2,12 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Point32 import Point32
 from lcmtools.types.sensor_msgs.ChannelFloat32 import ChannelFloat32
 from lcmtools.types.std_msgs.Header import Header
 
-class PointCloud:
+class PointCloud(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -15,7 +16,7 @@ class PointCloud:
     header: Header
     points: list[Point32]
     channels: list[ChannelFloat32]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., points: list[Point32] = ..., channels: list[ChannelFloat32] = ..., points_length: int = ..., channels_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PointCloud: ...

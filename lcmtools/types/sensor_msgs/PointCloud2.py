@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.sensor_msgs
 
-class PointCloud2(object):
+import lcmtools.message_value
+
+class PointCloud2(lcmtools.message_value.MessageValue):
     """
     Points in space with any fields, as one block of bytes. Point (row, column) starts at
     data[row * row_step + column * point_step].
@@ -23,73 +25,74 @@ class PointCloud2(object):
 
     __dimensions__ = [None, None, None, None, None, ["fields_length"], None, None, None, ["data_length"], None]
 
-    def __init__(self):
-        self.fields_length = 0
+    def __init__(self, header=None, height=0, width=0, fields=None, is_bigendian=False, point_step=0, row_step=0, data=b"", is_dense=False, fields_length=0, data_length=0):
+        self.fields_length = fields_length
         """
         number of elements of fields
         LCM Type: int32_t
         """
 
-        self.data_length = 0
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the points were measured, and the frame in which they are given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.height = 0
+        self.height = height
         """
         [points] number of rows; 1 if the cloud has no order
         LCM Type: int32_t
         """
 
-        self.width = 0
+        self.width = width
         """
         [points] length of a row; all points if the cloud has no order
         LCM Type: int32_t
         """
 
-        self.fields = []
+        self.fields = [] if fields is None else fields
         """
         the fields of a point
         LCM Type: lcmtools.types.sensor_msgs.PointField[fields_length]
         """
 
-        self.is_bigendian = False
+        self.is_bigendian = is_bigendian
         """
         order of the bytes in a number: true for most significant first
         LCM Type: boolean
         """
 
-        self.point_step = 0
+        self.point_step = point_step
         """
         [bytes] length of a point
         LCM Type: int32_t
         """
 
-        self.row_step = 0
+        self.row_step = row_step
         """
         [bytes] length of a row
         LCM Type: int32_t
         """
 
-        self.data = b""
+        self.data = data
         """
         the points, row_step * height bytes
         LCM Type: byte[data_length]
         """
 
-        self.is_dense = False
+        self.is_dense = is_dense
         """
         true if every point is valid, false if some hold NaN or inf
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "PointCloud2 has the fields header, height, width, fields, is_bigendian, point_step, row_step, data, is_dense, fields_length, data_length; PointCloud2"
 
     def encode(self):
         buf = BytesIO()

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.PointField import PointField
 from lcmtools.types.std_msgs.Header import Header
 
-class PointCloud2:
+class PointCloud2(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -20,7 +21,7 @@ class PointCloud2:
     row_step: int
     data: bytes
     is_dense: bool
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., height: int = ..., width: int = ..., fields: list[PointField] = ..., is_bigendian: bool = ..., point_step: int = ..., row_step: int = ..., data: bytes = ..., is_dense: bool = ..., fields_length: int = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PointCloud2: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class PointField(object):
+import lcmtools.message_value
+
+class PointField(lcmtools.message_value.MessageValue):
     """ One field of the points of a PointCloud2. """
 
     __slots__ = ["name", "offset", "datatype", "count"]
@@ -33,31 +35,32 @@ class PointField(object):
     FLOAT64 = 8
     """ a datatype: floating point, double precision """
 
-    def __init__(self):
-        self.name = ""
+    def __init__(self, name="", offset=0, datatype=0, count=0):
+        self.name = name
         """
         name of the field: x, y, z [m], rgb, intensity, ...
         LCM Type: string
         """
 
-        self.offset = 0
+        self.offset = offset
         """
         [bytes] from the start of a point to the field
         LCM Type: int32_t
         """
 
-        self.datatype = 0
+        self.datatype = datatype
         """
         type of its elements: INT8 to FLOAT64
         LCM Type: byte
         """
 
-        self.count = 0
+        self.count = count
         """
         [elements] number of elements of the field, usually 1
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "PointField has the fields name, offset, datatype, count; PointField"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class PointField:
+from lcmtools.message_value import MessageValue
+
+class PointField(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +20,7 @@ class PointField:
     offset: int
     datatype: int
     count: int
-    def __init__(self) -> None: ...
+    def __init__(self, name: str = ..., offset: int = ..., datatype: int = ..., count: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> PointField: ...

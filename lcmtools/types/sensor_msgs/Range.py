@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Range(object):
+import lcmtools.message_value
+
+class Range(lcmtools.message_value.MessageValue):
     """ Distance to the nearest object inside a cone, measured by an ultrasonic or infrared sensor. """
 
     __slots__ = ["header", "radiation_type", "field_of_view", "min_range", "max_range", "range"]
@@ -23,46 +25,47 @@ class Range(object):
     INFRARED = 1
     """ a type of radiation: light """
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, radiation_type=0, field_of_view=0.0, min_range=0.0, max_range=0.0, range=0.0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the distance was measured, and the frame of the sensor: x along the axis of the
         cone
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.radiation_type = 0
+        self.radiation_type = radiation_type
         """
         radiation of the sensor: ULTRASOUND or INFRARED
         LCM Type: byte
         """
 
-        self.field_of_view = 0.0
+        self.field_of_view = field_of_view
         """
         [rad] full angle of the cone; the object may be anywhere inside it
         LCM Type: float
         """
 
-        self.min_range = 0.0
+        self.min_range = min_range
         """
         [m] least distance that is measured
         LCM Type: float
         """
 
-        self.max_range = 0.0
+        self.max_range = max_range
         """
         [m] greatest distance that is measured; equal to min_range for a sensor that only
         detects presence
         LCM Type: float
         """
 
-        self.range = 0.0
+        self.range = range
         """
         [m] distance to the nearest object: +inf is nothing found, -inf too near to measure or,
         from a sensor that only detects presence, something found (REP-117)
         LCM Type: float
         """
 
+    __init__.__qualname__ = "Range has the fields header, radiation_type, field_of_view, min_range, max_range, range; Range"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class RegionOfInterest(object):
+import lcmtools.message_value
+
+class RegionOfInterest(lcmtools.message_value.MessageValue):
     """ A part of an image. All zero means the whole image. """
 
     __slots__ = ["x_offset", "y_offset", "height", "width", "do_rectify"]
@@ -16,38 +18,39 @@ class RegionOfInterest(object):
 
     __dimensions__ = [None, None, None, None, None]
 
-    def __init__(self):
-        self.x_offset = 0
+    def __init__(self, x_offset=0, y_offset=0, height=0, width=0, do_rectify=False):
+        self.x_offset = x_offset
         """
         [pixels] first column, from the left; 0 is the left edge
         LCM Type: int32_t
         """
 
-        self.y_offset = 0
+        self.y_offset = y_offset
         """
         [pixels] first row, from the top; 0 is the top edge
         LCM Type: int32_t
         """
 
-        self.height = 0
+        self.height = height
         """
         [pixels] number of rows
         LCM Type: int32_t
         """
 
-        self.width = 0
+        self.width = width
         """
         [pixels] number of columns
         LCM Type: int32_t
         """
 
-        self.do_rectify = False
+        self.do_rectify = do_rectify
         """
         true to compute a rectified part from the raw one, which is usual for a part
         but not for the whole image
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "RegionOfInterest has the fields x_offset, y_offset, height, width, do_rectify; RegionOfInterest"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class RegionOfInterest:
+from lcmtools.message_value import MessageValue
+
+class RegionOfInterest(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -11,7 +13,7 @@ class RegionOfInterest:
     height: int
     width: int
     do_rectify: bool
-    def __init__(self) -> None: ...
+    def __init__(self, x_offset: int = ..., y_offset: int = ..., height: int = ..., width: int = ..., do_rectify: bool = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> RegionOfInterest: ...

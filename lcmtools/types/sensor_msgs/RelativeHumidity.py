@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class RelativeHumidity(object):
+import lcmtools.message_value
+
+class RelativeHumidity(lcmtools.message_value.MessageValue):
     """ Water vapour in the air, as a fraction of the saturated amount. """
 
     __slots__ = ["header", "relative_humidity", "variance"]
@@ -18,25 +20,26 @@ class RelativeHumidity(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, relative_humidity=0.0, variance=0.0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the humidity was measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.relative_humidity = 0.0
+        self.relative_humidity = relative_humidity
         """
         [1] relative humidity, 0 to 1
         LCM Type: double
         """
 
-        self.variance = 0.0
+        self.variance = variance
         """
         [1] its variance, 0 for unknown
         LCM Type: double
         """
 
+    __init__.__qualname__ = "RelativeHumidity has the fields header, relative_humidity, variance; RelativeHumidity"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Temperature(object):
+import lcmtools.message_value
+
+class Temperature(lcmtools.message_value.MessageValue):
     """ A temperature. """
 
     __slots__ = ["header", "temperature", "variance"]
@@ -18,25 +20,26 @@ class Temperature(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, temperature=0.0, variance=0.0):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the temperature was measured, and the frame of the sensor
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.temperature = 0.0
+        self.temperature = temperature
         """
         [deg C] temperature
         LCM Type: double
         """
 
-        self.variance = 0.0
+        self.variance = variance
         """
         [(deg C)^2] its variance, 0 for unknown
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Temperature has the fields header, temperature, variance; Temperature"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class TimeReference(object):
+import lcmtools.message_value
+
+class TimeReference(lcmtools.message_value.MessageValue):
     """ The time of another clock at a time of this computer's clock. """
 
     __slots__ = ["header", "time_ref", "source"]
@@ -18,25 +20,26 @@ class TimeReference(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.header = lcmtools.types.std_msgs.Header()
+    def __init__(self, header=None, time_ref=None, source=""):
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         the time by this computer's clock; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.time_ref = lcmtools.types.std_msgs.Time()
+        self.time_ref = lcmtools.types.std_msgs.Time() if time_ref is None else time_ref
         """
         [s, ns] the time by the other clock
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
-        self.source = ""
+        self.source = source
         """
         name of the other clock, for example gps
         LCM Type: string
         """
 
+    __init__.__qualname__ = "TimeReference has the fields header, time_ref, source; TimeReference"
 
     def encode(self):
         buf = BytesIO()

@@ -2,17 +2,18 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 from lcmtools.types.std_msgs.Time import Time
 
-class TimeReference:
+class TimeReference(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     header: Header
     time_ref: Time
     source: str
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., time_ref: Time = ..., source: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> TimeReference: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Delete_Request(object):
+import lcmtools.message_value
+
+class Delete_Request(lcmtools.message_value.MessageValue):
     """ A request to remove a robot. """
 
     __slots__ = ["robot"]
@@ -16,13 +18,14 @@ class Delete_Request(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.robot = ""
+    def __init__(self, robot=""):
+        self.robot = robot
         """
         the robot's namespace, for example /husky7
         LCM Type: string
         """
 
+    __init__.__qualname__ = "Delete_Request has the fields robot; Delete_Request"
 
     def encode(self):
         buf = BytesIO()

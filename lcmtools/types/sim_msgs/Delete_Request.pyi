@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class Delete_Request:
+from lcmtools.message_value import MessageValue
+
+class Delete_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     robot: str
-    def __init__(self) -> None: ...
+    def __init__(self, robot: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Delete_Request: ...

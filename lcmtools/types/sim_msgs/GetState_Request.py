@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class GetState_Request(object):
+import lcmtools.message_value
+
+class GetState_Request(lcmtools.message_value.MessageValue):
     """ A request for a robot's true state. """
 
     __slots__ = ["robot"]
@@ -16,13 +18,14 @@ class GetState_Request(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.robot = ""
+    def __init__(self, robot=""):
+        self.robot = robot
         """
         the robot's namespace, for example /husky0
         LCM Type: string
         """
 
+    __init__.__qualname__ = "GetState_Request has the fields robot; GetState_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class GetState_Request:
+from lcmtools.message_value import MessageValue
+
+class GetState_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     robot: str
-    def __init__(self) -> None: ...
+    def __init__(self, robot: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> GetState_Request: ...

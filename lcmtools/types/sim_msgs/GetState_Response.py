@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class GetState_Response(object):
+import lcmtools.message_value
+
+class GetState_Response(lcmtools.message_value.MessageValue):
     """ The true state of a robot. """
 
     __slots__ = ["success", "message", "time", "model", "pose", "twist"]
@@ -18,43 +20,44 @@ class GetState_Response(object):
 
     __dimensions__ = [None, None, None, None, None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message="", time=0, model="", pose=None, twist=None):
+        self.success = success
         """
         true if it was done
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         the reason why not, or what was done
         LCM Type: string
         """
 
-        self.time = 0
+        self.time = time
         """
         [ns] simulated time of this state
         LCM Type: int64_t
         """
 
-        self.model = ""
+        self.model = model
         """
         the robot's model
         LCM Type: string
         """
 
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         [m] pose of its base_footprint in the world, as in SetPose
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
-        self.twist = lcmtools.types.geometry_msgs.Twist()
+        self.twist = lcmtools.types.geometry_msgs.Twist() if twist is None else twist
         """
         [m/s, rad/s] velocity of its base_link, in base_link
         LCM Type: lcmtools.types.geometry_msgs.Twist
         """
 
+    __init__.__qualname__ = "GetState_Response has the fields success, message, time, model, pose, twist; GetState_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Pose import Pose
 from lcmtools.types.geometry_msgs.Twist import Twist
 
-class GetState_Response:
+class GetState_Response(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -15,7 +16,7 @@ class GetState_Response:
     model: str
     pose: Pose
     twist: Twist
-    def __init__(self) -> None: ...
+    def __init__(self, success: bool = ..., message: str = ..., time: int = ..., model: str = ..., pose: Pose = ..., twist: Twist = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> GetState_Response: ...

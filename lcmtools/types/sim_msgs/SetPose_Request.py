@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class SetPose_Request(object):
+import lcmtools.message_value
+
+class SetPose_Request(lcmtools.message_value.MessageValue):
     """ A request to move a robot or a movable object elsewhere, at rest. """
 
     __slots__ = ["robot", "pose"]
@@ -18,19 +20,20 @@ class SetPose_Request(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.robot = ""
+    def __init__(self, robot="", pose=None):
+        self.robot = robot
         """
         the robot's namespace, for example /husky0, or the object's name
         LCM Type: string
         """
 
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         [m] pose in the world of its base_footprint, or of the ground below the object's centre
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
+    __init__.__qualname__ = "SetPose_Request has the fields robot, pose; SetPose_Request"
 
     def encode(self):
         buf = BytesIO()

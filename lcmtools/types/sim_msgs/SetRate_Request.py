@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class SetRate_Request(object):
+import lcmtools.message_value
+
+class SetRate_Request(lcmtools.message_value.MessageValue):
     """ A request to change the speed of simulated time. """
 
     __slots__ = ["rate"]
@@ -16,13 +18,14 @@ class SetRate_Request(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.rate = 0.0
+    def __init__(self, rate=0.0):
+        self.rate = rate
         """
         [1] simulated time per real time; 0 for as fast as possible
         LCM Type: double
         """
 
+    __init__.__qualname__ = "SetRate_Request has the fields rate; SetRate_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class SetRate_Request:
+from lcmtools.message_value import MessageValue
+
+class SetRate_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     rate: float
-    def __init__(self) -> None: ...
+    def __init__(self, rate: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> SetRate_Request: ...

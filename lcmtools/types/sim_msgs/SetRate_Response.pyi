@@ -2,13 +2,15 @@
 
 from typing import ClassVar
 
-class SetRate_Response:
+from lcmtools.message_value import MessageValue
+
+class SetRate_Response(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     success: bool
     message: str
-    def __init__(self) -> None: ...
+    def __init__(self, success: bool = ..., message: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> SetRate_Response: ...

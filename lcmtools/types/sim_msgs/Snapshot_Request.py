@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Snapshot_Request(object):
+import lcmtools.message_value
+
+class Snapshot_Request(lcmtools.message_value.MessageValue):
     """ A request for a picture of the world. """
 
     __slots__ = ["robot", "width", "height"]
@@ -16,25 +18,26 @@ class Snapshot_Request(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.robot = ""
+    def __init__(self, robot="", width=0, height=0):
+        self.robot = robot
         """
         namespace of the robot whose view is drawn; "" for the whole world from above
         LCM Type: string
         """
 
-        self.width = 0
+        self.width = width
         """
         [pixels] number of columns; 0 for the simulator's choice
         LCM Type: int32_t
         """
 
-        self.height = 0
+        self.height = height
         """
         [pixels] number of rows; 0 for the simulator's choice
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Snapshot_Request has the fields robot, width, height; Snapshot_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class Snapshot_Request:
+from lcmtools.message_value import MessageValue
+
+class Snapshot_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     robot: str
     width: int
     height: int
-    def __init__(self) -> None: ...
+    def __init__(self, robot: str = ..., width: int = ..., height: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Snapshot_Request: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.sensor_msgs
 
-class Snapshot_Response(object):
+import lcmtools.message_value
+
+class Snapshot_Response(lcmtools.message_value.MessageValue):
     """ The picture. """
 
     __slots__ = ["success", "message", "image"]
@@ -18,25 +20,26 @@ class Snapshot_Response(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message="", image=None):
+        self.success = success
         """
         true if it was done
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         the reason why not, or what was done
         LCM Type: string
         """
 
-        self.image = lcmtools.types.sensor_msgs.CompressedImage()
+        self.image = lcmtools.types.sensor_msgs.CompressedImage() if image is None else image
         """
         a PNG file
         LCM Type: lcmtools.types.sensor_msgs.CompressedImage
         """
 
+    __init__.__qualname__ = "Snapshot_Response has the fields success, message, image; Snapshot_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.sensor_msgs.CompressedImage import CompressedImage
 
-class Snapshot_Response:
+class Snapshot_Response(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     success: bool
     message: str
     image: CompressedImage
-    def __init__(self) -> None: ...
+    def __init__(self, success: bool = ..., message: str = ..., image: CompressedImage = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Snapshot_Response: ...

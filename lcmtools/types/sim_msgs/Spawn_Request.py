@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class Spawn_Request(object):
+import lcmtools.message_value
+
+class Spawn_Request(lcmtools.message_value.MessageValue):
     """ A request to add a robot. """
 
     __slots__ = ["model", "robot", "pose"]
@@ -18,25 +20,26 @@ class Spawn_Request(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.model = ""
+    def __init__(self, model="", robot="", pose=None):
+        self.model = model
         """
         a model of the simulator, for example husky
         LCM Type: string
         """
 
-        self.robot = ""
+        self.robot = robot
         """
         the new robot's namespace, for example /husky7
         LCM Type: string
         """
 
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         [m] pose of its base_footprint in the world
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
+    __init__.__qualname__ = "Spawn_Request has the fields model, robot, pose; Spawn_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Pose import Pose
 
-class Spawn_Request:
+class Spawn_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     model: str
     robot: str
     pose: Pose
-    def __init__(self) -> None: ...
+    def __init__(self, model: str = ..., robot: str = ..., pose: Pose = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Spawn_Request: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Spawn_Response(object):
+import lcmtools.message_value
+
+class Spawn_Response(lcmtools.message_value.MessageValue):
     """ The simulator's response. """
 
     __slots__ = ["success", "message"]
@@ -16,19 +18,20 @@ class Spawn_Response(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message=""):
+        self.success = success
         """
         true if it was done
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         the reason why not, or what was done
         LCM Type: string
         """
 
+    __init__.__qualname__ = "Spawn_Response has the fields success, message; Spawn_Response"
 
     def encode(self):
         buf = BytesIO()

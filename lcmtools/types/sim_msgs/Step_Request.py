@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Step_Request(object):
+import lcmtools.message_value
+
+class Step_Request(lcmtools.message_value.MessageValue):
     """ A request to run a paused simulator for some steps. """
 
     __slots__ = ["steps"]
@@ -16,13 +18,14 @@ class Step_Request(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.steps = 0
+    def __init__(self, steps=0):
+        self.steps = steps
         """
         [steps] number of steps, at least 1
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "Step_Request has the fields steps; Step_Request"
 
     def encode(self):
         buf = BytesIO()

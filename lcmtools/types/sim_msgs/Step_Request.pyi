@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class Step_Request:
+from lcmtools.message_value import MessageValue
+
+class Step_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     steps: int
-    def __init__(self) -> None: ...
+    def __init__(self, steps: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Step_Request: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Step_Response(object):
+import lcmtools.message_value
+
+class Step_Response(lcmtools.message_value.MessageValue):
     """ The simulator's response after the steps. """
 
     __slots__ = ["success", "message", "time"]
@@ -16,25 +18,26 @@ class Step_Response(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message="", time=0):
+        self.success = success
         """
         true if it was done
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         the reason why not, or what was done
         LCM Type: string
         """
 
-        self.time = 0
+        self.time = time
         """
         [ns] simulated time afterwards
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "Step_Response has the fields success, message, time; Step_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class Step_Response:
+from lcmtools.message_value import MessageValue
+
+class Step_Response(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     success: bool
     message: str
     time: int
-    def __init__(self) -> None: ...
+    def __init__(self, success: bool = ..., message: str = ..., time: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Step_Response: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Bool(object):
+import lcmtools.message_value
+
+class Bool(lcmtools.message_value.MessageValue):
     """ A truth value. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Bool(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = False
+    def __init__(self, data=False):
+        self.data = data
         """
         the value
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "Bool has the fields data; Bool"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Byte(object):
+import lcmtools.message_value
+
+class Byte(lcmtools.message_value.MessageValue):
     """ A signed 8-bit number: ROS 1's name for int8 is byte. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Byte(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number, -128 to 127
         LCM Type: int8_t
         """
 
+    __init__.__qualname__ = "Byte has the fields data; Byte"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class ByteMultiArray(object):
+import lcmtools.message_value
+
+class ByteMultiArray(lcmtools.message_value.MessageValue):
     """ An array of any dimensions of signed 8-bit numbers: ROS 1's name for int8 is byte. """
 
     __slots__ = ["data_length", "layout", "data"]
@@ -18,25 +20,26 @@ class ByteMultiArray(object):
 
     __dimensions__ = [None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, layout=None, data=None, data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.layout = lcmtools.types.std_msgs.MultiArrayLayout()
+        self.layout = lcmtools.types.std_msgs.MultiArrayLayout() if layout is None else layout
         """
         the dimensions
         LCM Type: lcmtools.types.std_msgs.MultiArrayLayout
         """
 
-        self.data = []
+        self.data = [] if data is None else data
         """
         the elements, -128 to 127
         LCM Type: int8_t[data_length]
         """
 
+    __init__.__qualname__ = "ByteMultiArray has the fields layout, data, data_length; ByteMultiArray"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Char(object):
+import lcmtools.message_value
+
+class Char(lcmtools.message_value.MessageValue):
     """ An unsigned 8-bit number: ROS 1's name for uint8 is char. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Char(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number, 0 to 255
         LCM Type: byte
         """
 
+    __init__.__qualname__ = "Char has the fields data; Char"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class ColorRGBA(object):
+import lcmtools.message_value
+
+class ColorRGBA(lcmtools.message_value.MessageValue):
     """ A colour with transparency. """
 
     __slots__ = ["r", "g", "b", "a"]
@@ -16,31 +18,32 @@ class ColorRGBA(object):
 
     __dimensions__ = [None, None, None, None]
 
-    def __init__(self):
-        self.r = 0.0
+    def __init__(self, r=0.0, g=0.0, b=0.0, a=0.0):
+        self.r = r
         """
         [1] red, 0 to 1
         LCM Type: float
         """
 
-        self.g = 0.0
+        self.g = g
         """
         [1] green, 0 to 1
         LCM Type: float
         """
 
-        self.b = 0.0
+        self.b = b
         """
         [1] blue, 0 to 1
         LCM Type: float
         """
 
-        self.a = 0.0
+        self.a = a
         """
         [1] opacity, 0 (invisible) to 1 (opaque)
         LCM Type: float
         """
 
+    __init__.__qualname__ = "ColorRGBA has the fields r, g, b, a; ColorRGBA"
 
     def encode(self):
         buf = BytesIO()

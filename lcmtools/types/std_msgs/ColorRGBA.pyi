@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class ColorRGBA:
+from lcmtools.message_value import MessageValue
+
+class ColorRGBA(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -10,7 +12,7 @@ class ColorRGBA:
     g: float
     b: float
     a: float
-    def __init__(self) -> None: ...
+    def __init__(self, r: float = ..., g: float = ..., b: float = ..., a: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> ColorRGBA: ...

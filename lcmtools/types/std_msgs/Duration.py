@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Duration(object):
+import lcmtools.message_value
+
+class Duration(lcmtools.message_value.MessageValue):
     """
     A duration. It is sec + nsec/1e9 seconds, so that -0.5 s is sec = -1 and nsec =
     500000000.
@@ -19,19 +21,20 @@ class Duration(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.sec = 0
+    def __init__(self, sec=0, nsec=0):
+        self.sec = sec
         """
         [s] whole seconds, negative for a negative duration
         LCM Type: int32_t
         """
 
-        self.nsec = 0
+        self.nsec = nsec
         """
         [ns] the rest, 0 to 999999999, always added
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Duration has the fields sec, nsec; Duration"
 
     def encode(self):
         buf = BytesIO()

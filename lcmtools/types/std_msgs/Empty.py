@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Empty(object):
+import lcmtools.message_value
+
+class Empty(lcmtools.message_value.MessageValue):
     """ A message without content, for events without data. """
 
     __slots__ = []
@@ -18,6 +20,8 @@ class Empty(object):
 
     def __init__(self):
         pass
+
+    __init__.__qualname__ = "Empty has no fields; Empty"
 
     def encode(self):
         buf = BytesIO()

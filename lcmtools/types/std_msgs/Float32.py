@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Float32(object):
+import lcmtools.message_value
+
+class Float32(lcmtools.message_value.MessageValue):
     """ A number of single precision. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Float32(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0.0
+    def __init__(self, data=0.0):
+        self.data = data
         """
         the number, about 7 significant digits
         LCM Type: float
         """
 
+    __init__.__qualname__ = "Float32 has the fields data; Float32"
 
     def encode(self):
         buf = BytesIO()

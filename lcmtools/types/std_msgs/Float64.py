@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Float64(object):
+import lcmtools.message_value
+
+class Float64(lcmtools.message_value.MessageValue):
     """ A number of double precision. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Float64(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0.0
+    def __init__(self, data=0.0):
+        self.data = data
         """
         the number, about 16 significant digits
         LCM Type: double
         """
 
+    __init__.__qualname__ = "Float64 has the fields data; Float64"
 
     def encode(self):
         buf = BytesIO()

@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class Float64:
+from lcmtools.message_value import MessageValue
+
+class Float64(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data: float
-    def __init__(self) -> None: ...
+    def __init__(self, data: float = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Float64: ...

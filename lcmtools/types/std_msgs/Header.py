@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Header(object):
+import lcmtools.message_value
+
+class Header(lcmtools.message_value.MessageValue):
     """ The time and the coordinate frame of a message's data. """
 
     __slots__ = ["seq", "stamp", "frame_id"]
@@ -18,26 +20,27 @@ class Header(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.seq = 0
+    def __init__(self, seq=0, stamp=None, frame_id=""):
+        self.seq = seq
         """
         number of the message, increasing by one; no receiver should rely on it
         LCM Type: int32_t
         """
 
-        self.stamp = lcmtools.types.std_msgs.Time()
+        self.stamp = lcmtools.types.std_msgs.Time() if stamp is None else stamp
         """
         time at which the data was measured or holds, not when it was sent
         LCM Type: lcmtools.types.std_msgs.Time
         """
 
-        self.frame_id = ""
+        self.frame_id = frame_id
         """
         name of the coordinate frame in which the data is given, for example base_link;
         without a leading slash
         LCM Type: string
         """
 
+    __init__.__qualname__ = "Header has the fields seq, stamp, frame_id; Header"
 
     def encode(self):
         buf = BytesIO()

@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Time import Time
 
-class Header:
+class Header(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     seq: int
     stamp: Time
     frame_id: str
-    def __init__(self) -> None: ...
+    def __init__(self, seq: int = ..., stamp: Time = ..., frame_id: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Header: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Int16(object):
+import lcmtools.message_value
+
+class Int16(lcmtools.message_value.MessageValue):
     """ A signed 16-bit number. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Int16(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number, -32768 to 32767
         LCM Type: int16_t
         """
 
+    __init__.__qualname__ = "Int16 has the fields data; Int16"
 
     def encode(self):
         buf = BytesIO()

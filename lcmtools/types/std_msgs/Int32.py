@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Int32(object):
+import lcmtools.message_value
+
+class Int32(lcmtools.message_value.MessageValue):
     """ A signed 32-bit number. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Int32(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Int32 has the fields data; Int32"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class Int32MultiArray(object):
+import lcmtools.message_value
+
+class Int32MultiArray(lcmtools.message_value.MessageValue):
     """ An array of any dimensions of signed 32-bit numbers. """
 
     __slots__ = ["data_length", "layout", "data"]
@@ -18,25 +20,26 @@ class Int32MultiArray(object):
 
     __dimensions__ = [None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, layout=None, data=None, data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.layout = lcmtools.types.std_msgs.MultiArrayLayout()
+        self.layout = lcmtools.types.std_msgs.MultiArrayLayout() if layout is None else layout
         """
         the dimensions
         LCM Type: lcmtools.types.std_msgs.MultiArrayLayout
         """
 
-        self.data = []
+        self.data = [] if data is None else data
         """
         the elements
         LCM Type: int32_t[data_length]
         """
 
+    __init__.__qualname__ = "Int32MultiArray has the fields layout, data, data_length; Int32MultiArray"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Int8(object):
+import lcmtools.message_value
+
+class Int8(lcmtools.message_value.MessageValue):
     """ A signed 8-bit number. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class Int8(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number, -128 to 127
         LCM Type: int8_t
         """
 
+    __init__.__qualname__ = "Int8 has the fields data; Int8"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class MultiArrayDimension(object):
+import lcmtools.message_value
+
+class MultiArrayDimension(lcmtools.message_value.MessageValue):
     """ One dimension of a MultiArrayLayout. """
 
     __slots__ = ["label", "size", "stride"]
@@ -16,26 +18,27 @@ class MultiArrayDimension(object):
 
     __dimensions__ = [None, None, None]
 
-    def __init__(self):
-        self.label = ""
+    def __init__(self, label="", size=0, stride=0):
+        self.label = label
         """
         name of the dimension, for example "height", "width" or "channel"
         LCM Type: string
         """
 
-        self.size = 0
+        self.size = size
         """
         [elements] length of the dimension
         LCM Type: int32_t
         """
 
-        self.stride = 0
+        self.stride = stride
         """
         [elements] size of this dimension times those of all later ones; of the first one, the
         whole array
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "MultiArrayDimension has the fields label, size, stride; MultiArrayDimension"
 
     def encode(self):
         buf = BytesIO()

@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-class MultiArrayDimension:
+from lcmtools.message_value import MessageValue
+
+class MultiArrayDimension(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     label: str
     size: int
     stride: int
-    def __init__(self) -> None: ...
+    def __init__(self, label: str = ..., size: int = ..., stride: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiArrayDimension: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class MultiArrayLayout(object):
+import lcmtools.message_value
+
+class MultiArrayLayout(lcmtools.message_value.MessageValue):
     """
     The layout of a multi-dimensional array in its data: row-major, so that neighbours along the
     last dimension are neighbours in the data. Element (i, j, k) is
@@ -22,25 +24,26 @@ class MultiArrayLayout(object):
 
     __dimensions__ = [None, ["dim_length"], None]
 
-    def __init__(self):
-        self.dim_length = 0
+    def __init__(self, dim=None, data_offset=0, dim_length=0):
+        self.dim_length = dim_length
         """
         number of elements of dim
         LCM Type: int32_t
         """
 
-        self.dim = []
+        self.dim = [] if dim is None else dim
         """
         the dimensions, the outermost first
         LCM Type: lcmtools.types.std_msgs.MultiArrayDimension[dim_length]
         """
 
-        self.data_offset = 0
+        self.data_offset = data_offset
         """
         [elements] number of elements of data before the array's first element
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "MultiArrayLayout has the fields dim, data_offset, dim_length; MultiArrayLayout"
 
     def encode(self):
         buf = BytesIO()

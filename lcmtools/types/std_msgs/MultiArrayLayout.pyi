@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.MultiArrayDimension import MultiArrayDimension
 
-class MultiArrayLayout:
+class MultiArrayLayout(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     dim_length: int
     dim: list[MultiArrayDimension]
     data_offset: int
-    def __init__(self) -> None: ...
+    def __init__(self, dim: list[MultiArrayDimension] = ..., data_offset: int = ..., dim_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiArrayLayout: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class String(object):
+import lcmtools.message_value
+
+class String(lcmtools.message_value.MessageValue):
     """ A text. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class String(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = ""
+    def __init__(self, data=""):
+        self.data = data
         """
         the text, in UTF-8
         LCM Type: string
         """
 
+    __init__.__qualname__ = "String has the fields data; String"
 
     def encode(self):
         buf = BytesIO()

@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class String:
+from lcmtools.message_value import MessageValue
+
+class String(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data: str
-    def __init__(self) -> None: ...
+    def __init__(self, data: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> String: ...

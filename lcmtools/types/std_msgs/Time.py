@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Time(object):
+import lcmtools.message_value
+
+class Time(lcmtools.message_value.MessageValue):
     """ A point in time: UTC on a real robot, simulated time if /clock is published. """
 
     __slots__ = ["sec", "nsec"]
@@ -16,19 +18,20 @@ class Time(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.sec = 0
+    def __init__(self, sec=0, nsec=0):
+        self.sec = sec
         """
         [s] whole seconds since 1970-01-01 UTC, or since the start of the simulation
         LCM Type: int32_t
         """
 
-        self.nsec = 0
+        self.nsec = nsec
         """
         [ns] the rest, 0 to 999999999
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "Time has the fields sec, nsec; Time"
 
     def encode(self):
         buf = BytesIO()

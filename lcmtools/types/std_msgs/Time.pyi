@@ -2,13 +2,15 @@
 
 from typing import ClassVar
 
-class Time:
+from lcmtools.message_value import MessageValue
+
+class Time(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     sec: int
     nsec: int
-    def __init__(self) -> None: ...
+    def __init__(self, sec: int = ..., nsec: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Time: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class UInt16(object):
+import lcmtools.message_value
+
+class UInt16(lcmtools.message_value.MessageValue):
     """
     An unsigned 16-bit number. LCM has no such type: it is sent as a signed one of the same
     width.
@@ -19,13 +21,14 @@ class UInt16(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number; 32768 to 65535 are sent as the negative number with the same bits
         LCM Type: int16_t
         """
 
+    __init__.__qualname__ = "UInt16 has the fields data; UInt16"
 
     def encode(self):
         buf = BytesIO()

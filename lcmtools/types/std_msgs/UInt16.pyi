@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class UInt16:
+from lcmtools.message_value import MessageValue
+
+class UInt16(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data: int
-    def __init__(self) -> None: ...
+    def __init__(self, data: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> UInt16: ...

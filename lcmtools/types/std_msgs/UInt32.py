@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class UInt32(object):
+import lcmtools.message_value
+
+class UInt32(lcmtools.message_value.MessageValue):
     """
     An unsigned 32-bit number. LCM has no such type: it is sent as a signed one of the same
     width.
@@ -19,13 +21,14 @@ class UInt32(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number; 2^31 and above are sent as the negative number with the same bits
         LCM Type: int32_t
         """
 
+    __init__.__qualname__ = "UInt32 has the fields data; UInt32"
 
     def encode(self):
         buf = BytesIO()

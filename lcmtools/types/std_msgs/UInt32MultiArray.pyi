@@ -3,16 +3,17 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.MultiArrayLayout import MultiArrayLayout
 
-class UInt32MultiArray:
+class UInt32MultiArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data_length: int
     layout: MultiArrayLayout
     data: Sequence[int]
-    def __init__(self) -> None: ...
+    def __init__(self, layout: MultiArrayLayout = ..., data: Sequence[int] = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> UInt32MultiArray: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class UInt64(object):
+import lcmtools.message_value
+
+class UInt64(lcmtools.message_value.MessageValue):
     """
     An unsigned 64-bit number. LCM has no such type: it is sent as a signed one of the same
     width.
@@ -19,13 +21,14 @@ class UInt64(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number; 2^63 and above are sent as the negative number with the same bits
         LCM Type: int64_t
         """
 
+    __init__.__qualname__ = "UInt64 has the fields data; UInt64"
 
     def encode(self):
         buf = BytesIO()

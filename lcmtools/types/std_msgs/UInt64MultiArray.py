@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class UInt64MultiArray(object):
+import lcmtools.message_value
+
+class UInt64MultiArray(lcmtools.message_value.MessageValue):
     """
     An array of any dimensions of unsigned 64-bit numbers. LCM has no such type: they are sent as
     signed ones of the same width.
@@ -21,25 +23,26 @@ class UInt64MultiArray(object):
 
     __dimensions__ = [None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, layout=None, data=None, data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.layout = lcmtools.types.std_msgs.MultiArrayLayout()
+        self.layout = lcmtools.types.std_msgs.MultiArrayLayout() if layout is None else layout
         """
         the dimensions
         LCM Type: lcmtools.types.std_msgs.MultiArrayLayout
         """
 
-        self.data = []
+        self.data = [] if data is None else data
         """
         the elements; 2^63 and above are sent as the negative number with the same bits
         LCM Type: int64_t[data_length]
         """
 
+    __init__.__qualname__ = "UInt64MultiArray has the fields layout, data, data_length; UInt64MultiArray"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class UInt8(object):
+import lcmtools.message_value
+
+class UInt8(lcmtools.message_value.MessageValue):
     """ An unsigned 8-bit number. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class UInt8(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = 0
+    def __init__(self, data=0):
+        self.data = data
         """
         the number, 0 to 255
         LCM Type: byte
         """
 
+    __init__.__qualname__ = "UInt8 has the fields data; UInt8"
 
     def encode(self):
         buf = BytesIO()

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class UInt8MultiArray(object):
+import lcmtools.message_value
+
+class UInt8MultiArray(lcmtools.message_value.MessageValue):
     """ An array of any dimensions of bytes. """
 
     __slots__ = ["data_length", "layout", "data"]
@@ -18,25 +20,26 @@ class UInt8MultiArray(object):
 
     __dimensions__ = [None, None, ["data_length"]]
 
-    def __init__(self):
-        self.data_length = 0
+    def __init__(self, layout=None, data=b"", data_length=0):
+        self.data_length = data_length
         """
         number of elements of data
         LCM Type: int32_t
         """
 
-        self.layout = lcmtools.types.std_msgs.MultiArrayLayout()
+        self.layout = lcmtools.types.std_msgs.MultiArrayLayout() if layout is None else layout
         """
         the dimensions
         LCM Type: lcmtools.types.std_msgs.MultiArrayLayout
         """
 
-        self.data = b""
+        self.data = data
         """
         the elements, 0 to 255
         LCM Type: byte[data_length]
         """
 
+    __init__.__qualname__ = "UInt8MultiArray has the fields layout, data, data_length; UInt8MultiArray"
 
     def encode(self):
         buf = BytesIO()

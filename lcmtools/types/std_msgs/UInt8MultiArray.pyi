@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.MultiArrayLayout import MultiArrayLayout
 
-class UInt8MultiArray:
+class UInt8MultiArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data_length: int
     layout: MultiArrayLayout
     data: bytes
-    def __init__(self) -> None: ...
+    def __init__(self, layout: MultiArrayLayout = ..., data: bytes = ..., data_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> UInt8MultiArray: ...

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Empty_Request(object):
+import lcmtools.message_value
+
+class Empty_Request(lcmtools.message_value.MessageValue):
     """ A request without arguments, for example to reset a simulation. """
 
     __slots__ = []
@@ -18,6 +20,8 @@ class Empty_Request(object):
 
     def __init__(self):
         pass
+
+    __init__.__qualname__ = "Empty_Request has no fields; Empty_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-class Empty_Request:
+from lcmtools.message_value import MessageValue
+
+class Empty_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]

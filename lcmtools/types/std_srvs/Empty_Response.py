@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Empty_Response(object):
+import lcmtools.message_value
+
+class Empty_Response(lcmtools.message_value.MessageValue):
     """ The response after it was done; a service that can fail should use Trigger. """
 
     __slots__ = []
@@ -18,6 +20,8 @@ class Empty_Response(object):
 
     def __init__(self):
         pass
+
+    __init__.__qualname__ = "Empty_Response has no fields; Empty_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class SetBool_Request(object):
+import lcmtools.message_value
+
+class SetBool_Request(lcmtools.message_value.MessageValue):
     """ A request to switch something on or off. """
 
     __slots__ = ["data"]
@@ -16,13 +18,14 @@ class SetBool_Request(object):
 
     __dimensions__ = [None]
 
-    def __init__(self):
-        self.data = False
+    def __init__(self, data=False):
+        self.data = data
         """
         true for on, false for off
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "SetBool_Request has the fields data; SetBool_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -2,12 +2,14 @@
 
 from typing import ClassVar
 
-class SetBool_Request:
+from lcmtools.message_value import MessageValue
+
+class SetBool_Request(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     data: bool
-    def __init__(self) -> None: ...
+    def __init__(self, data: bool = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> SetBool_Request: ...

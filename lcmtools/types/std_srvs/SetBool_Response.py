@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class SetBool_Response(object):
+import lcmtools.message_value
+
+class SetBool_Response(lcmtools.message_value.MessageValue):
     """ The result of switching. """
 
     __slots__ = ["success", "message"]
@@ -16,19 +18,20 @@ class SetBool_Response(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message=""):
+        self.success = success
         """
         true if it was switched
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         what was done, or the reason why not, for a human reader
         LCM Type: string
         """
 
+    __init__.__qualname__ = "SetBool_Response has the fields success, message; SetBool_Response"
 
     def encode(self):
         buf = BytesIO()

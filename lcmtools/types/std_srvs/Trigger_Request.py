@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Trigger_Request(object):
+import lcmtools.message_value
+
+class Trigger_Request(lcmtools.message_value.MessageValue):
     """ A request without arguments for an action that may fail. """
 
     __slots__ = []
@@ -18,6 +20,8 @@ class Trigger_Request(object):
 
     def __init__(self):
         pass
+
+    __init__.__qualname__ = "Trigger_Request has no fields; Trigger_Request"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class Trigger_Response(object):
+import lcmtools.message_value
+
+class Trigger_Response(lcmtools.message_value.MessageValue):
     """ The result of the action. """
 
     __slots__ = ["success", "message"]
@@ -16,19 +18,20 @@ class Trigger_Response(object):
 
     __dimensions__ = [None, None]
 
-    def __init__(self):
-        self.success = False
+    def __init__(self, success=False, message=""):
+        self.success = success
         """
         true if it was done
         LCM Type: boolean
         """
 
-        self.message = ""
+        self.message = message
         """
         what was done, or the reason why not, for a human reader
         LCM Type: string
         """
 
+    __init__.__qualname__ = "Trigger_Response has the fields success, message; Trigger_Response"
 
     def encode(self):
         buf = BytesIO()

@@ -7,7 +7,9 @@ DO NOT MODIFY BY HAND!!!!
 from io import BytesIO
 import struct
 
-class TF2Error(object):
+import lcmtools.message_value
+
+class TF2Error(lcmtools.message_value.MessageValue):
     """ The reason why a transform could not be looked up. """
 
     __slots__ = ["error", "error_string"]
@@ -31,19 +33,20 @@ class TF2Error(object):
     TRANSFORM_ERROR = 6
     """ an error: any other """
 
-    def __init__(self):
-        self.error = 0
+    def __init__(self, error=0, error_string=""):
+        self.error = error
         """
         NO_ERROR to TRANSFORM_ERROR
         LCM Type: byte
         """
 
-        self.error_string = ""
+        self.error_string = error_string
         """
         the error, for a human reader
         LCM Type: string
         """
 
+    __init__.__qualname__ = "TF2Error has the fields error, error_string; TF2Error"
 
     def encode(self):
         buf = BytesIO()

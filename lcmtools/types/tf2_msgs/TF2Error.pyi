@@ -2,7 +2,9 @@
 
 from typing import ClassVar, Final
 
-class TF2Error:
+from lcmtools.message_value import MessageValue
+
+class TF2Error(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -15,7 +17,7 @@ class TF2Error:
     TRANSFORM_ERROR: Final = 6
     error: int
     error_string: str
-    def __init__(self) -> None: ...
+    def __init__(self, error: int = ..., error_string: str = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> TF2Error: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.geometry_msgs
 
-class TFMessage(object):
+import lcmtools.message_value
+
+class TFMessage(lcmtools.message_value.MessageValue):
     """ Transforms between frames, as published on /tf (moving) and /tf_static (fixed). """
 
     __slots__ = ["transforms_length", "transforms"]
@@ -18,19 +20,20 @@ class TFMessage(object):
 
     __dimensions__ = [None, ["transforms_length"]]
 
-    def __init__(self):
-        self.transforms_length = 0
+    def __init__(self, transforms=None, transforms_length=0):
+        self.transforms_length = transforms_length
         """
         number of elements of transforms
         LCM Type: int32_t
         """
 
-        self.transforms = []
+        self.transforms = [] if transforms is None else transforms
         """
         [m] the transforms, each with its own time and frames
         LCM Type: lcmtools.types.geometry_msgs.TransformStamped[transforms_length]
         """
 
+    __init__.__qualname__ = "TFMessage has the fields transforms, transforms_length; TFMessage"
 
     def encode(self):
         buf = BytesIO()

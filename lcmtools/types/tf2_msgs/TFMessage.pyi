@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.TransformStamped import TransformStamped
 
-class TFMessage:
+class TFMessage(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     transforms_length: int
     transforms: list[TransformStamped]
-    def __init__(self) -> None: ...
+    def __init__(self, transforms: list[TransformStamped] = ..., transforms_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> TFMessage: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.trajectory_msgs
 
-class JointTrajectory(object):
+import lcmtools.message_value
+
+class JointTrajectory(lcmtools.message_value.MessageValue):
     """ A planned motion of joints. """
 
     __slots__ = ["joint_names_length", "points_length", "header", "joint_names", "points"]
@@ -20,37 +22,38 @@ class JointTrajectory(object):
 
     __dimensions__ = [None, None, None, ["joint_names_length"], ["points_length"]]
 
-    def __init__(self):
-        self.joint_names_length = 0
+    def __init__(self, header=None, joint_names=None, points=None, joint_names_length=0, points_length=0):
+        self.joint_names_length = joint_names_length
         """
         number of elements of joint_names
         LCM Type: int32_t
         """
 
-        self.points_length = 0
+        self.points_length = points_length
         """
         number of elements of points
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the motion starts, 0 for immediately; frame_id has no meaning here
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.joint_names = []
+        self.joint_names = [] if joint_names is None else joint_names
         """
         names of the joints
         LCM Type: string[joint_names_length]
         """
 
-        self.points = []
+        self.points = [] if points is None else points
         """
         the points, time_from_start increasing
         LCM Type: lcmtools.types.trajectory_msgs.JointTrajectoryPoint[points_length]
         """
 
+    __init__.__qualname__ = "JointTrajectory has the fields header, joint_names, points, joint_names_length, points_length; JointTrajectory"
 
     def encode(self):
         buf = BytesIO()

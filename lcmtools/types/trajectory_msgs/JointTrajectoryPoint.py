@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.std_msgs
 
-class JointTrajectoryPoint(object):
+import lcmtools.message_value
+
+class JointTrajectoryPoint(lcmtools.message_value.MessageValue):
     """
     The planned state of joints at one time of a trajectory. Each array either has one entry for
     each joint of the trajectory, in its order, or is empty.
@@ -21,61 +23,62 @@ class JointTrajectoryPoint(object):
 
     __dimensions__ = [None, None, None, None, ["positions_length"], ["velocities_length"], ["accelerations_length"], ["effort_length"], None]
 
-    def __init__(self):
-        self.positions_length = 0
+    def __init__(self, positions=None, velocities=None, accelerations=None, effort=None, time_from_start=None, positions_length=0, velocities_length=0, accelerations_length=0, effort_length=0):
+        self.positions_length = positions_length
         """
         number of elements of positions
         LCM Type: int32_t
         """
 
-        self.velocities_length = 0
+        self.velocities_length = velocities_length
         """
         number of elements of velocities
         LCM Type: int32_t
         """
 
-        self.accelerations_length = 0
+        self.accelerations_length = accelerations_length
         """
         number of elements of accelerations
         LCM Type: int32_t
         """
 
-        self.effort_length = 0
+        self.effort_length = effort_length
         """
         number of elements of effort
         LCM Type: int32_t
         """
 
-        self.positions = []
+        self.positions = [] if positions is None else positions
         """
         [rad] position of each revolute joint, [m] of each prismatic joint
         LCM Type: double[positions_length]
         """
 
-        self.velocities = []
+        self.velocities = [] if velocities is None else velocities
         """
         [rad/s] velocity of each revolute joint, [m/s] of each prismatic joint
         LCM Type: double[velocities_length]
         """
 
-        self.accelerations = []
+        self.accelerations = [] if accelerations is None else accelerations
         """
         [rad/s^2] acceleration of each revolute joint, [m/s^2] of each prismatic joint
         LCM Type: double[accelerations_length]
         """
 
-        self.effort = []
+        self.effort = [] if effort is None else effort
         """
         [N*m] torque at each revolute joint, [N] force at each prismatic joint
         LCM Type: double[effort_length]
         """
 
-        self.time_from_start = lcmtools.types.std_msgs.Duration()
+        self.time_from_start = lcmtools.types.std_msgs.Duration() if time_from_start is None else time_from_start
         """
         [s, ns] time since header.stamp of the trajectory
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
+    __init__.__qualname__ = "JointTrajectoryPoint has the fields positions, velocities, accelerations, effort, time_from_start, positions_length, velocities_length, accelerations_length, effort_length; JointTrajectoryPoint"
 
     def encode(self):
         buf = BytesIO()

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Duration import Duration
 
-class JointTrajectoryPoint:
+class JointTrajectoryPoint(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -18,7 +19,7 @@ class JointTrajectoryPoint:
     accelerations: Sequence[float]
     effort: Sequence[float]
     time_from_start: Duration
-    def __init__(self) -> None: ...
+    def __init__(self, positions: Sequence[float] = ..., velocities: Sequence[float] = ..., accelerations: Sequence[float] = ..., effort: Sequence[float] = ..., time_from_start: Duration = ..., positions_length: int = ..., velocities_length: int = ..., accelerations_length: int = ..., effort_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> JointTrajectoryPoint: ...

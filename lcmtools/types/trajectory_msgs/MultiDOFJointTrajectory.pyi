@@ -2,10 +2,11 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.std_msgs.Header import Header
 from lcmtools.types.trajectory_msgs.MultiDOFJointTrajectoryPoint import MultiDOFJointTrajectoryPoint
 
-class MultiDOFJointTrajectory:
+class MultiDOFJointTrajectory(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -14,7 +15,7 @@ class MultiDOFJointTrajectory:
     header: Header
     joint_names: list[str]
     points: list[MultiDOFJointTrajectoryPoint]
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., joint_names: list[str] = ..., points: list[MultiDOFJointTrajectoryPoint] = ..., joint_names_length: int = ..., points_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiDOFJointTrajectory: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class MultiDOFJointTrajectoryPoint(object):
+import lcmtools.message_value
+
+class MultiDOFJointTrajectoryPoint(lcmtools.message_value.MessageValue):
     """
     The planned state of joints with several degrees of freedom at one time. Each array
     either has one entry for each joint of the trajectory, in its order, or is empty.
@@ -23,49 +25,50 @@ class MultiDOFJointTrajectoryPoint(object):
 
     __dimensions__ = [None, None, None, ["transforms_length"], ["velocities_length"], ["accelerations_length"], None]
 
-    def __init__(self):
-        self.transforms_length = 0
+    def __init__(self, transforms=None, velocities=None, accelerations=None, time_from_start=None, transforms_length=0, velocities_length=0, accelerations_length=0):
+        self.transforms_length = transforms_length
         """
         number of elements of transforms
         LCM Type: int32_t
         """
 
-        self.velocities_length = 0
+        self.velocities_length = velocities_length
         """
         number of elements of velocities
         LCM Type: int32_t
         """
 
-        self.accelerations_length = 0
+        self.accelerations_length = accelerations_length
         """
         number of elements of accelerations
         LCM Type: int32_t
         """
 
-        self.transforms = []
+        self.transforms = [] if transforms is None else transforms
         """
         [m] position and orientation of each joint
         LCM Type: lcmtools.types.geometry_msgs.Transform[transforms_length]
         """
 
-        self.velocities = []
+        self.velocities = [] if velocities is None else velocities
         """
         [m/s, rad/s] velocity of each joint
         LCM Type: lcmtools.types.geometry_msgs.Twist[velocities_length]
         """
 
-        self.accelerations = []
+        self.accelerations = [] if accelerations is None else accelerations
         """
         [m/s^2, rad/s^2] acceleration of each joint, linear and angular
         LCM Type: lcmtools.types.geometry_msgs.Twist[accelerations_length]
         """
 
-        self.time_from_start = lcmtools.types.std_msgs.Duration()
+        self.time_from_start = lcmtools.types.std_msgs.Duration() if time_from_start is None else time_from_start
         """
         [s, ns] time since header.stamp of the trajectory
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
+    __init__.__qualname__ = "MultiDOFJointTrajectoryPoint has the fields transforms, velocities, accelerations, time_from_start, transforms_length, velocities_length, accelerations_length; MultiDOFJointTrajectoryPoint"
 
     def encode(self):
         buf = BytesIO()

@@ -2,11 +2,12 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Transform import Transform
 from lcmtools.types.geometry_msgs.Twist import Twist
 from lcmtools.types.std_msgs.Duration import Duration
 
-class MultiDOFJointTrajectoryPoint:
+class MultiDOFJointTrajectoryPoint(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -17,7 +18,7 @@ class MultiDOFJointTrajectoryPoint:
     velocities: list[Twist]
     accelerations: list[Twist]
     time_from_start: Duration
-    def __init__(self) -> None: ...
+    def __init__(self, transforms: list[Transform] = ..., velocities: list[Twist] = ..., accelerations: list[Twist] = ..., time_from_start: Duration = ..., transforms_length: int = ..., velocities_length: int = ..., accelerations_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MultiDOFJointTrajectoryPoint: ...

@@ -11,7 +11,9 @@ import lcmtools.types.std_msgs
 
 import lcmtools.types.geometry_msgs
 
-class Marker(object):
+import lcmtools.message_value
+
+class Marker(lcmtools.message_value.MessageValue):
     """
     A shape to draw in a view of the robot's world. Markers are identified by ns and id: a new
     one with the same pair replaces the old one.
@@ -56,110 +58,111 @@ class Marker(object):
     DELETEALL = 3
     """ an action: remove all markers """
 
-    def __init__(self):
-        self.points_length = 0
+    def __init__(self, header=None, ns="", id=0, type=0, action=0, pose=None, scale=None, color=None, lifetime=None, frame_locked=False, points=None, colors=None, text="", mesh_resource="", mesh_use_embedded_materials=False, points_length=0, colors_length=0):
+        self.points_length = points_length
         """
         number of elements of points
         LCM Type: int32_t
         """
 
-        self.colors_length = 0
+        self.colors_length = colors_length
         """
         number of elements of colors
         LCM Type: int32_t
         """
 
-        self.header = lcmtools.types.std_msgs.Header()
+        self.header = lcmtools.types.std_msgs.Header() if header is None else header
         """
         when the marker holds, and the frame in which it is given
         LCM Type: lcmtools.types.std_msgs.Header
         """
 
-        self.ns = ""
+        self.ns = ns
         """
         namespace, so that ids of several programs do not clash
         LCM Type: string
         """
 
-        self.id = 0
+        self.id = id
         """
         number of the marker in its namespace
         LCM Type: int32_t
         """
 
-        self.type = 0
+        self.type = type
         """
         the type: ARROW to TRIANGLE_LIST
         LCM Type: int32_t
         """
 
-        self.action = 0
+        self.action = action
         """
         the action: ADD, DELETE or DELETEALL
         LCM Type: int32_t
         """
 
-        self.pose = lcmtools.types.geometry_msgs.Pose()
+        self.pose = lcmtools.types.geometry_msgs.Pose() if pose is None else pose
         """
         [m] its pose in header.frame_id
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 
-        self.scale = lcmtools.types.geometry_msgs.Vector3()
+        self.scale = lcmtools.types.geometry_msgs.Vector3() if scale is None else scale
         """
         [m] its size along x, y, z; 1 for a mesh of its own size; the width of a line is x, the
         height of a text is z
         LCM Type: lcmtools.types.geometry_msgs.Vector3
         """
 
-        self.color = lcmtools.types.std_msgs.ColorRGBA()
+        self.color = lcmtools.types.std_msgs.ColorRGBA() if color is None else color
         """
         its colour; a = 0, as in a new message, is invisible
         LCM Type: lcmtools.types.std_msgs.ColorRGBA
         """
 
-        self.lifetime = lcmtools.types.std_msgs.Duration()
+        self.lifetime = lcmtools.types.std_msgs.Duration() if lifetime is None else lifetime
         """
         [s, ns] lifetime, 0 for ever
         LCM Type: lcmtools.types.std_msgs.Duration
         """
 
-        self.frame_locked = False
+        self.frame_locked = frame_locked
         """
         true if it moves with its frame, false if it stays where the frame was at header.stamp
         LCM Type: boolean
         """
 
-        self.points = []
+        self.points = [] if points is None else points
         """
         [m] points relative to pose, for ARROW, the lists, POINTS and LINE_STRIP
         LCM Type: lcmtools.types.geometry_msgs.Point[points_length]
         """
 
-        self.colors = []
+        self.colors = [] if colors is None else colors
         """
         colour of each point, or none to use color
         LCM Type: lcmtools.types.std_msgs.ColorRGBA[colors_length]
         """
 
-        self.text = ""
+        self.text = text
         """
         text of TEXT_VIEW_FACING
         LCM Type: string
         """
 
-        self.mesh_resource = ""
+        self.mesh_resource = mesh_resource
         """
         URL of the mesh file for MESH_RESOURCE
         LCM Type: string
         """
 
-        self.mesh_use_embedded_materials = False
+        self.mesh_use_embedded_materials = mesh_use_embedded_materials
         """
         true to draw the mesh in its own colours instead of color
         LCM Type: boolean
         """
 
+    __init__.__qualname__ = "Marker has the fields header, ns, id, type, action, pose, scale, color, lifetime, frame_locked, points, colors, text, mesh_resource, mesh_use_embedded_materials, points_length, colors_length; Marker"
 
     def encode(self):
         buf = BytesIO()

@@ -2,6 +2,7 @@
 
 from typing import ClassVar, Final
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.geometry_msgs.Point import Point
 from lcmtools.types.geometry_msgs.Pose import Pose
 from lcmtools.types.geometry_msgs.Vector3 import Vector3
@@ -9,7 +10,7 @@ from lcmtools.types.std_msgs.ColorRGBA import ColorRGBA
 from lcmtools.types.std_msgs.Duration import Duration
 from lcmtools.types.std_msgs.Header import Header
 
-class Marker:
+class Marker(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
@@ -46,7 +47,7 @@ class Marker:
     text: str
     mesh_resource: str
     mesh_use_embedded_materials: bool
-    def __init__(self) -> None: ...
+    def __init__(self, header: Header = ..., ns: str = ..., id: int = ..., type: int = ..., action: int = ..., pose: Pose = ..., scale: Vector3 = ..., color: ColorRGBA = ..., lifetime: Duration = ..., frame_locked: bool = ..., points: list[Point] = ..., colors: list[ColorRGBA] = ..., text: str = ..., mesh_resource: str = ..., mesh_use_embedded_materials: bool = ..., points_length: int = ..., colors_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> Marker: ...

@@ -9,7 +9,9 @@ import struct
 
 import lcmtools.types.visualization_msgs
 
-class MarkerArray(object):
+import lcmtools.message_value
+
+class MarkerArray(lcmtools.message_value.MessageValue):
     """ Markers that are sent together. """
 
     __slots__ = ["markers_length", "markers"]
@@ -18,19 +20,20 @@ class MarkerArray(object):
 
     __dimensions__ = [None, ["markers_length"]]
 
-    def __init__(self):
-        self.markers_length = 0
+    def __init__(self, markers=None, markers_length=0):
+        self.markers_length = markers_length
         """
         number of elements of markers
         LCM Type: int32_t
         """
 
-        self.markers = []
+        self.markers = [] if markers is None else markers
         """
         the markers
         LCM Type: lcmtools.types.visualization_msgs.Marker[markers_length]
         """
 
+    __init__.__qualname__ = "MarkerArray has the fields markers, markers_length; MarkerArray"
 
     def encode(self):
         buf = BytesIO()

@@ -2,15 +2,16 @@
 
 from typing import ClassVar
 
+from lcmtools.message_value import MessageValue
 from lcmtools.types.visualization_msgs.Marker import Marker
 
-class MarkerArray:
+class MarkerArray(MessageValue):
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]
     __dimensions__: ClassVar[list[list[int | str] | None]]
     markers_length: int
     markers: list[Marker]
-    def __init__(self) -> None: ...
+    def __init__(self, markers: list[Marker] = ..., markers_length: int = ...) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod
     def decode(data: bytes) -> MarkerArray: ...

@@ -11,14 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from lcmtools.errors import InvalidFile, InvalidName, os_errors_as
+from lcmtools.errors import InvalidFile, InvalidName
+from lcmtools.folders import read_text
 from lcmtools.formats import strict_yaml
 from lcmtools.formats.strict_yaml import Node
 from lcmtools.names import did_you_mean
+from lcmtools.packages.ros_packages import ros_packages
 from lcmtools_sim.geometry import Pose, Vector
 
 _LARGEST_BYTES = 20_000_000
 _SCHEME = "model://"
+_PACKAGE_SCHEME = "package://"
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 
 Number = TypeVar("Number", int, float)
@@ -226,23 +229,25 @@ def named_file(item: Item) -> tuple[str, str]:
 
 def read_file(path: Path) -> str:
     """Read a file's text; InvalidFile if it is not readable text, or too large for a model."""
-    with os_errors_as(f"cannot read {path}", kind=InvalidFile):
-        if path.is_file() and path.stat().st_size > _LARGEST_BYTES:
-            raise InvalidFile(f"{path}: is larger than {_LARGEST_BYTES // 1_000_000} MB")
-        return path.read_text(encoding="utf-8")
+    return read_text(path, _LARGEST_BYTES)
 
 
 def find_model(uri: str, source: str) -> Path | None:
     """Return the SDF file of an include in ``source``; None if there is none.
 
     model://NAME is searched for beside the file, in its folder "models", beside its folder, and in
-    Gazebo's model paths; nothing is fetched from the network.
+    Gazebo's model paths, and package://NAME/PATH in the ROS packages near the file and in
+    ROS_PACKAGE_PATH; nothing is fetched from the network.
     """
     if uri.startswith(_SCHEME):
         here, name = Path(source).parent, uri.removeprefix(_SCHEME)
         given = (path for key in _PATHS for path in os.environ.get(key, "").split(":") if path)
         folders = [here, here / "models", here.parent, here.parent / "models", *map(Path, given)]
         places = [folder / name for folder in folders]
+    elif uri.startswith(_PACKAGE_SCHEME):
+        name, _, rest = uri.removeprefix(_PACKAGE_SCHEME).partition("/")
+        folder = ros_packages(Path(source).resolve().parent).get(name)
+        places = [folder / rest] if folder else []
     elif "://" in uri and not uri.startswith("file://"):
         return None
     else:

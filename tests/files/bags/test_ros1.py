@@ -1,6 +1,6 @@
 """Bags of ROS 1 that were not closed, are damaged, or have strange topics."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,24 +12,39 @@ from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import Reader
 from rosbags.typesys.store import Typestore
 
+from lcmtools.bag import ros1_records
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.bag.ros_reading import bag_messages
 
 _COUNT = 6
 
 
-def _write(path: Path, compression: str = "none", store: Typestore | None = None) -> None:
-    """Write numbers, in chunks of two."""
+def _write(
+    path: Path,
+    compression: str = "none",
+    store: Typestore | None = None,
+    numbers: Sequence[int] = range(_COUNT),
+    threshold: int = 30,
+) -> None:
+    """Write numbers at their times, in chunks of at least ``threshold`` bytes."""
     store = store or own_types(1)
-    with Writer(path) as writer:
-        if compression != "none":
-            writer.set_compression(Writer.CompressionFormat[compression])
-        writer.chunk_threshold = 30
+    writer = Writer(path)
+    if compression != "none":
+        writer.set_compression(Writer.CompressionFormat[compression])
+    writer.chunk_threshold = threshold
+    with writer:
         kind = "std_msgs/msg/Int32"
         connection = writer.add_connection("/n", kind, typestore=store)
-        for number in range(_COUNT):
+        for number in numbers:
             data = store.serialize_ros1(store.types[kind](data=number), kind)
             writer.write(connection, number * SECOND, data)
+
+
+def _forget_index(path: Path) -> None:
+    """Let a bag be as before it was closed."""
+    whole = path.read_bytes()
+    place = whole.index(b"index_pos=") + len(b"index_pos=")
+    path.write_bytes(whole[:place] + bytes(8) + whole[place + 8 :])
 
 
 def _chunks(path: Path) -> int:
@@ -55,14 +70,29 @@ def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
 def test_a_bag_that_was_not_closed_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     _write(path)
-    whole = path.read_bytes()
-    place = whole.index(b"index_pos=") + len(b"index_pos=")
-    path.write_bytes(whole[:place] + bytes(8) + whole[place + 8 :])
+    _forget_index(path)
     reading = RosImport()
     found: list[Any] = [one.message for one in reading.read(path)]
     assert [one.data for one in found] == [*range(_COUNT)]
     (row,) = reading.report.rows()
     assert_says(row, "a.bag", "not indexed")
+
+
+@pytest.mark.parametrize("has_index", [True, False])
+@pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
+def test_a_chunk_that_unpacks_to_too_much_is_refused_in_one_line(
+    compression: str, *, has_index: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.bag"
+    _write(path, compression)
+    if not has_index:
+        _forget_index(path)
+    assert len(list(bag_messages(path, str))) == _COUNT
+    monkeypatch.setattr("lcmtools.bag.mcap_reading._MOST_OF_CHUNK", 40)
+    damage: list[str] = []
+    assert list(bag_messages(path, damage.append)) == []
+    assert_says(damage[-1], "a.bag is damaged", "its content has more than 40 bytes")
+    assert len(damage) == (1 if has_index else 2)
 
 
 @pytest.mark.parametrize(
@@ -120,3 +150,19 @@ def test_a_time_in_a_type_of_its_own_is_the_time(
         with Reader(one) as reader:
             digests.append([(each.topic, each.digest) for each in reader.connections])
     assert digests[0] == digests[1]
+
+
+def test_chunks_whose_times_alternate_are_unpacked_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, unpacked = tmp_path / "a.bag", []
+    whole = ros1_records.decompressed_chunk
+
+    def count(kind: str, data: bytes) -> bytes:
+        unpacked.append(kind)
+        return whole(kind, data)
+
+    monkeypatch.setattr(ros1_records, "decompressed_chunk", count)
+    _write(path, numbers=(0, 1, 3, 2, 4), threshold=70)
+    assert [one.message.data for one in RosImport().read(path)] == [0, 1, 2, 3, 4]
+    assert len(unpacked) == _chunks(path) == 3

@@ -10,7 +10,8 @@ from lcmtools.errors import UsageError
 from lcmtools.launch.executables import find_executable
 from lcmtools.launch.packages import find_files, package_folder
 from lcmtools.launch.plan import Plan
-from lcmtools.packages.ros_packages import ros_packages, ros_program
+from lcmtools.packages.programs import find_program
+from lcmtools.packages.ros_packages import ros_packages
 
 Make = Callable[..., Plan]
 
@@ -38,7 +39,8 @@ def space(folder: Path) -> Path:
     )
     scripts = folder / "src/rover_bringup/scripts"
     scripts.mkdir()
-    (scripts / "drive.py").touch(mode=0o755)
+    (scripts / "drive.py").write_text("#!/bin/sh\n")
+    (scripts / "drive.py").chmod(0o755)
     (scripts / "notes.py").touch(mode=0o644)
     return folder
 
@@ -62,13 +64,13 @@ def test_launch_finds_a_package_its_file_and_its_scripts(plan: Make, space: Path
 
 
 def test_run_finds_a_script_and_names_what_there_is(space: Path) -> None:
-    script = str(space / "src/rover_bringup/scripts/drive.py")
-    assert ros_program(["rover_bringup", "drive", "x"], space) == script
-    assert ros_program(["drive.py"], space) == ""
+    script = space / "src/rover_bringup/scripts/drive.py"
+    assert find_program(["rover_bringup", "drive", "x"], space) == script
+    assert find_program(["drive.py"], space) is None
     with raises_saying(UsageError, "rover_bringup", "'drve'", "did you mean drive.py?"):
-        ros_program(["rover_bringup", "drve"], space)
+        find_program(["rover_bringup", "drve"], space)
     with raises_saying(UsageError, "rover_bringup", "it has drive.py"):
-        ros_program(["rover_bringup"], space)
+        find_program(["rover_bringup"], space)
     with raises_saying(UsageError, "there is no node 'notes.py'", "chmod +x"):
         find_executable("rover_bringup", "notes.py", space)
 

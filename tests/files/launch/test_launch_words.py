@@ -46,7 +46,8 @@ def test_arguments_in_a_text_are_split(plan: Make) -> None:
 @pytest.mark.parametrize("quotes", ["", "'", '"'])
 def test_folder_with_a_blank_is_part_of_one_word(plan: Make, folder: Path, quotes: str) -> None:
     for name in ("node.py", "program"):
-        (folder / name).touch(mode=0o755)
+        (folder / name).write_text("#!/bin/sh\n")
+        (folder / name).chmod(0o755)
     texts = [f"{quotes}$(dirname)/{name}{quotes} -v" for name in ("node.py", "program")]
     nodes = [{"run": texts[0], "name": "a"}, {"exec": texts[1], "name": "b"}]
     first, second = plan(yaml.safe_dump({"nodes": nodes}), "a.yaml").nodes

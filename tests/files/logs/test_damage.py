@@ -15,6 +15,7 @@ import lcmtools.bag
 from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.messages.codec import encode
 from lcmtools.types.builtin_interfaces import Time
+from lcmtools.types.geometry_msgs import PointStamped
 from lcmtools.wire.log_events import HEAD_BYTES, SYNC, packets
 from lcmtools.wire.packet import Packet
 
@@ -103,3 +104,26 @@ def test_a_log_in_a_payload_stays_one_message() -> None:
     inner = encode_event(0, Packet("/log", WHOLE[: EVENT + HEAD_BYTES + 5], 0))
     found = list(packets(inner + b"\0" + EVENTS[1]))
     assert [one.payload for one in found] == [WHOLE[: EVENT + HEAD_BYTES + 5], PAYLOADS[1]]
+
+
+@pytest.mark.parametrize("lost", [0, 5])
+@pytest.mark.parametrize(
+    "command",
+    [
+        "echo -b {log} /a",
+        "hz -b {log} /a",
+        "bw -b {log} /a",
+        "delay -b {log} /stamped",
+        "plot -b {log} /a/sec -o {log}.png",
+        "bag plot {log} /a/sec",
+    ],
+)
+def test_a_command_that_reads_a_whole_log_tells_of_damage(
+    cli: Cli, tmp_path: Path, command: str, lost: int
+) -> None:
+    path = tmp_path / "a.lcmlog"
+    stamped = encode_event(3, Packet("/stamped", encode(PointStamped()), 1_795_000_003 * 10**9))
+    path.write_bytes(stamped + WHOLE[: len(WHOLE) - lost])
+    result = cli(*command.format(log=path).split())
+    assert result.code == 0
+    assert ("do not belong to any message; lcmtools bag fix" in result.err) == bool(lost)

@@ -5,7 +5,14 @@ from pathlib import Path
 import pytest
 from fixtures.says import assert_says
 
-from lcmtools.bag.commands import LastCommands, conflicts, is_command
+from lcmtools.bag.commands import (
+    Conflict,
+    LastCommands,
+    conflicts,
+    is_command,
+    reasons,
+    way_out,
+)
 from lcmtools.bag.playlist import Track
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import decode, encode
@@ -79,15 +86,32 @@ def test_a_command_is_told_by_its_type_or_name(
     ],
 )
 def test_reasons_not_to_play(node: Node, reason: str | None) -> None:
-    found = conflicts(Graph((node,)), [track("/a"), track("/c", JointState)])
+    tracks = [track("/a"), track("/c", JointState)]
+    found = conflicts(Graph((node,)), tracks)
     assert [one.reason for one in found] == ([reason] if reason else [])
-    for one in found:
-        assert_says(one.remedy, "-x /a", "/a:=/other")
+    assert way_out(found, tracks) == ("-x /a" if reason else "")
 
 
 def test_the_remedy_for_a_channel_that_is_no_name_can_be_typed() -> None:
-    (found,) = conflicts(Graph((publisher("a b"),)), [track("a b")])
-    assert found.remedy == "-x 'a b' leaves it out"
+    tracks = [track("a b"), track("/c")]
+    found = conflicts(Graph((publisher("a b"),)), tracks)
+    assert way_out(found, tracks) == "-x 'a b'"
+    assert way_out(found, tracks[:1]) == "--ns /replay", "else nothing would be left"
+
+
+def test_a_busy_bus_is_refused_in_three_lines() -> None:
+    names = [f"/{letter}" for letter in "abcdef"]
+    found = [Conflict(name, name, "/sim (vm, pid 1)", obeys=False) for name in names]
+    found.append(Conflict("/cmd_vel", "/cmd_vel", "/sim (vm, pid 1)", obeys=True))
+    said = [
+        "/sim (vm, pid 1) would obey /cmd_vel",
+        "/sim (vm, pid 1) publishes /a, /b, /c and 3 more",
+    ]
+    assert reasons(found) == said
+    found += [Conflict("/a", "/a", f"/other{n} (vm, pid 2)", obeys=False) for n in range(2)]
+    assert reasons(found) == [*said, "other programs use topics of the log, too"]
+    assert way_out(found, [track(name) for name in (*names, "/cmd_vel", "/x")]) == "--ns /replay"
+    assert reasons([]) == []
 
 
 def test_a_simulator_obeys_whatever_it_subscribes_to() -> None:

@@ -1,5 +1,6 @@
 """The notes of a recorder, as the index of a file has them."""
 
+import tracemalloc
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
@@ -7,9 +8,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from lcmtools.bag import index_notes
 from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.writer import LogWriter
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.builder import MOST_FINGERPRINTS
+from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
@@ -44,6 +47,20 @@ def test_a_node_that_ends_at_once_is_named(tmp_path: Path, worker: Executor) -> 
         assert [str(packet.sender) for packet in log.packets()] == [node.name, str(_OTHER)]
 
 
+def test_of_nodes_that_end_little_is_kept(worker: Executor) -> None:
+    notes = IndexNotes(_quiet_monitor(), worker)  # type: ignore[arg-type] # all that it needs
+    tracemalloc.start()
+    try:
+        for number in range(100):
+            error = CallbackError("callback", "Error", "x" * 20_000, "a.py:1", 1, 1)
+            node = Node(f"/n{number}", f"{number}", "h", number, errors=(error,))
+            payload = encode_announcement(Announcement(node, leaving=True))
+            notes.add_announcement(Packet(NODE_CHANNEL, payload, 1000, _ONE), None)
+        assert tracemalloc.get_traced_memory()[0] < 1_000_000
+    finally:
+        tracemalloc.stop()
+
+
 def test_losses_are_noted_with_the_time_of_the_message_that_showed_them(
     tmp_path: Path, worker: Executor
 ) -> None:
@@ -76,3 +93,60 @@ def test_losses_are_noted_with_the_time_of_the_message_that_showed_them(
         ]
     with LogFile(second) as log:
         assert [loss for _, loss in sorted(log.losses().items())] == [Loss(3, 10)]
+
+
+def _quiet_monitor() -> SimpleNamespace:
+    return SimpleNamespace(
+        losses=dict, types_of=lambda _: (), graph=lambda: SimpleNamespace(nodes=())
+    )
+
+
+def test_payloads_that_are_not_of_lcm_are_looked_up_a_few_times(
+    tmp_path: Path, worker: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked_up: list[Packet] = []
+    monkeypatch.setattr(
+        index_notes, "recorded_types", lambda packets, _: looked_up.extend(packets) or []
+    )
+    notes = IndexNotes(_quiet_monitor(), worker)  # type: ignore[arg-type] # all that it needs
+    with LogWriter(tmp_path / "a.lcmlog") as writer:
+        notes.begin(writer)
+        for number in range(10_000):
+            notes.add([Packet("/junk", number.to_bytes(8, "big"), number, _ONE)], writer)
+        notes.annotate(writer, in_full=True)
+        assert writer.messages == 10_000
+    assert len(looked_up) == MOST_FINGERPRINTS
+
+
+def test_types_of_many_new_channels_are_looked_up_within_a_bound(
+    tmp_path: Path, worker: Executor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked_up: list[Packet] = []
+    monkeypatch.setattr(
+        index_notes, "recorded_types", lambda packets, _: looked_up.extend(packets) or []
+    )
+    notes = IndexNotes(_quiet_monitor(), worker)  # type: ignore[arg-type] # all that it needs
+    with LogWriter(tmp_path / "a.lcmlog") as writer:
+        notes.begin(writer)
+        for number in range(20_000):
+            notes.add([Packet(f"/reply_{number}", bytes(8), number, _ONE)], writer)
+        notes.add([Packet("/late", b"of a new type", 1, _ONE)], writer)
+        notes.annotate(writer, in_full=True)
+    assert len(looked_up) == 1001
+    assert looked_up[-1].channel == "/late"
+    with LogFile(tmp_path / "a.lcmlog") as log:
+        assert len({packet.channel for packet in log.packets()}) == 20_001
+
+
+def test_losses_of_a_sender_that_is_no_longer_known_stay(tmp_path: Path, worker: Executor) -> None:
+    known = {_ONE: Loss(3, 10)}
+    monitor = _quiet_monitor()
+    monitor.losses = lambda: dict(known)
+    notes = IndexNotes(monitor, worker)  # type: ignore[arg-type] # all that it needs
+    with LogWriter(tmp_path / "a.lcmlog") as writer:
+        notes.begin(writer)
+        notes.add([Packet("/a", b"", 1, _ONE)], writer)
+        notes.annotate(writer)
+        known.clear()
+        notes.annotate(writer, in_full=True)
+    assert notes.losses == {str(_ONE): Loss(3, 10)}

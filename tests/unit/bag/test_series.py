@@ -4,13 +4,15 @@ import os
 from datetime import datetime
 from pathlib import Path
 
+import pytest
 from fixtures.says import assert_says, raises_saying
 
 from lcmtools.bag.recorder import Progress
+from lcmtools.bag.recording_words import losses_text, summary
 from lcmtools.bag.series import LogSeries
-from lcmtools.cli.bag.recording import summary
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import index_path
+from lcmtools.observe.reading.losses import Loss
 
 
 def _names(folder: Path) -> list[str]:
@@ -28,6 +30,8 @@ def test_files_of_a_split_recording_are_numbered_and_the_oldest_go(tmp_path: Pat
     )
     line = summary(Progress(40, 3000, 4, {}), series)
     assert_says(line, "40 messages (3.00 KB)", f"{wanted[0]} to ride_3.lcmlog", "no losses")
+    unknown = summary(Progress(40, 3000, 4, {}, losses_are_known=False), series)
+    assert unknown.endswith("; losses are not known on this bus")
 
 
 def test_a_name_has_the_date_and_a_folder_takes_the_usual_name(tmp_path: Path) -> None:
@@ -57,3 +61,18 @@ def test_a_file_that_exists_is_refused(tmp_path: Path) -> None:
     (tmp_path / "ride_0.lcmlog").touch()
     with raises_saying(LcmtoolsError, "ride_0.lcmlog exists; "):
         LogSeries(str(tmp_path / "ride.lcmlog"), numbered=True).next()
+
+
+@pytest.mark.parametrize(
+    ("losses", "overflows", "parts"),
+    [
+        ({}, 0, ["no losses"]),
+        ({}, 7, ["no losses by the senders' numbers", "up to 7 datagrams"]),
+        ({"a": Loss(2, 10)}, 7, ["lost 2 of 10 (20.0 %) of a;", "up to 7 datagrams"]),
+        ({str(n): Loss(n, 100) for n in range(1, 31)}, 0, ["lost 30 of 100", "55 of 10 others"]),
+    ],
+)
+def test_losses_are_told_with_what_full_buffers_dropped(
+    losses: dict[str, Loss], overflows: int, parts: list[str]
+) -> None:
+    assert_says(losses_text(losses, overflows), *parts)

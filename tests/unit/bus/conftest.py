@@ -6,18 +6,18 @@ import pytest
 
 from lcmtools.bus.socket_filter import Instruction
 
-LetsPass = Callable[[Sequence[Instruction], bytes], bool]
+LetsPass = Callable[..., bool]
 
 
 @pytest.fixture(scope="session")
 def lets_pass() -> LetsPass:
-    """``lets_pass(program, datagram)``: what the kernel would answer."""
+    """``lets_pass(program, datagram, port=0)``: what the kernel would answer."""
     return _run
 
 
-def _run(program: Sequence[Instruction], datagram: bytes) -> bool:  # noqa: C901 - an operation a branch
+def _run(program: Sequence[Instruction], datagram: bytes, port: int = 0) -> bool:  # noqa: C901 - an operation a branch
     """The machine of linux/filter.h, which is that of BSD's bpf(4)."""
-    packet = bytes(8) + datagram  # behind the UDP header
+    packet = port.to_bytes(2, "big") + bytes(6) + datagram  # behind the UDP header
     accumulator = index = position = 0
     for _ in range(len(program) + 1):
         step = program[position]
@@ -36,21 +36,14 @@ def _run(program: Sequence[Instruction], datagram: bytes) -> bool:  # noqa: C901
             accumulator = len(packet)
         elif step.code == 0x01:
             index = step.k
-        elif step.code == 0x07:
-            index = accumulator
-        elif step.code in (0x0C, 0x14, 0x1C):
-            amount = step.k if step.code == 0x14 else index
-            accumulator += amount if step.code == 0x0C else -amount
-            accumulator &= 0xFFFFFFFF
+        elif step.code == 0x54:
+            accumulator &= step.k
         elif step.code == 0x05:
             position += step.k
         elif step.code == 0x06:
             return step.k != 0
         else:
-            holds = {
-                0x15: accumulator == step.k,
-                0x25: accumulator > step.k,
-                0x3D: accumulator >= index,
-            }[step.code]
+            assert step.code == 0x15
+            holds = accumulator == step.k
             position += step.if_true if holds else step.if_false
     raise AssertionError("the program does not end")

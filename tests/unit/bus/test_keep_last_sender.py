@@ -1,9 +1,15 @@
 """Messages that wait for a slow network: of each topic the newest, in order, each in its turn."""
 
 import threading
+import time
 from collections.abc import Callable
 
-from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, KeepLastSender, Outgoing
+from lcmtools.bus.zenoh.keep_last_sender import (
+    CLOCK,
+    MOST_WAITING_BYTES,
+    KeepLastSender,
+    Outgoing,
+)
 
 
 class _Line:
@@ -22,7 +28,7 @@ class _Line:
 
 
 def _message(key: str, number: int, size: int = 8) -> Outgoing:
-    return Outgoing(key, bytes([number]) * size, b"", is_large=False)
+    return Outgoing(key, bytes([number]) * size)
 
 
 def _numbers(line: _Line, key: str) -> list[int]:
@@ -60,6 +66,21 @@ def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
     sender.close()
 
 
+def test_what_would_arrive_too_late_is_dropped() -> None:
+    line = _Line()
+    sender = KeepLastSender(line.put)
+    now = time.clock_gettime_ns(CLOCK)
+    sender.add(_message("other", 0))
+    line.begun.acquire()
+    sender.add(_message("a", 1)._replace(time=now - 10**9))
+    sender.add(_message("a", 2)._replace(time=now + 10**12))
+    sender.add(_message("state", 3))
+    line.room.release(3)
+    sender.close()
+    assert {message.payload[0] for message in line.taken} == {0, 2, 3}
+    assert sender.dropped == 1
+
+
 def test_closing_waits_for_half_a_second_only() -> None:
     line = _Line()
     sender = KeepLastSender(line.put)
@@ -67,3 +88,17 @@ def test_closing_waits_for_half_a_second_only() -> None:
     sender.close()  # the line never has room
     assert line.taken == []
     line.room.release()
+
+
+def test_images_wait_through_a_short_stall_of_the_network() -> None:
+    line = _Line()
+    sender = KeepLastSender(line.put)
+    now = time.clock_gettime_ns(CLOCK)
+    sender.add(_message("other", 0))
+    line.begun.acquire()
+    for number in range(20):  # 30 Hz
+        sender.add(_message("image", number, 20_000)._replace(time=now + number * 33_000_000))
+    line.room.release(20)
+    sender.close()
+    assert _numbers(line, "image") == list(range(12, 20))  # those of the last 0.25 s
+    assert sender.dropped == 12

@@ -25,7 +25,7 @@ class PipeBus(ReceivingBus):
         super().__init__(parse_url("memq://"))
         self.threads: list[int] = []
         self.ends = [os.pipe(), os.pipe()]
-        self._add_handler("a", lambda _payload, _time: self.threads.append(threading.get_ident()))
+        self._subscribe("a", lambda _payload, _time: self.threads.append(threading.get_ident()))
         self._start()
 
     def send(self, messages: int, pipe: int = 0) -> None:
@@ -35,6 +35,12 @@ class PipeBus(ReceivingBus):
     def on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread."""
         self._on_receiver(work)
+
+    def _begin(self, channel: str) -> None:
+        assert channel == "a"
+
+    def _end(self, channel: str) -> None:
+        raise AssertionError(channel)
 
     def _descriptors(self) -> Sequence[int]:
         return [read for read, _ in self.ends]

@@ -193,10 +193,14 @@ def test_a_record_says_what_the_node_published_and_heard(records: NodeRecords) -
     assert records.topics({"def"}, Role.PUBLISHER) == set()
 
 
-def test_a_node_in_another_network_is_on_another_bus(records: NodeRecords, tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", ["network", "network_cookie"])
+def test_a_node_in_another_network_is_on_another_bus(
+    records: NodeRecords, tmp_path: Path, number: str
+) -> None:
+    """Also in one that has gone, whose number this one has got."""
     records.write(_node())
     (file,) = _files(tmp_path)
-    file.write_text(json.dumps({**json.loads(file.read_text()), "network": 1}))
+    file.write_text(json.dumps({**json.loads(file.read_text()), number: 1}))
     assert list(records.read()) == []
 
 
@@ -209,3 +213,17 @@ def test_a_namesake_is_another_process_that_lives(records: NodeRecords) -> None:
     assert records.namesake(_node(name="/b", pid=1)) is None
     records.write(_node(id="ghi", name="/c", pid=2**22 + 1))
     assert records.namesake(_node(name="/c", pid=1)) is None, "it has ended"
+
+
+def test_a_node_of_another_pid_namespace_is_neither_alive_nor_ended(
+    records: NodeRecords, tmp_path: Path
+) -> None:
+    records.write(_node())
+    (file,) = _files(tmp_path)
+    record = json.loads(file.read_text())
+    record["pid_namespace"] += 1
+    file.write_text(json.dumps(record))
+    assert list(records.read()) == []
+    del record["pid_namespace"]  # as before version 2
+    file.write_text(json.dumps(record))
+    assert [node.name for node in records.read()] == ["/a"]

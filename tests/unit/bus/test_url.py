@@ -4,7 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.url import BusUrl, choose_url, domain_url, parse_url
+from lcmtools.bus.url import (
+    BusUrl,
+    another_domain,
+    choose_url,
+    domain_url,
+    misread_options,
+    parse_url,
+)
 from lcmtools.errors import InvalidUrl, UsageError
 
 
@@ -63,6 +70,8 @@ def test_a_url_is_read_as_liblcm_reads_it(
         ("mpudpm://10.0.0.1:7667", "10.0.0.1 is not a multicast address", "mpudpm://239.255"),
         ("tcpq://robot:0", "'0' is not a port", "'tcpq://robot:7700'"),
         ("tcpq://robot:", "'' is not a port", "'tcpq://robot:7700'"),
+        ("tcpq://[::1]:7700", "LCM's tcpq has no IPv6", "IPv4 address: 'tcpq://127.0.0.1:7700'"),
+        ("tcpq://::1", "LCM's tcpq has no IPv6", "'tcpq://127.0.0.1:7700'"),
         ("tcpq://:x", "'x' is not a port", "'tcpq://127.0.0.1:7700'"),
         ("udmp://", "no LCM provider 'udmp'", "did you mean udpm?"),
         ("UDPM://", "no LCM provider 'UDPM'", "did you mean udpm?"),
@@ -180,6 +189,46 @@ def test_a_wrong_environment_is_named(
 ) -> None:
     with pytest.raises(error, match=source):
         choose_url(None, None, environment)
+
+
+@pytest.mark.parametrize("domain", ["0", "1", "2"])
+def test_another_domain_is_another_bus(domain: str) -> None:
+    url = domain_url(domain)
+    assert domain_url(str(another_domain(str(url)))) != url
+
+
+_GROUP = "239.255.76.67:7667"
+
+
+@pytest.mark.parametrize(
+    ("url", "notes"),
+    [
+        (f"udpm://{_GROUP}?ttl=1&recv_buf_size=9&transmit_only=true", []),
+        (f"udpm://{_GROUP}?tt1=1", ["tt1=1 has no effect; did you mean ttl?"]),
+        (f"udpm://{_GROUP}?TTL=1", ["TTL=1 has no effect; did you mean ttl?"]),
+        (
+            f"udpm://{_GROUP}?x=&nports=2",
+            [
+                f"{option} has no effect; udpm has the options ttl, recv_buf_size, transmit_only"
+                for option in ("x=", "nports=2")
+            ],
+        ),
+        (f"udpm://{_GROUP}?ttl=256", ["ttl=256 is sent as 0; the maximum is 255"]),
+        (f"mpudpm://{_GROUP}?ttl=0&nports=2", []),
+        (f"mpudpm://{_GROUP}?nport=2", ["nport=2 has no effect; did you mean nports?"]),
+        ("tcpq://127.0.0.1:7700?ttl=1", ["ttl=1 has no effect; tcpq has no options"]),
+        ("memq://?a=1", ["a=1 has no effect; memq has no options"]),
+        ("file:///a.log?speed=0&mode=r&start_timestamp=1", []),
+        ("file:///a.log?spee=0", ["spee=0 has no effect; did you mean speed?"]),
+        ("zenoh://?patience=2", []),
+        ("zenoh://?patient=2", ["patient=2 has no effect; did you mean patience?"]),
+    ],
+)
+def test_options_that_liblcm_does_not_take_are_named(url: str, notes: list[str]) -> None:
+    read = parse_url(url)
+    assert list(misread_options(read, "LCM_DEFAULT_URL")) == [
+        f"LCM_DEFAULT_URL {read}: {note}" for note in notes
+    ]
 
 
 @given(st.text(max_size=40) | st.text("udpm:/?=&1.9", max_size=40).map("udpm://".__add__))

@@ -209,6 +209,20 @@ def test_arguments_that_every_node_takes(
     assert complete("runnables:arguments", word, name="talker", **given) == found
 
 
+def test_files_and_programs_of_packages_can_be_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    project = '[project]\nname = "air_lab0"\n[tool.lcmtools]\n'
+    for name, text in {"mine.py": "", "air_lab0/pyproject.toml": project}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (tmp_path / "air_lab0" / "evaluate_controller.py").touch(mode=0o755)
+    monkeypatch.chdir(tmp_path)
+    assert {"talker", "air_lab0", "mine.py"} <= set(complete("runnables:programs"))
+    assert list(candidates("runnables:programs", Situation("./"))) == [FILES]
+    assert "evaluate_controller.py" in complete("runnables:arguments", name="air_lab0")
+
+
 def test_the_simulator_says_what_its_own_arguments_are() -> None:
     assert "husky" in complete("runnables:arguments", name="sim", arguments="--world")
     assert "--world=husky" in complete("runnables:arguments", "--world=", name="sim")

@@ -5,9 +5,16 @@ from dataclasses import replace
 import pytest
 from fixtures.judging import HEALTHY, NOW, SECOND, SOMEBODY, pub, stream, sub
 
-from lcmtools.doctor.brief import BRIEF, is_enough
-from lcmtools.doctor.evidence import Evidence, Host, LcmProcess, Listener, Stream
-from lcmtools.graph.model import Endpoint, Graph, Node, Staleness
+from lcmtools.doctor.brief import BRIEF, is_enough, needed_duration
+from lcmtools.doctor.evidence import (
+    Evidence,
+    Host,
+    LcmProcess,
+    Listener,
+    SimulatedClock,
+    Stream,
+)
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.wire.packet import Sender
 
 _TALKER = Sender("127.0.0.1", 4000)
@@ -87,3 +94,27 @@ def test_what_only_listening_shows_takes_a_whole_look(evidence: Evidence) -> Non
 def test_an_even_stream_of_a_node_is_no_gap() -> None:
     even = replace(stream("/a", 100.0, count=70), sender=_TALKER, name="/talker", pid=7)
     assert is_enough(_brief(streams=(even,)))
+
+
+@pytest.mark.parametrize("is_back", [True, False])
+def test_a_node_that_has_left_may_be_starting_again(is_back: bool) -> None:  # noqa: FBT001
+    node = Node("/talker", "1", "here", 7, sent=1)
+    after = (node._replace(id="2"),) if is_back else ()
+    evidence = Evidence("udpm://", before=Graph((node,)), graph=Graph(after), listened=0.7)
+    assert needed_duration(evidence) == (0.0 if is_back else 3.0)
+
+
+def test_of_publishers_of_one_topic_all_should_be_seen() -> None:
+    end = Endpoint("/cmd", Role.PUBLISHER, messages=5, last_time=SECOND)
+    nodes = tuple(Node(f"/{n}", n, "here", 7, endpoints=(end,), sent=2 * SECOND) for n in "ab")
+    streams = tuple(Stream("/cmd", None, node.name, (1, 2)) for node in nodes)
+    seen = Evidence("udpm://", graph=Graph(nodes), streams=streams, listened=0.7)
+    assert needed_duration(seen) == 0.0
+    assert needed_duration(replace(seen, streams=streams[:1])) == 3.0
+
+
+def test_of_a_clock_that_seldom_ticks_more_should_be_seen() -> None:
+    streams = (Stream("/clock", None, "sim", (1,)),)
+    seen = Evidence("udpm://", streams=streams, listened=0.7)
+    assert needed_duration(seen) == 3.0
+    assert needed_duration(replace(seen, clock=SimulatedClock("sim", 1.0))) == 0.0

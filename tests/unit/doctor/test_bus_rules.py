@@ -27,11 +27,12 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 
 
 def test_listeners_on_another_interface_are_named_where_that_is_known() -> None:
-    host = replace(HEALTHY.host, interface="eth0", joined=("eth0", "lo"))
+    host = replace(HEALTHY.host, interface="eth0", joined=("eth0", "wlan0", "lo"))
     listeners = (Listener("a (pid 7)", 7, 0, joined=("lo",)), Listener("b", 8, 0, joined=("eth0",)))
     assert only(replace(HEALTHY, host=host, listeners=listeners)).items == (" * a (pid 7): on lo",)
     unknown = (Listener("a (pid 7)", 7, 0),)
-    assert only(replace(HEALTHY, host=host, listeners=unknown)).items == (" * on lo",)
+    # lcmtools' own programs join on lo as well
+    assert only(replace(HEALTHY, host=host, listeners=unknown)).items == (" * on wlan0",)
 
 
 def test_what_the_strict_filter_has_dropped_is_a_warning() -> None:
@@ -218,3 +219,19 @@ def test_what_bears_on_multicast_is_not_said_of_a_server() -> None:
     host = Host(firewall="ufw", container="container")
     evidence = Evidence("tcpq://127.0.0.1:1", bus_problem="no server", host=host)
     assert only(evidence).items == ()
+
+
+def test_what_is_missed_is_connected_here_before_it_is_sought_on_another_bus() -> None:
+    given, taken = Endpoint("/r/odometry", Role.PUBLISHER), Endpoint("/odometry", Role.SUBSCRIBER)
+    nodes = (
+        Node("/robot", "robot", "here", 1, endpoints=(given,)),
+        Node("/driver", "driver", "here", 2, endpoints=(taken,)),
+    )
+    there = LcmProcess(9, "robot", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3", topics=("/odometry",))
+    findings = found(replace(HEALTHY, graph=Graph(nodes), processes=(there,)))
+    (remedy,) = findings["unconnected-subscriptions"].remedies
+    assert remedy.endswith("start /driver with odometry:=/r/odometry")
+    assert findings["other-buses"].severity is Severity.NOTE
+    alone = found(replace(HEALTHY, graph=Graph(nodes[1:]), processes=(there,)))
+    assert alone["other-buses"].severity is Severity.WARNING
+    assert "unconnected-subscriptions" not in alone

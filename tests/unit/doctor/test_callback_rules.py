@@ -150,7 +150,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
             0,
             90 * MS,
             "no callback has run",
-            "let /n spin: lcmtools.spin(node), or spin_once often",
+            "let /n call spin(node), or spin_once often",
         ),
         (
             15,
@@ -266,7 +266,7 @@ def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
     (finding,) = told(evidence)
     assert finding.text == "The following nodes do not run their callbacks:"
     assert finding.items == (" * /n has received 6 messages of /scan",)
-    assert finding.remedies == ("let /n spin: lcmtools.spin(node), or spin_once often",)
+    assert finding.remedies == ("let /n call spin(node), or spin_once often",)
     for quiet in (
         node._replace(start_time=8 * SECOND),
         node._replace(tool=True),
@@ -275,3 +275,17 @@ def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
         node._replace(endpoints=(fed._replace(messages=4),)),
     ):
         assert told(replace(evidence, graph=Graph((quiet,), time=10 * SECOND))) == []
+
+
+@pytest.mark.parametrize(
+    ("wait", "depth", "longest", "count"),
+    [(0.6, 10, 2, 0), (0.6, 1, 2, 0), (0.6, 10, 550, 0), (0.6, 10, 700, 1), (0.3, 10, 2, 1)],
+)
+def test_losses_that_a_busy_computer_causes_are_no_finding(
+    wait: float, depth: int, longest: int, count: int
+) -> None:
+    scan = ear(depth=depth)
+    now = later(scan, rate=20, calls=10, busy=15 * MS, drops=10)._replace(longest=longest * MS)
+    assert not silent(look((scan, now)))
+    evidence = replace(look((scan, now)), processor_wait=0.9, waits={1: wait})
+    assert len(judge(evidence, [callbacks.queues_have_room])) == count

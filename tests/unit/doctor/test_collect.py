@@ -14,14 +14,18 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
+from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.wire.packet import Sender
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.wire.packet import Packet, Sender
 
 FAR, HERE = Sender("192.0.2.7", 4000), Sender("127.0.0.1", 4000)
 
 
 class _Monitor:
     """A bus with one sender, whose node's answer comes after the request of this number."""
+
+    is_log: bool = False
 
     def __init__(self, sender: Sender, answered: int) -> None:
         self.sender, self.answered, self.requests = sender, answered, 0
@@ -60,18 +64,40 @@ def test_requests_end_with_the_last_name(
 class _LateNode(_Monitor):
     """A bus with a node of this computer that answers after so many seconds."""
 
-    def __init__(self, pid: int, answered: float) -> None:
+    def __init__(self, pid: int, answered: float, count: int = 1) -> None:
         super().__init__(HERE, 0)
+        self.count = count
         self.node = Node("/late", "l", socket.gethostname(), pid, stale=Staleness.HANGS)
-        self.answered, self.waited = answered, 0.0
+        self.waited = 0.0
+        self.needed = answered
 
     def packets(self, seconds: float) -> tuple[()]:
         self.waited += seconds
         return ()
 
     def graph(self) -> Graph:
-        stale = Staleness.NOT if self.waited >= self.answered else Staleness.HANGS
-        return Graph((self.node._replace(stale=stale),))
+        stale = Staleness.NOT if self.waited >= self.needed else Staleness.HANGS
+        return Graph((self.node._replace(stale=stale),) * self.count)
+
+
+class _LateCounters(_LateNode):
+    """The same, where the node was heard before and only its new counters are late."""
+
+    def graph(self) -> Graph:
+        return Graph((self.node._replace(stale=Staleness.NOT, sent=1 + (self.waited > 0.6)),))
+
+
+def test_the_counters_of_a_busy_node_are_waited_for() -> None:
+    monitor = _LateCounters(os.getpid(), 0.6)
+    graph = _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    assert [node.sent for node in graph.nodes] == [2]
+
+
+def test_no_answer_is_waited_for_in_a_log() -> None:
+    monitor = _LateCounters(os.getpid(), 99.0)
+    monitor.is_log = True
+    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    assert monitor.requests == 1
 
 
 @pytest.mark.parametrize(
@@ -121,3 +147,21 @@ def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs() -> None:
     traffic = tuple(Traffic("/a", one, (), 1, 8, 0, 0) for one in (stays, leaves, plain))
     found = _without_departed(Graph((nodes[0],), traffic), before=Graph(tuple(nodes)))
     assert [seen.sender for seen in found.traffic] == [stays, plain]
+
+
+def test_nodes_that_a_stranger_makes_up_are_given_none() -> None:
+    monitor = _LateNode(os.getpid(), 99.0, count=1000)
+    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    assert (monitor.requests, monitor.waited) == (1, pytest.approx(0.05))
+
+
+def test_a_flood_of_channels_takes_little_memory_and_hides_no_other_one() -> None:
+    listening = Listening(lambda _: ())
+    for number in range(6000):
+        listening.add_packet(Packet(f"/junk{number}", b"", number, FAR))
+        listening.add_packet(Packet("/mine", b"", number, HERE))
+        listening.add_packet(Packet("/clock", encode(Clock()), number, HERE))
+    channels = {one.channel: one for one in listening.streams()}
+    assert len(channels) == 2000
+    assert len(channels["/mine"].times) == 5000
+    assert len(listening.clock_ticks) == 5000

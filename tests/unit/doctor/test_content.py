@@ -234,3 +234,14 @@ def test_warnings_and_errors_on_rosout_are_counted() -> None:
         message.name, message.level, message.msg = "/arm", level, text
         listening.add_packet(Packet("/rosout", encode(message), NOW, ALICE))
     assert listening.logs() == (LogLine("/arm", "warning", "slow", 2),)
+
+
+def test_a_small_covariance_is_compared_by_its_own_size() -> None:
+    message = Imu()
+    message.orientation.w = 1.0
+    message.angular_velocity_covariance[1] = 1e-8
+    message.angular_velocity_covariance[0] = 1e-8
+    (odd,) = oddities(message)
+    assert "angular_velocity_covariance is not symmetric: [3] and [1] are 0 and 1e-08" in odd[1]
+    message.angular_velocity_covariance[3] = 1e-8
+    assert list(oddities(message)) == []

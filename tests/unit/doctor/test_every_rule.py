@@ -25,7 +25,17 @@ from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
-from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import (
+    VERSION,
+    CallbackError,
+    Endpoint,
+    FullLine,
+    Graph,
+    Node,
+    Role,
+    Staleness,
+    Traffic,
+)
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
@@ -105,8 +115,13 @@ EVIDENCE = {
         frames=(FrameParent("/", "base", "odom", "/a"), FrameParent("/", "base", "map", "/b")),
     ),
     "igmp-querier": host(bridge="br0"),
+    "incomplete-messages": graph(TALKER, having(EAR, incomplete=2)),
     "interfaces": replace(host(joined=("wlan0",)), listeners=(Listener("l", 1, 0, is_node=True),)),
     "irregular": replace(GOOD, streams=(GAP,)),
+    "full-line": replace(
+        graph(TALKER._replace(full_lines=(FullLine("10.0.0.2", 9, (("/a", 5.0),)),)), EAR),
+        before=Graph((EAR,), time=NOW - SECOND),
+    ),
     "kernel-drops": replace(GOOD, listeners=(Listener("l", 1, 0, drops=5, is_node=True),)),
     "large-messages": host(large_bytes=300_000, large_problem="part 1 is lost"),
     "link": host(has_link=False),
@@ -135,7 +150,7 @@ EVIDENCE = {
     "relay-standby": replace(GOOD, relays=(RelayEnd("/relay", "here", "0", stands_by=True),)),
     "open-files": replace(GOOD, processes=(LcmProcess(9, "leak", open_files=950),)),
     "other-buses": replace(EMPTY, processes=(LcmProcess(9, "t", "239.255.76.67:7670"),)),
-    "other-version": graph(*(one._replace(version=2) for one in (TALKER, EAR))),
+    "other-version": graph(*(one._replace(version=VERSION + 1) for one in (TALKER, EAR))),
     "other-users": replace(GOOD, listeners=(Listener("?", 5, 4711, is_node=True),)),
     "quaternions": odd("quaternion"),
     "queue-drops": graph(TALKER, having(EAR, drops=20)),

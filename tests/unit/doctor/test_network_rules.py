@@ -5,12 +5,21 @@ from dataclasses import replace
 import pytest
 from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.evidence import Evidence, Host, HostClock, Listener, Oddity, SenderFacts
+from lcmtools.doctor.evidence import (
+    Evidence,
+    Host,
+    HostClock,
+    Listener,
+    Oddity,
+    RelayEnd,
+    SenderFacts,
+)
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.host import refusing_chain
+from lcmtools.doctor.rules import relays
 from lcmtools.doctor.rules.unchecked import unchecked
 from lcmtools.doctor.sentences import commands, unchecked_text
-from lcmtools.graph.model import Graph, Traffic
+from lcmtools.graph.model import Endpoint, FullLine, Graph, Node, RelayStep, Role, Traffic
 from lcmtools.wire.packet import Sender
 
 REMOTE = SenderFacts(Sender("10.0.0.2", 5000), "/far", is_local=False, messages=3)
@@ -197,6 +206,8 @@ def _reasons(evidence: Evidence) -> dict[str, str]:
 def test_on_a_usual_bus_everything_is_checked() -> None:
     listener = Listener("a (pid 7)", 7, 1000, buffer_bytes=212_992)
     assert _reasons(replace(LOCAL, listeners=(listener,))) == {}
+    ended = Listener("b (pid 8)", 8, 1000)  # its socket was closed before its size was read
+    assert _reasons(replace(LOCAL, listeners=(listener, ended))) == {}
     assert _reasons(OUTGOING) == {}
 
 
@@ -237,3 +248,104 @@ def test_other_kinds_of_buses_do_not_tell_senders(url: str, rules: list[str]) ->
 
 def test_a_bus_that_does_not_work_comes_first() -> None:
     assert _reasons(replace(on(LOCAL, has_sockets=False), bus_problem="no route")) == {}
+
+
+def test_a_clock_behind_a_relay_is_told_without_an_address_and_a_slow_line_is_none() -> None:
+    far = Node("/far", "f", "robot", 7, path=(RelayStep("r", "/relay", "0"),))
+    odd = tuple(Oddity("future", "/a", name, "x") for name in ("/far", "/relay", "/near"))
+    evidence = replace(LOCAL, graph=Graph((far,)), oddities=odd, remote=frozenset("f"))
+    behind = HostClock("robot", "", 40.0, ("/far",))
+    rules = found(replace(evidence, clocks=(behind,)))
+    assert rules["clocks"].text == "The clock of robot is 40 s behind this computer's:"
+    assert rules["stamps"].items == (" * /a from /near: x",)
+    assert "clocks" not in found(replace(evidence, clocks=(replace(behind, lag=1.2),)))
+
+
+def test_clocks_that_cannot_be_compared_are_not_checked() -> None:
+    nodes = [Node(f"/{host}", host, host, 7) for host in ("ada", "bob")]
+    evidence = replace(LOCAL, graph=Graph(tuple(nodes)), remote=frozenset(("ada", "bob")))
+    known = HostClock("ada", "", 0.0, ("/ada",))
+    reasons = _reasons(replace(evidence, clocks=(known,)))
+    assert reasons == {"clocks": "no announcement of bob tells when it was sent"}
+
+
+def _full(before: int, now: int, *passing: tuple[str, float]) -> Evidence:
+    def graph(dropped: int) -> Graph:
+        line = FullLine("tcpq://office", dropped, passing)
+        return Graph((Node("/its_name", "r", "robot", 1, full_lines=(line,)),))
+
+    return Evidence(url="", before=graph(before), graph=graph(now))
+
+
+def test_the_remedy_for_a_full_line_is_a_rate_that_it_takes() -> None:
+    end = RelayEnd("/its_name", "robot", "tcpq://office", dropped=3, id="r")
+    passing = ("/camera/image", 3.17), ("/a b", 120.0), ("/cloud", 0.0)
+    evidence = replace(_full(0, 3, *passing), relays=(end,))
+    options = "--rate /camera/image=2.5 --rate '/a b=96' --deny /cloud"
+    assert found(evidence)["relay-losses"].remedies == (
+        f"start /its_name again with {options} as well",
+    )
+    assert relays.needed_duration(evidence) > 1
+
+
+def test_a_server_that_drops_messages_for_a_client_is_named() -> None:
+    losses = found(_full(5, 9, ("/image", 5.0)))["relay-losses"]
+    assert losses.items == (" * /its_name on robot: 4 messages for tcpq://office",)
+    assert losses.remedies[0].endswith("the relay that brings it: --rate /image=4")
+    assert "relay-losses" not in found(_full(9, 9, ("/image", 5.0)))
+
+
+_IMAGE = Endpoint("/image", Role.PUBLISHER, rate=30.0)
+
+
+def _fills(*passing: tuple[str, float], dropped: int = 9, rate: float = 30.0) -> Node:
+    ends = (_IMAGE._replace(rate=rate), Endpoint("/cmd_vel", Role.PUBLISHER, rate=20.0))
+    lines = (FullLine("10.0.0.2", dropped, passing),)
+    return Node("/robot", "r", "robot", 1, endpoints=ends, full_lines=lines)
+
+
+@pytest.mark.parametrize(
+    ("line", "fact", "remedy"),
+    [
+        (
+            _fills(("/image", 5.7)),
+            "/image, 30 Hz, of which 5.7 Hz pass to 10.0.0.2",
+            "/image at 4.6 Hz at most, or smaller messages",
+        ),
+        (
+            _fills(("/image", 5.7), ("/cmd_vel", 19.5)),  # commands only waited with the images
+            "/image, 30 Hz, of which 5.7 Hz pass to 10.0.0.2",
+            "/image at 4.6 Hz at most, or smaller messages",
+        ),
+        (
+            _fills(("/image", 5.7), rate=0.0),
+            "/image, of which 5.7 Hz pass to 10.0.0.2",
+            "/image at 4.6 Hz at most, or smaller messages",
+        ),
+        (
+            _fills(("/image", 0.0)),
+            "/image, 30 Hz, of which 0 Hz pass to 10.0.0.2",
+            "smaller messages on /image, or none",
+        ),
+    ],
+)
+def test_a_line_that_a_node_fills_is_named_with_the_rate_that_it_takes(
+    line: Node, fact: str, remedy: str
+) -> None:
+    other = line._replace(full_lines=(line.full_lines[0]._replace(to="elsewhere", dropped=3),))
+    for before in (Graph((other,)), Graph()):  # a full line may delay the first announcement
+        losses = found(Evidence(url="", before=before, graph=Graph((line,))))
+        assert losses["full-line"].items == (f" * /robot on robot: {fact}",)
+        assert [one.partition("publish ")[2] for one in losses["full-line"].remedies] == [remedy]
+
+
+@pytest.mark.parametrize(
+    ("before", "now"),
+    [
+        (_fills(("/image", 5.0)), _fills(("/image", 5.0))),  # nothing more was dropped
+        (_fills()._replace(full_lines=()), _fills(("/image", 5.0))),  # wtf itself fills the line
+        (_fills(("/image", 5.0)), _fills(dropped=20)),
+    ],
+)
+def test_a_line_that_was_not_full_before_the_look_is_not_named(before: Node, now: Node) -> None:
+    assert "full-line" not in found(Evidence(url="", before=Graph((before,)), graph=Graph((now,))))

@@ -142,6 +142,13 @@ def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
     assert needed_duration(evidence) == 0.0
 
 
+def test_a_node_that_sent_nothing_during_a_look_is_looked_at_longer() -> None:
+    before = _node(990, 0.5)
+    nodes = (node._replace(sent=NOW + SECOND // 2) for node in before.nodes)  # the same endpoints
+    evidence = _graphs(before, Graph(tuple(nodes), time=NOW + SECOND // 2))
+    assert needed_duration(evidence) > 1.0
+
+
 @pytest.mark.parametrize("end", [Endpoint("/clock", Role.PUBLISHER), STEP])
 def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart(
     end: Endpoint,
@@ -178,3 +185,24 @@ def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulato
     assert "silent" not in {one.rule for one in judge(resting)}
     heard = replace(resting, graph=Graph((ear, simulator), time=NOW))
     assert "silent" in {one.rule for one in judge(heard)}
+
+
+@pytest.mark.parametrize(("now", "rules"), [(1000, set()), (992, {"slow-rate"})])
+def test_an_announcement_that_the_bus_has_kept_lacks_its_time(now: int, rules: set[str]) -> None:
+    kept, new = _node(990, 0.05, NOW - SECOND), _node(now, 0.05)
+    untimed = kept._replace(nodes=tuple(node._replace(sent=0) for node in kept.nodes))
+    found = {one.rule for one in judge(_graphs(untimed, new))}
+    assert found == rules
+
+
+def test_programs_that_have_gone_are_forgotten() -> None:
+    memory = Memory()
+    for number in range(0, 400, 2):
+        sender = Sender("127.0.0.1", 10_000 + number)
+        end = NOW + number * SECOND
+        times = tuple(end - n * SECOND // 20 for n in range(20, 0, -1))
+        one = Stream("/a", sender, "sender.py", times, pid=number + 100)
+        running = (LcmProcess(number + 100, "sender.py"),)
+        evidence = memory.recall(look(number, streams=(one,), processes=running))
+        memory.remember(evidence)
+    assert memory.count() < 40

@@ -1,10 +1,14 @@
 """The flag that connects what is not connected."""
 
+from collections.abc import Sequence
+
 import pytest
 from fixtures.judging import STEP, Judged, judge
+from hypothesis import given
+from hypothesis import strategies as st
 
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.renaming import are_near
+from lcmtools.doctor.renaming import NearNames, are_near
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -16,8 +20,8 @@ def node(name: str, role: Role, topic: str, command: str = "") -> Node:
     return Node(name, name, "here", 1, command=command, endpoints=(end,))
 
 
-def remedies(publisher: Node, subscriber: Node) -> tuple[str, ...]:
-    evidence = Evidence("udpm://", graph=Graph((publisher, subscriber)))
+def remedies(*nodes: Node, traffic: Sequence[Traffic] = ()) -> tuple[str, ...]:
+    evidence = Evidence("udpm://", graph=Graph(nodes, tuple(traffic)))
     found = {finding.rule: finding for finding in judge(evidence)}
     return found["unconnected-subscriptions"].remedies
 
@@ -153,7 +157,18 @@ def test_names_that_are_near(one: str, other: str, near: bool) -> None:  # noqa:
     assert are_near(other, one) is near
 
 
-@pytest.mark.parametrize("channel", ["//cmd_vel", "/cmd_vel/", "cmd_vel"])
+_WORDS = ("odom", "odometry", "velocity", "velocty", "cmd", "command", "Command", "left", "a", "b")
+_NAMES = st.lists(st.sampled_from(_WORDS), min_size=1, max_size=3)
+_TOPICS = st.builds(lambda *parts: "/".join(["", *map("_".join, parts)]), _NAMES, _NAMES)
+
+
+@given(_TOPICS, st.lists(_TOPICS, max_size=12))
+def test_the_index_finds_every_near_name(name: str, names: list[str]) -> None:
+    near = {other for other in names if are_near(other, name)}
+    assert set(NearNames(names).of(name)) == near
+
+
+@pytest.mark.parametrize("channel", ["//cmd_vel", "/cmd_vel/"])
 def test_a_plain_program_is_told_a_slash_that_no_remap_gives(channel: str) -> None:
     sent = Traffic(channel, Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
     stream = Stream(channel, sent.sender, "pilot (pid 9)", (0, 1))
@@ -214,7 +229,13 @@ def test_a_simulator_is_not_connected_with_another_one() -> None:
     ("channel", "remedy"),
     [
         ("/cmd_vel", "'/cmd_vel' is published, by sender: let it publish on '/husky0/cmd_vel'"),
-        ("cmd_vel", "'cmd_vel' is published, by sender: let it publish on '/husky0/cmd_vel'"),
+        (
+            "cmd_vel",
+            (
+                "'cmd_vel' is published, by sender: in /gazebo, subscribe to"
+                " 'cmd_vel' with plain_channel=True, in C++ to plain_channel('cmd_vel')"
+            ),
+        ),
         (
             "/husky0/cmdvel",
             (
@@ -264,13 +285,57 @@ def test_a_publisher_whose_remap_has_a_slip_is_named(slip: str) -> None:
     )
 
 
-@pytest.mark.parametrize("channel", ["cmd_vel", "/cmd_vel "])
+@pytest.mark.parametrize("channel", ["/cmd_vel ", "cmd vel"])
 def test_a_plain_program_on_a_channel_that_no_node_can_have(channel: str) -> None:
     traffic = (Traffic(channel, Sender("127.0.0.1", 4000), TWIST, 5, 50, 1, 2),)
     driver = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
     found = {one.rule: one for one in judge(Evidence("udpm://", graph=Graph((driver,), traffic)))}
     (remedy,) = found["unconnected-subscriptions"].remedies
     assert remedy.startswith(f"'{channel}' is published, by ")
+    assert remedy.endswith(": let it publish on '/cmd_vel'")
+
+
+@pytest.mark.parametrize(("channel", "topic"), [("POSE", "/POSE"), ("arm/POSE", "/arm/POSE")])
+def test_a_node_is_told_how_to_receive_from_a_plain_channel(channel: str, topic: str) -> None:
+    sent = Traffic(channel, Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
+    viewer = node("/viewer", Role.SUBSCRIBER, topic)
+    written = (
+        f"in /viewer, subscribe to '{channel}' with plain_channel=True,"
+        f" in C++ to plain_channel('{channel}')"
+    )
+    assert remedies(viewer, traffic=(sent,)) == (
+        f"'{channel}' is published, by 10.0.0.1:4000: {written}",
+    )
+    pilot = node("/pilot", Role.PUBLISHER, channel)
+    assert remedies(viewer, pilot) == (f"'{channel}' is published: {written}",)
+
+
+@pytest.mark.parametrize(
+    ("command", "is_told"),
+    [
+        ("python3 /bin/lcmtools run listener", False),
+        ("/bin/lcmtools run --domain 1 image_view", False),
+        ("lcmtools run mine", True),
+        ("lcmtools run simple_controller", True),
+        ("python listener", True),
+    ],
+)
+def test_only_a_node_of_users_is_told_how_to_receive_from_a_plain_channel(
+    command: str, is_told: object
+) -> None:
+    sent = Traffic("POSE", Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
+    viewer = node("/viewer", Role.SUBSCRIBER, "/POSE")._replace(command=command)
+    (remedy,) = remedies(viewer, traffic=(sent,))
+    assert ("plain_channel" in remedy, "let it publish on '/POSE'" in remedy) == (
+        is_told,
+        not is_told,
+    )
+
+
+def test_a_simulator_is_not_told_to_receive_from_a_plain_channel() -> None:
+    sent = Traffic("cmd_vel", Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
+    command = Endpoint("/cmd_vel", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
+    (remedy,) = remedies(simulator("/morse", command), traffic=(sent,))
     assert remedy.endswith(": let it publish on '/cmd_vel'")
 
 
@@ -300,6 +365,15 @@ def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
             "/husky0/controller publishes /velocity_cmd: let /husky0/controller use 'velocity_cmd'"
             " in place of '/velocity_cmd': the slash at its start keeps it out of the namespace"
             " /husky0"
+        ),
+    )
+    command = "run controller __ns:=/husky0 controlled_velocity:=velocity_cmd"
+    output = node("/husky0/controller", Role.PUBLISHER, "/controlled_velocity", command)
+    assert remedies(output, node("/morse", Role.SUBSCRIBER, "/husky0/velocity_cmd")) == (
+        (
+            "/husky0/controller publishes /controlled_velocity: let /husky0/controller use"
+            " 'controlled_velocity' in place of '/controlled_velocity': the slash at its start"
+            " keeps controlled_velocity:=velocity_cmd from being applied"
         ),
     )
     mapped = controller._replace(command="run controller __ns:=/husky0 odometry:=/odometry")

@@ -3,12 +3,24 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import JOINTS, ODOMETRY, STEP, STRING, TWIST, findings, judge, node, pub, sub
+from fixtures.judging import (
+    JOINTS,
+    ODOMETRY,
+    SECOND,
+    STEP,
+    STRING,
+    TWIST,
+    findings,
+    judge,
+    node,
+    pub,
+    sub,
+)
 
 from lcmtools.doctor.evidence import Evidence, LcmProcess, LogLine, SenderFacts
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import RULES
-from lcmtools.graph.model import CallbackError, Graph, Node, Staleness, Traffic
+from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.wire.packet import Sender
 
 
@@ -161,6 +173,17 @@ def test_warnings_in_a_nodes_log_are_told() -> None:
     assert finding.remedies == ("read the whole log: lcmtools echo /rosout",)
 
 
+@pytest.mark.parametrize(
+    ("kind", "found"), [(STRING, {"type-mismatch"}), (TWIST, {"logged"})], ids=["other", "same"]
+)
+def test_a_message_of_another_type_is_not_told_again_as_a_log(kind: str, found: set[str]) -> None:
+    nodes = node("/sends", pub("/cmd_vel", TWIST)), node("/ear", sub("/cmd_vel", kind))
+    line = LogLine("/ear", "warning", "/cmd_vel: message ignored: it is not of the type")
+    assert {
+        one.rule for one in judge(Evidence("udpm://x", graph=Graph(nodes), logs=(line,)))
+    } == found
+
+
 def test_two_live_nodes_of_one_name_are_an_error() -> None:
     finding = findings(node("/talker", pid=7), node("/talker", pid=8))["duplicate-names"]
     assert finding.severity is Severity.ERROR
@@ -168,6 +191,13 @@ def test_two_live_nodes_of_one_name_are_an_error() -> None:
     assert finding.items == (" * pid 7 on husky: run /talker", " * pid 8 on husky: run /talker")
     (remedy,) = finding.remedies
     assert remedy == "end one of them (kill 7) or (kill 8), or start it with __name:=talker2"
+
+
+def test_two_simulators_of_one_name_need_a_bus_each() -> None:
+    clock = pub("/clock")
+    finding = findings(node("/sim", clock, pid=7), node("/sim", clock, pid=8))["duplicate-names"]
+    apart = "end one of them (kill 7) or (kill 8), or start it on another bus, with --domain 1"
+    assert finding.remedies == (apart,)
 
 
 def test_a_command_that_observes_and_publishes_is_no_duplicate_of_itself() -> None:
@@ -308,3 +338,20 @@ def test_a_rule_that_is_not_asked_takes_nothing_from_others() -> None:
     assert "unconnected-subscriptions" not in {finding.rule for finding in judge(evidence)}
     asked = [rule for rule in RULES if rule.id != "stale-nodes"]
     assert "unconnected-subscriptions" in {finding.rule for finding in judge(evidence, asked)}
+
+
+def test_commands_of_lcmtools_publish_nothing_unannounced() -> None:
+    ear = Node("/ear", "e", "here", 7, endpoints=(Endpoint("/a", Role.SUBSCRIBER, depth=10),))
+    for command, severity in (("lcmtools wtf --watch", "WARNING"), ("driver", "NOTE")):
+        evidence = Evidence("udpm://", graph=Graph((ear,)), processes=(LcmProcess(9, command),))
+        (finding,) = [f for f in judge(evidence) if f.rule == "unconnected-subscriptions"]
+        assert finding.severity.name == severity
+
+
+def test_what_came_repeatedly_has_lost_its_publisher() -> None:
+    end = Endpoint("/a", Role.SUBSCRIBER, depth=10, messages=50, last_time=SECOND)
+    ear = Node("/ear", "e", "here", 7, endpoints=(end,))
+    graph = Graph((ear,), time=500 * SECOND)
+    evidence = Evidence("udpm://", graph=graph, processes=(LcmProcess(9, "driver"),))
+    (finding,) = [f for f in judge(evidence) if f.rule == "unconnected-subscriptions"]
+    assert finding.severity is Severity.WARNING

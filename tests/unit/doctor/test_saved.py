@@ -59,6 +59,7 @@ EVERYTHING = Evidence(
     stale_published=frozenset({"a", "b"}),
     stale_subscribed=frozenset({"c"}),
     processor_wait=0.5,
+    waits={7: 0.25},
     users={1000: "alice"},
     clocks=(HostClock("h", "10.0.0.1", -0.5, ("/n",)),),
     remote=frozenset({"id"}),

@@ -192,3 +192,21 @@ def test_versions_of_one_type_name_the_field_and_the_older_side() -> None:
     assert finding.remedies == (
         "generate the code of both sides from the same .lcm files: lcm-gen",
     )
+
+
+@pytest.mark.parametrize("numbers", [(), (1,), (1, 2)], ids=len)
+def test_a_publisher_that_announces_no_fingerprint_is_judged_by_its_messages(
+    numbers: tuple[int, ...],
+) -> None:
+    sender = Sender("127.0.0.1", 40001)
+    kinds = [fingerprint(message_class(name)) for name in (TWIST, JOINTS)]
+    seen = [Traffic("/it", sender, (kinds[number - 1],), 5, 50, 0, number) for number in numbers]
+    untyped = Endpoint("/it", Role.PUBLISHER, (STRING,))
+    publisher = node("/both", untyped)._replace(sender=sender)
+    found = findings(publisher, traffic=seen)
+    assert ("type-mismatch" in found) == (len(numbers) > 1)
+    if numbers:
+        found = findings(publisher, node("/ear", sub("/it", STRING)), traffic=seen)
+        items = found["type-mismatch"].items
+        assert " * 127.0.0.1:40001 sends geometry_msgs/Twist or geometry_msgs/Accel" in items
+        assert " * /ear expects std_msgs/String" in items

@@ -55,6 +55,7 @@ PRIVATE = {
     "doctor/saved.py",
     "foxglove/schemas.py",
     "gui/protocol.py",
+    "gui/watchdog.py",  # between two processes
     "launch/plan_report.py",
     "packages/cache.py",
     "wire/log_index.py",

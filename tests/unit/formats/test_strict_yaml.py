@@ -44,7 +44,7 @@ def test_a_file_may_say_nothing(text: str) -> None:
     ("text", "complaint"),
     [
         ("a: 1\na: 2", "f:2: not YAML: 'a' is given twice; leave one of them out"),
-        ("a: 1\n\tb: 2", "f:2: not YAML: a tab cannot indent; use blanks"),
+        ("a: 1\n\tb: 2", "f:2: not YAML: a tab cannot indent; indent with spaces"),
         ("a: {<<: b}", "f:1: not YAML: '<<' cannot merge other keys here; write them out"),
         ("a: &a [*a]", "f:1: not YAML: unknown alias '*a'; put text that begins with '*' in qu"),
         ("a: [", "f:1: not YAML: a bracket is not closed"),

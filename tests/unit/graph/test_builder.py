@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import Endpoint, Graph, Node, RelayStep, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -49,7 +49,9 @@ def test_an_announced_node_is_known_with_its_sender_and_time() -> None:
     assert (node.name, node.sender, node.last_announced, node.stale) == ("/a", _ALICE, 5, "")
 
 
-@pytest.mark.parametrize(("sent", "lags"), [((0, 0), None), ((90, 107), 3), ((95, 90), 5)])
+@pytest.mark.parametrize(
+    ("sent", "lags"), [((0, 0), None), ((90, 107), 3), ((95, 90), 5), ((90, 0), 10), ((0, 90), 20)]
+)
 def test_the_quickest_announcement_tells_of_the_clock(
     sent: tuple[int, int], lags: int | None
 ) -> None:
@@ -58,6 +60,14 @@ def test_the_quickest_announcement_tells_of_the_clock(
         _announce(builder, _node(sent=announced), time=time)
     (node,) = builder.snapshot(110).nodes
     assert (node.sent, node.lag) == (sent[1], lags)
+
+
+def test_what_relays_kept_does_not_count_as_a_difference_of_clocks() -> None:
+    builder, steps = GraphBuilder(), [RelayStep("r", "/r", "0", kept=30), RelayStep("s", "/s", "1")]
+    _announce(builder, _node(sent=50, path=tuple(steps)), time=100)
+    assert [node.lag for node in builder.snapshot(100).nodes] == [20]
+    _announce(builder, _node(sent=150, path=(*steps[1:], steps[1]._replace(kept=1))), time=161)
+    assert [node.lag for node in builder.snapshot(161).nodes] == [10]
 
 
 def test_nodes_come_sorted_by_name_and_start() -> None:
@@ -228,3 +238,38 @@ def test_where_the_bus_names_no_sender_an_announced_publisher_explains_the_traff
     graph = builder.snapshot(0)
     assert graph.topic("/t").foreign == ()
     assert len(graph.topic("OTHER").foreign) == 1
+
+
+def _relay(**changes: object) -> Node:
+    seen = Traffic("/far", Sender("ada", 7), (5,), 3, 24, 100, 300, bus="the other bus")
+    return _node("/relay", observed=(seen,), sent=1_000, **changes)
+
+
+def test_what_a_relay_has_observed_is_traffic_of_programs_by_the_clock_here() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _relay(), time=1_010)
+    graph = builder.snapshot(1_010)
+    (seen,) = graph.topic("/far").foreign
+    assert seen == graph.foreign()[0]
+    assert (seen.observer, seen.bus, seen.first_time, seen.last_time) == (
+        *("/relay", "the other bus"),
+        *(110, 310),
+    )
+    assert str(seen.sender) == "ada:7, on the other bus"
+    assert (seen.fingerprints, seen.messages, seen.bytes) == ((5,), 3, 24)
+
+
+def test_a_relay_that_is_silent_or_recorded_tells_of_nothing() -> None:
+    live, log = GraphBuilder(), GraphBuilder(is_log=True)
+    for builder in (live, log):
+        _announce(builder, _relay(), time=1_010)
+        assert builder.snapshot(10 * _S).traffic == ()
+
+
+def test_what_a_relay_has_observed_explains_messages_without_senders() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _relay(), sender=None, time=1_010)
+    builder.add(Packet("/far", bytes(8), 1_020))
+    graph = builder.snapshot(1_020)
+    assert [seen.observer for seen in graph.foreign()] == ["/relay"]
+    assert len(graph.topic("/far").traffic) == 2

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
+from lcmtools.graph.model import CallbackError, Endpoint, Node, Role, Traffic
 from lcmtools.graph.protocol import (
+    MOST_OBSERVED,
     Announcement,
     Probe,
     Shutdown,
@@ -230,3 +231,15 @@ def test_a_truncated_request_to_end_is_none() -> None:
     payload = encode_shutdown(Shutdown("abc", 7, "a person"))
     assert all(decode_shutdown(payload[:end]) is None for end in range(len(payload)))
     assert decode_shutdown(_PAYLOAD) is None
+
+
+def test_of_what_a_stranger_claims_to_have_observed_the_first_valid_channels_are_read() -> None:
+    names = ["", "a" * 300, *(f"/{number}" for number in range(1_000))]
+    observed = tuple(Traffic(name, None, (), 1, 1, -(1 << 63), (1 << 63) - 1) for name in names)
+    decoded = decode_announcement(
+        encode_announcement(Announcement(Node("/n", "i", "h", 1, observed=observed)))
+    )
+    assert decoded is not None
+    read = decoded.node.observed
+    assert [seen.channel for seen in read] == names[2:MOST_OBSERVED]
+    assert str(read[0].sender) == "unknown"

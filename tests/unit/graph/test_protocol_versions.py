@@ -161,6 +161,8 @@ def _newer(payload: bytes, *, roles: bool = True) -> bytes:
     message = decode(msgs.Announcement, payload)
     message.version, message.software = VERSION + 1, "lcmtools 9.0.0"
     details = decode_appendable(msgs.NodeDetails, message.details)
+    for one in details.endpoints:  # as of this version
+        one.data = encode_appendable(decode_appendable(msgs.Endpoint, one.data))
     for one in (*details.endpoints, *details.errors):
         one.data += b"\0\0\0\7more\0"
     if roles:
@@ -186,7 +188,8 @@ def test_what_an_earlier_version_lacks_has_defaults() -> None:
     first = details.endpoints[0]
     first.data = first.data[:after_depth]
     whole = encode_appendable(details)
-    message.details = whole[: -4 - len(details.errors[0].data) - 8]  # without busy and errors
+    # without busy, errors, the namespace, overflows and what was observed
+    message.details = whole[: -4 - 8 - 8 - 4 - len(details.errors[0].data) - 8]
     details.errors_length = 0
     decoded = decode_announcement(encode(message))
     assert decoded is not None

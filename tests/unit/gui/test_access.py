@@ -67,6 +67,16 @@ def test_others_need_a_token_and_watching_is_not_commanding() -> None:
     assert all(re.fullmatch(r"/\?token=[\w-]{22}", target) for target in targets.values())
 
 
+@pytest.mark.parametrize(("is_read_only", "right"), [(False, "command"), (True, "watch")])
+def test_other_users_of_this_computer_need_the_token_too(*, is_read_only: bool, right: str) -> None:
+    access = access_for(None, is_read_only=is_read_only, own_token=lambda right: f"my-{right}")
+    assert access.addresses("127.0.0.1", 7680) == {right: f"http://{HERE}/?token=my-{right}"}
+    assert right in access.rights(HERE, f"/socket?token=my-{right}")
+    assert access.rights(HERE, f"/?token=my-{right}") == OWN.rights(HERE, "/")[: 2 - is_read_only]
+    for target in ("/", "/?token=", "/socket?token=x"):
+        assert "needs the token" in refusal(access, HERE, target)
+
+
 def test_tokens_are_others_each_time() -> None:
     assert access_for("10.0.0.1").tokens != access_for("10.0.0.1").tokens
 

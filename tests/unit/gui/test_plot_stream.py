@@ -12,6 +12,7 @@ from lcmtools.gui.streams import plot
 from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.plot import Plot
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Float64, String
 
@@ -132,3 +133,22 @@ def test_a_closed_plot_follows_nothing() -> None:
     stream = _open(source, "/a/data")
     stream.close()
     assert source.followed == {"/a": []}
+
+
+def test_curves_have_the_units_of_their_fields_or_of_those_around_them() -> None:
+    source = FakeSource()
+    source.know(v=Twist, odometry=Odometry)
+    fields = ("/v/linear.x", "/v/angular.z", "/odometry/pose.pose.orientation.w")
+    stream = _open(source, *fields, "/odometry/pose.covariance[1]", "/odometry/header.stamp")
+    source.put("/v", Twist())
+    source.put("/odometry", Odometry())
+    update = stream.update()
+    assert update is not None
+    units = dict(zip(update.data["curves"], update.data["units"], strict=True))  # type: ignore[arg-type, call-overload] # of Json
+    assert units == {
+        "/v/linear.x": "m/s",
+        "/v/angular.z": "rad/s",
+        "/odometry/pose.pose.orientation.w": "",  # of no dimension
+        "/odometry/pose.covariance[1]": "",  # of several
+        "/odometry/header.stamp": "s",
+    }

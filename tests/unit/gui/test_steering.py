@@ -8,7 +8,7 @@ from fixtures.says import assert_says
 from lcmtools.errors import BusError
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
-from lcmtools.gui.steering import Steering
+from lcmtools.gui.steering import SpeedLimits, Steering
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
@@ -39,7 +39,8 @@ class FakePublishers:
 
 def _steering(*, is_lossy: bool = False) -> tuple[Steering, FakePublishers]:
     publishers = FakePublishers()
-    return Steering(cast("Publishers", publishers), is_lossy=is_lossy), publishers
+    limits = SpeedLimits(linear=2.0, angular=1.0)
+    return Steering(cast("Publishers", publishers), limits, is_lossy=is_lossy), publishers
 
 
 def _request(op: str, **values: float | str) -> PageRequest:
@@ -54,6 +55,21 @@ def test_commands_are_published_until_the_page_lets_go_then_a_stop_and_silence()
     assert publishers.next() == ("/v", 0.0, 0.0)
     steering.close()
     assert publishers.sent.empty()
+
+
+def test_no_page_drives_faster_than_the_server_lets_it() -> None:
+    steering, publishers = _steering()
+    steering.drive(1, "/v", _TWIST, (1000.0, -9.0))
+    assert publishers.next() == ("/v", 2.0, -1.0)
+    steering.close()
+
+
+def test_all_stops_have_been_sent_when_the_server_is_suspended() -> None:
+    steering, publishers = _steering(is_lossy=True)
+    steering.drive(1, "/v", _TWIST, (0.5, 0.0))
+    steering.stop_all()
+    assert publishers.sent.qsize() == 4
+    steering.close()
 
 
 def test_a_page_that_falls_silent_is_stopped() -> None:

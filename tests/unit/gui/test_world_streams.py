@@ -4,6 +4,7 @@ import math
 import re
 from array import array
 from pathlib import Path as FilePath
+from typing import Any
 
 import pytest
 from fixtures.gui import FakeSource
@@ -17,8 +18,10 @@ from lcmtools.gui.streams import STREAMS
 from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
+from lcmtools.messages.message_template import draft
 from lcmtools.messages.registry import Message
 from lcmtools.observe.channels.feed import Snapshot
+from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
 from lcmtools.types.sensor_msgs import Image, LaserScan, PointCloud2, PointField
@@ -125,6 +128,88 @@ def test_frames_of_all_messages_are_kept_each_where_it_was_last() -> None:
     assert (update.data["time"], update.data["stamp"]) == (12.0, 7.0)
     assert numbers(update)[::7] == [5, 3, 2]
     assert stream.update() is None
+
+
+@pytest.mark.parametrize(
+    ("parent", "child", "x", "said"),
+    [
+        ("", "", 1.0, "empty name"),
+        ("odom", "", 1.0, "empty name"),
+        ("odom", "odom", 1.0, "own parent"),
+        ("odom", "base", math.nan, "not finite"),
+    ],
+)
+def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(
+    parent: str, child: str, x: float, said: str
+) -> None:
+    source = FakeSource()
+    stream = Frames(source, on("/tf"))
+    source.put("/tf", transforms(("odom", "a", 1), (parent, child, x)), time=1.0)
+    update = stream.update()
+    assert update is not None
+    assert update.data["frames"] == [["odom", "a"]]
+    assert_says(stream.problem(), "/tf: the frame", said)
+    source.put("/tf", transforms(("odom", "a", 2)), time=2.0)
+    assert stream.update() is not None
+    assert stream.problem() == ""
+
+
+def two_points(**values: int) -> PointCloud2:
+    """A cloud with one field, that is as described but for some values."""
+    cloud, field = PointCloud2(), PointField()
+    field.name, field.offset, field.datatype, field.count = "x", 0, PointField.FLOAT64, 1
+    cloud.fields, cloud.width, cloud.height, cloud.point_step = [field], 2, 1, 8
+    for name, value in values.items():
+        setattr(cloud, name, value)
+    cloud.data = bytes(16)
+    return cloud
+
+
+def cells(width: int, height: int, resolution: float = 0.05) -> OccupancyGrid:
+    grid = OccupancyGrid()
+    grid.info.resolution = resolution
+    grid.info.width, grid.info.height, grid.data = width, height, [0] * 6
+    return grid
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (two_points(), ""),
+        (two_points(point_step=4), "ends at byte 8 of a point, which has 4"),
+        (two_points(point_step=0), "which has 0"),
+        (two_points(height=2, row_step=8), "row_step is 8, but a row has 16 bytes"),
+        (two_points(width=3), "3 x 1 points need 24 bytes, but data has 16"),
+        (cells(3, 2), ""),
+        (cells(4, 2), "4 x 2 cells, but data has 6"),
+        (cells(1_000_000_000, 1_000_000_000), "but data has 6"),
+        (cells(3, 2, 0.0), "not drawn: its resolution is 0 m"),
+        (cells(3, 2, math.nan), "not drawn: its resolution is nan m"),
+        (draft(LaserScan, {"range_min": 2.0}).message, "range_min is 2 and range_max 0"),
+        (draft(LaserScan, {"range_max": math.nan}).message, "range_min is 0 and range_max nan"),
+    ],
+)
+def test_messages_that_contradict_themselves_are_told(message: Message, said: str) -> None:
+    source = FakeSource()
+    stream = Newest(source, on("/x"))
+    source.put("/x", message)
+    assert (stream.update() is None) == bool(said)
+    assert said in stream.problem()
+
+
+@pytest.mark.parametrize(
+    ("rate", "age", "messages", "silence"),
+    [(10.0, 0.1, 9, None), (0.0, 16.2, 9, 16), (None, 1.2, 1, None), (0.0, 16.2, 1, None)],
+)
+def test_a_topic_that_was_sent_repeatedly_is_old_when_it_falls_silent(
+    rate: float | None, age: float, messages: int, silence: int | None
+) -> None:
+    source = FakeSource()
+    row = ChannelRow("/scan", ("sensor_msgs/LaserScan",), messages=messages, rate=rate, age=age)
+    source.latest = Snapshot((row,))
+    update = Drawable(source, Parameters({})).update()
+    topics: Any = update and update.data["topics"]
+    assert topics[0]["silence"] == silence
 
 
 def test_markers_come_and_go_and_end() -> None:

@@ -1,31 +1,23 @@
 """The causes that checks give, from records of what was observed; no processes."""
 
-import math
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from lcmtools.labs.catalogue import LABS
-from lcmtools.labs.checks import dolly, husky
-from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of, misplaced
-from lcmtools.labs.checks.driving_keys import DRIVING_KEYS, KeyPress, key_cause
+from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of
+from lcmtools.labs.checks.error_statistics import error_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
     CommandMessage,
     Failure,
     Observations,
-    Touch,
-    TrueState,
     Wire,
     last_failure,
     last_words,
 )
 from lcmtools.labs.checks.results import CheckResult
-from lcmtools.labs.checks.step_response import REST, Step, StepRun, judge
-from lcmtools.labs.nodes.driving.motion import Motion
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 
 CONTROLLER = LABS["husky"].programs[0]
@@ -66,6 +58,18 @@ WINDOWS = r"""\
 """
 
 
+CPP_CALLBACK = """\
+[ERROR] [1.2] [/mine]: timer 0.5 s raised std::out_of_range: vector::_M_range_check (mine.cpp:14)
+[ERROR] [1.7] [/mine]: callback of /odom raised std::bad_any_cast: bad any_cast (mine.cpp:20)
+[INFO] [1.8] [/mine]: it was raised to 3 m
+"""
+CPP_END = """\
+[INFO] hello
+terminate called after throwing an instance of 'std::runtime_error'\r
+  what():  cannot write a.pgm\r
+"""
+
+
 def missing(module: str) -> str:
     return f"""\
 Traceback (most recent call last):
@@ -74,17 +78,17 @@ ModuleNotFoundError: No module named '{module}'
 """
 
 
-def twist(forward: float, turn_rate: float, **others: float) -> Twist:
-    message = Twist()
-    message.linear.x, message.angular.z = forward, turn_rate
-    message.linear.y = others.get("sideways", 0.0)
-    return message
-
-
-def effort(left: float, right: float) -> JointState:
-    message = JointState()
-    message.effort = [left, right]
-    return message
+@pytest.mark.parametrize(
+    ("printed", "says"),
+    [
+        (CPP_CALLBACK, "std::bad_any_cast: bad any_cast (mine.cpp:20)"),
+        (CPP_END, "std::runtime_error: cannot write a.pgm"),
+        (f"{CPP_CALLBACK}{CPP_END}", "std::runtime_error: cannot write a.pgm"),
+    ],
+)
+def test_an_exception_of_a_program_in_cpp_is_known(printed: str, says: str) -> None:
+    assert str(last_failure(printed)) == says
+    assert last_failure("[INFO] it was raised to 3 m\n") is None
 
 
 def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> None:
@@ -144,14 +148,34 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         (
             {"look": replace(WELL, subscriptions=[Wire("/odometry"), INPUTS[1]])},
             "subscription",
-            "not to /husky0/odometry: change the name in it, or start it with /odometry:=/hus",
+            "it begins with /, so __ns:=/husky0 does not apply: write 'odometry'",
+        ),
+        (
+            {"look": replace(WELL, publications=[Wire("/controlled_velocity", OUTPUT.type)])},
+            "topic",
+            "neither __ns:=/husky0 nor controlled_velocity:=velocity_cmd applies: write 'contr",
+        ),
+        (
+            {"look": replace(WELL, publications=[Wire("/velocity_cmd", OUTPUT.type)])},
+            "topic",
+            "it begins with /, so __ns:=/husky0 does not apply: write 'velocity_cmd'",
+        ),
+        (
+            {"look": replace(WELL, nodes=["/c"], subscriptions=[Wire("/odometry"), INPUTS[1]])},
+            "subscription",
+            "not to /husky0/odometry: start it with __ns:=/husky0",
+        ),
+        (
+            {"look": replace(WELL, nodes=["/a/c"], subscriptions=[Wire("/odometry"), INPUTS[1]])},
+            "subscription",
+            "change the name in it, or start it with /odometry:=/husky0/odometry",
         ),
         (
             {"look": replace(WELL, subscriptions=INPUTS[:1])},
             "unsubscribed",
             "it does not subscribe to /husky0/desired_velocity",
         ),
-        ({"look": replace(WELL, runs_callbacks=False)}, "spin", "lcmtools.spin(node)"),
+        ({"look": replace(WELL, runs_callbacks=False)}, "spin", "call spin(node)"),
         (
             {"look": replace(WELL, subscriptions=[replace(INPUTS[0], longest=7.5), INPUTS[1]])},
             "busy",
@@ -200,6 +224,32 @@ def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words:
     assert (cause.key, words in cause.text) == (key, True), cause
 
 
+@pytest.mark.parametrize("given", [ZERO, "unmoved-linear.x"])
+def test_an_input_that_never_comes_explains_a_robot_that_does_not_move(given: str) -> None:
+    look = replace(WELL, subscriptions=[INPUTS[0], Wire("/desired_velocity")])
+    row = CheckResult("drive", "1", "0", is_ok=False, cause=given)
+    cause = cause_of(row, Observations(CONTROLLER, look=look))
+    assert "so __ns:=/husky0 does not apply: write 'desired_velocity'" in cause.text
+
+
+@pytest.mark.parametrize(
+    ("topic", "args", "space", "words"),
+    [
+        ("/cmd_vel", "mover", "/dolly", "so __ns:=/dolly does not apply: write 'cmd_vel'"),
+        ("/cmd_vel", "path", "/RosAria", "so __ns:=/RosAria does not apply: write 'cmd_vel'"),
+        ("/cmd_vel", "teleop", "/RosAria", "so __ns:=/RosAria does not apply: write 'cmd_vel'"),
+    ],
+)  # fmt: skip
+def test_a_slash_in_a_program_of_another_lab_is_named(
+    topic: str, args: str, space: str, words: str
+) -> None:
+    programs = (program for lab in LABS.values() for program in lab.programs)
+    program = next(program for program in programs if program.option == args)
+    look = BusLook([f"{space}/mine"], [Wire(topic, "geometry_msgs/Twist")], runs_callbacks=True)
+    cause = cause_of(SILENT_ROW, Observations(program, look=look))
+    assert words in cause.text
+
+
 @pytest.mark.parametrize(
     ("topic", "callback", "given", "key"),
     [
@@ -238,7 +288,7 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
 ) -> None:
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause="slow")
     failure = Failure("KeyError", "'a'", "c.py:3", count, callback)
-    commands = [CommandMessage(0.0, OUTPUT.topic, effort(1, 1))] * 100
+    commands = [CommandMessage(0.0, OUTPUT.topic, JointState(effort=[1.0, 1.0]))] * 100
     look = replace(WELL, failures=[failure])
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
@@ -258,145 +308,6 @@ def test_a_program_of_keys_is_not_advised_to_spin() -> None:
     assert cause.text == "read single keys"
 
 
-def step_run(
-    step: Step,
-    reached: tuple[float, float],
-    message: Any,
-    count: int = 400,
-    touches: Sequence[Touch] = (),
-) -> StepRun:
-    motion = [TrueState(i / 50, 0.0, 0.0, *reached) for i in range(400)]
-    commands = [CommandMessage(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
-                for i in range(count)]  # fmt: skip
-    return StepRun(step, motion, commands, touches)
-
-
-FORWARD, TURN = Step(0.5, 0.0), Step(0.0, 0.3)
-
-
-@pytest.mark.parametrize(
-    ("run", "key", "words"),
-    [
-        (step_run(FORWARD, (0.0, 0.0), effort(0.5, 0.5), 0), "stopped", "no command came in 8.0 s"),
-        (step_run(FORWARD, (0.1, 0.0), effort(0.5, 0.5), 8), "seldom", "too seldom, 1 a second"),
-        (
-            step_run(FORWARD, (0.1, 0.0), effort(0.5, 0.5), 400, [Touch(1, "pillar", 4, -3)]),
-            "stuck",
-            "the robot is stuck on pillar, at (4.0, -3.0) m",
-        ),
-        (step_run(FORWARD, (-0.9, 0.0), effort(-1, -1)), "speed-sign", "wrong sign of speed"),
-        (step_run(FORWARD, (0.5, 1.8), effort(-1, 1)), "turn-sign", "it turns at +1.80 rad/s"),
-        (step_run(TURN, (0.0, -1.8), effort(1, -1)), "turn-sign", "wrong sign of turn (-1.80"),
-        (step_run(TURN, (-1.0, 0.0), effort(-1, -1)), "speed-sign", "it drives at -1.00 m/s"),
-        (step_run(FORWARD, (0.0, 0.0), effort(0, 0)), "zero", "its commands are all 0"),
-        (step_run(FORWARD, (0.3, 0.0), effort(1, 0)), "one-side", "the right wheels is always 0"),
-        (step_run(FORWARD, (0.0, 0.0), effort(0.01, 0.01)), "weak", "the largest effort is 0.010"),
-        (step_run(TURN, (0.0, 0.0), effort(1, 1)), "unmoved-angular.z", "does it use angular.z?"),
-        (step_run(FORWARD, (0.3, 0.0), effort(1, 1)), "slow", "too slow"),
-        (step_run(FORWARD, (0.7, 0.0), effort(1, 1)), "fast", "too fast"),
-    ],
-)
-def test_the_cause_of_a_step_that_was_not_followed_is_named(
-    run: StepRun, key: str, words: str
-) -> None:
-    row = judge(run)
-    assert (row.cause, words in row.hint) == (key, True), row
-
-
-def varied_run(
-    step: Step, speeds: Callable[[float], tuple[float, float]], force: Callable[[float], float]
-) -> StepRun:
-    """A step of 8 s, with the velocity and the effort of both sides at each time [s]."""
-    times = [i / 50 for i in range(400)]
-    motion = [TrueState(t, 0.0, 0.0, *speeds(t)) for t in times]
-    commands = [
-        CommandMessage(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times
-    ]
-    return StepRun(step, motion, commands)
-
-
-def rising(time: float) -> float:
-    return min(1.0, time / 4)
-
-
-@pytest.mark.parametrize(
-    ("run", "key", "words"),
-    [
-        (
-            varied_run(FORWARD, lambda _: (0.4, 0.0), lambda _: 0.4),
-            "slow",
-            "its effort is the same whatever the measured speed is: the odometry has it as twist.",
-        ),
-        (
-            varied_run(FORWARD, lambda _: (1.0, 0.0), rising),
-            "fast",
-            "its effort grows although the speed is too high",
-        ),
-        (
-            varied_run(FORWARD, lambda t: (t / 20, 0.0), rising),
-            "slow",
-            "still changing after 8 s: use a greater gain",
-        ),
-        (
-            varied_run(FORWARD, lambda _: (0.3, 0.0), lambda t: 0.3 + 0.1 * math.exp(-t)),
-            "slow",
-            "let the effort grow as long as the speed is too low",
-        ),
-        (
-            varied_run(FORWARD, lambda t: (1.0 if t < 4 else -1.0, 0.0), rising),
-            "measured",
-            "the effort does not follow the measured velocity",
-        ),
-        (varied_run(FORWARD, lambda _: (0.9, -0.4), rising), "measured", "the effort does not"),
-        (
-            varied_run(
-                FORWARD, lambda t: (round(t * 5) % 2 + 0.2, 0.0), lambda t: round(t * 5) % 2
-            ),
-            "swings",
-            "it oscillates around the target",
-        ),
-        (
-            varied_run(TURN, lambda _: (0.0, math.radians(0.3)), rising),
-            "unit",
-            "it turns at 0.0052 rad/s, which are 0.30 in degrees",
-        ),
-        (
-            varied_run(REST, lambda t: (math.exp(-t / 4), 0.0), rising),
-            "slow",
-            "still changing after 8 s",
-        ),
-        (
-            varied_run(REST, lambda t: (0.3 - 0.01 * t, 0.0), rising),
-            "slow",
-            "still changing after 8 s",
-        ),
-        (varied_run(REST, lambda _: (1.0, 0.0), rising), "stop", "a desired velocity of 0"),
-    ],
-)
-def test_the_cause_of_a_wrong_speed_is_told_by_the_efforts(
-    run: StepRun, key: str, words: str
-) -> None:
-    row = judge(run)
-    assert (row.is_ok, row.cause, words in row.hint) == (False, key, True), row
-
-
-def test_a_robot_that_stands_is_watched_no_longer_than_its_effort_changes() -> None:
-    still = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda _: 0.01)
-    growing = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda t: t / 1000)
-    seen = [replace(run, motion=run.motion[:250], commands=run.commands[:250])
-            for run in (still, growing)]  # fmt: skip
-    assert [run.is_over() for run in seen] == [True, False]
-
-
-def test_wheel_speeds_in_place_of_efforts_are_named() -> None:
-    message = JointState()
-    message.velocity = [0.3, 0.3]
-    run = step_run(FORWARD, (0.1, 0.0), message)
-    row = judge(run)
-    assert row.cause == "field"
-    assert row.hint.startswith("its commands are in velocity, and the wheels are driven by effo")
-
-
 @pytest.mark.parametrize(
     ("measured", "words"),
     [
@@ -407,77 +318,4 @@ def test_wheel_speeds_in_place_of_efforts_are_named() -> None:
     ],
 )
 def test_the_formula_of_a_wrong_error_is_recognised(measured: float, words: str) -> None:
-    assert husky.error_cause(measured, Step(0.3, 0.4)) == words
-
-
-def presses(change: Any) -> dict[str, KeyPress]:
-    motion, found = Motion(0.5, 1.0), {}
-    for key in DRIVING_KEYS:
-        motion = motion.after(key)
-        wanted = motion.forward, motion.turn_rate
-        found[key] = KeyPress(key, wanted, change(key, *wanted))
-    return found
-
-
-@pytest.mark.parametrize(
-    ("change", "key", "cause", "words"),
-    [
-        (lambda _, v, w: twist(v, -w), "u", "turn-sign", "wrong sign of turn: left is angular.z"),
-        (lambda _, v, w: twist(-v, w), "i", "speed-sign", "wrong sign of speed"),
-        (
-            lambda k, v, w: twist(v, -w if k in "jl" else w),
-            "j",
-            "key-jl",
-            "'j' does what 'l' should do (right on the spot): the keys are mixed up",
-        ),
-        (lambda _, v, w: twist(0, w, sideways=v), "i", "field", "it sets linear.y"),
-        (lambda k, v, w: twist(v, w) if k != "o" else twist(0, 0), "o", "key-o", "'o' stops"),
-        (lambda k, v, w: None if k == "o" else twist(v, w), "o", "unanswered", "nothing is publ"),
-    ],
-)
-def test_the_cause_of_a_wrong_key_is_named(change: Any, key: str, cause: str, words: str) -> None:
-    drives = presses(change)
-    found = key_cause(drives[key], drives)
-    assert (found.key, words in found.text) == (cause, True), found
-
-
-@pytest.mark.parametrize(
-    ("message", "key"),
-    [
-        (twist(-0.5, 0.3), "speed-sign"),
-        (twist(0.5, -0.3), "turn-sign"),
-        (twist(0.3, 0.5), "exchanged"),
-        (twist(0.5, 17.2), "unit"),
-        (twist(0.0, 0.3, sideways=0.5), "field"),
-        (twist(0.4, 0.3), "velocity"),
-    ],
-)
-def test_the_cause_of_a_wrong_velocity_is_named(message: Twist, key: str) -> None:
-    assert dolly.velocity_cause(message).key == key
-    assert dolly.circle_cause(1.0, [], message).key == key or key == "speed-sign"
-
-
-def test_a_rate_of_0_has_its_reason() -> None:
-    assert "one command came, and no other for 8.0 s" in dolly.rate_cause(1, 0.0, 8.0).text
-    assert "9 commands came, and then none for 5.0 s" in dolly.rate_cause(9, 2.0, 5.0).text
-    assert "too seldom, every 1 s" in dolly.rate_cause(8, 1.0, 0.5).text
-    assert "too often, every 0.1 s" in dolly.rate_cause(8, 10.0, 0.0).text
-
-
-def test_a_circle_that_ended_at_a_thing_says_at_which() -> None:
-    cause = dolly.circle_cause(9.0, [Touch(3.0, "shed", 5.0, -0.01)], twist(0.5, 0.3))
-    assert "stuck on shed, at (5.0, 0.0) m" in cause.text
-
-
-def test_ranges_in_another_unit_are_recognised() -> None:
-    ranges = [3.36, 3.31, 5.05, math.inf]
-    cause = dolly.ranges_cause("[336.0, 331.0, 505.0]", ranges, [])
-    assert cause.text.startswith("it prints centimetres")
-    assert dolly.ranges_cause("hello 17", ranges, []).key == "ranges"
-
-
-def test_a_twist_for_a_robot_on_wheels_has_two_fields() -> None:
-    assert misplaced(twist(0.5, 0.3)) is None
-    found = misplaced(twist(0.5, 0.3, sideways=0.1))
-    assert found is not None
-    assert "it sets linear.y" in found.text
+    assert error_cause(measured, (0.3, 0.4)) == words

@@ -160,6 +160,36 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) ->
     assert controller["reason"].startswith("there are no messages on /husky0/velocity_cmd or ")
 
 
+@pytest.mark.parametrize(
+    ("average", "words"),
+    [
+        (lambda errors: sum(errors) / len(errors), "it is the mean of the errors, and should be"),
+        (
+            lambda errors: errors[-1],
+            "it should be the root of the mean of the squares of all errors",
+        ),
+    ],
+)
+def test_a_recorded_average_that_is_no_root_mean_square_is_found(
+    average: Callable[[list[float]], float], words: str, check: Check
+) -> None:
+    def fill(log: LogWriter) -> None:
+        drive, stat, errors = _Drive(log, "/husky0"), ControllerEvaluationStat(), list[float]()
+        drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
+        for number in range(100):
+            forward = 0.003 * number
+            drive.move(0.0, 0.0, forward, 0.4)
+            errors.append(0.3 - forward)
+            stat.samples, stat.last_error = len(errors), errors[-1]
+            stat.average_error = average(errors)
+            drive.send("/husky0/evaluation_stat", stat)
+
+    _, record, _ = check("husky", fill)
+    row = _by_what(record)["average_error remembers"]
+    assert not row["ok"]
+    assert row["hint"].startswith(words)
+
+
 def _dolly(log: LogWriter, seconds: float, radius: float = 0.5 / 0.3) -> None:
     drive = _Drive(log, "/dolly")
     for number in range(round(seconds / _PERIOD)):

@@ -1,7 +1,9 @@
 """Causes of rows that are not ok, where one word of a program is wrong; no processes."""
 
+import functools
 import math
-from collections.abc import Callable
+import statistics
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,7 +12,7 @@ from typing import Any
 import PIL.Image
 import pytest
 
-from lcmtools.labs.checks import dolly, husky
+from lcmtools.labs.checks import dolly
 from lcmtools.labs.checks.diagnosis import explain_number
 from lcmtools.labs.checks.driving_keys import (
     DRIVING_KEYS,
@@ -19,6 +21,12 @@ from lcmtools.labs.checks.driving_keys import (
     key_cause,
     key_result,
     speeds_result,
+)
+from lcmtools.labs.checks.error_statistics import (
+    average_cause,
+    error_cause,
+    root_mean_square,
+    wrong_average,
 )
 from lcmtools.labs.checks.observations import CommandMessage, Failure
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
@@ -30,29 +38,112 @@ from lcmtools.messages.pixels import Kind
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
 
-GOAL = Step(0.3, 0.4)
+GOAL = 0.3, 0.4
 """The velocity that an evaluator is to compare a robot at rest with; the error is 0.5."""
 
 
 @pytest.mark.parametrize(
-    ("measured", "samples", "words"),
+    ("measured", "words"),
     [
-        (6 * 0.5, 6, "the sum, not divided by the samples"),
-        (math.sqrt(6) * 0.5, 6, "the root of the sum of the squares, not of their mean"),
-        (0.5 / 6, 6, "the last error, divided by the samples"),
-        (0.0, 0, "always 0"),
-        (0.4, 0, "the error of angular.z only"),
-        (-0.5, 0, "the negative error"),
-        (-0.3, 0, "the negative error of linear.x only"),
-        (0.35, 0, "the mean of both errors"),
-        (math.sqrt(0.125), 0, "the root of the mean of both squares"),
-        (3.0, 0, ""),
+        (0.0, "always 0"),
+        (0.4, "the error of angular.z only"),
+        (-0.5, "the negative error"),
+        (-0.3, "the negative error of linear.x only"),
+        (0.35, "the mean of both errors"),
+        (math.sqrt(0.125), "the root of the mean of both squares"),
+        (3.0, ""),
     ],
 )
-def test_the_formula_of_an_evaluator_is_recognised(
-    measured: float, samples: int, words: str
+def test_the_formula_of_an_error_is_recognised(measured: float, words: str) -> None:
+    assert error_cause(measured, GOAL) == words
+
+
+@pytest.mark.parametrize(
+    ("measured", "words"),
+    [
+        (math.hypot(0.2, 0.2), ""),  # the right one is explained by no mistake
+        (0.5, "the length of the desired velocity, without the measured one"),
+        (math.hypot(0.5, 0.2), "the length of the measured velocity, without the desired one"),
+        (1.0, "made of the sum of both velocities, not of their difference"),
+        (math.hypot(0.1, -0.1), "made with linear.x and angular.z exchanged"),
+        (0.2, "the error of linear.x only"),
+    ],
+)
+def test_the_formula_of_an_error_of_a_moving_robot_is_recognised(
+    measured: float, words: str
 ) -> None:
-    assert husky.error_cause(measured, GOAL, samples) == words
+    assert error_cause(measured, GOAL, (0.5, 0.2)) == words
+
+
+ERRORS = [0.5] * 6 + [0.0] * 6
+"""Those of a robot at rest, before and after its desired velocity is 0."""
+
+
+@pytest.mark.parametrize(
+    ("average", "words"),
+    [
+        (lambda e: sum(e) / len(e), "the mean of the errors"),
+        (lambda e: sum(x * x for x in e) / len(e), "the mean of the squares, without the root"),
+        (sum, "the sum, not divided by the samples"),
+        (
+            lambda e: sum(x * x for x in e),
+            "the sum of the squares, without the mean and the root",
+        ),
+        (
+            lambda e: math.sqrt(sum(x * x for x in e)),
+            "the root of the sum of the squares, not of their mean",
+        ),
+        (
+            lambda e: math.sqrt(sum(x * x for x in e)) / len(e),
+            "the root of the sum of the squares, divided by the samples outside of the root",
+        ),
+        (
+            lambda e: math.sqrt(sum(x * x for x in e) / (len(e) - 1)) if e[1:] else 0.0,
+            "divided by the samples minus 1",
+        ),
+        (
+            lambda e: math.sqrt(sum(x * x for x in e) / (len(e) + 1)),
+            "divided by the samples plus 1",
+        ),
+        (lambda e: e[-1], "the last error alone"),
+        (lambda e: e[-1] / len(e), "the last error, divided by the samples"),
+        (max, "the greatest error"),
+        (statistics.pstdev, "the standard deviation"),
+        (lambda e: math.sqrt(sum(e) / len(e)), "the root of the mean of the errors"),
+        (
+            lambda e: functools.reduce(lambda value, x: (value + x) / 2, e, 0.0),
+            "the mean of the last average and the newest error",
+        ),
+        (
+            lambda e: functools.reduce(lambda a, x: (a + x[1]) / x[0], enumerate(e, 1), 0.0),
+            "the last average and the newest error, divided by the samples",
+        ),
+        (lambda _: 0.0, "always 0"),
+        (
+            lambda e: 0.6 * math.sqrt(sum(x * x for x in e) / len(e)),
+            "the root of the mean square of the error of linear.x only",
+        ),
+        (
+            lambda e: 1.4 * sum(e) / len(e),
+            "the mean of the sum |v - desired v| + |w - desired w|",
+        ),
+        (lambda e: 3.0 + len(e), ""),
+    ],
+)
+def test_the_formula_of_an_average_is_recognised(
+    average: Callable[[Sequence[float]], float], words: str
+) -> None:
+    averages = [average(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
+    differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
+    assert wrong_average(averages, differences) is not None
+    assert average_cause(averages, differences) == words
+
+
+def test_the_root_mean_square_is_right_and_an_average_of_the_samples_so_far() -> None:
+    averages = [root_mean_square(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
+    differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
+    assert wrong_average(averages, differences) is None
+    assert wrong_average([*averages[:-1], 0.5], differences) == len(ERRORS) - 1
 
 
 def test_a_number_that_no_formula_gives_is_not_explained() -> None:

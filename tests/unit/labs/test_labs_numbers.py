@@ -101,15 +101,25 @@ def test_every_program_has_a_check_and_belongs_to_one_lab() -> None:
 
 
 def test_names_are_added_unless_the_command_line_has_its_own() -> None:
-    (run,) = choose(LABS["husky"], {"controller": "python 'my node.py'"})
+    (run,) = choose(LABS["husky"], {"controller": "python3 'my node.py'"})
     names = ["__ns:=/husky0", "controlled_velocity:=velocity_cmd"]
-    assert run.command == ["python", "my node.py", *names]
-    (run,) = choose(LABS["husky"], {"controller": "./node __ns:=/husky0"})
-    assert run.command == ["./node", "__ns:=/husky0"]
+    assert run.command == ["python3", "my node.py", *names]
+    (run,) = choose(LABS["husky"], {"controller": "sh node __ns:=/husky0"})
+    assert run.command == ["sh", "node", "__ns:=/husky0"]
     assert not run.is_answer
     assert all(run.is_answer for run in choose(LABS["husky"], {}))
     with pytest.raises(UsageError, match="not a program of the lab dolly"):
         choose(LABS["dolly"], {"viewer": "x"})
+
+
+def test_a_program_that_cannot_be_started_is_refused_before_anything_is_simulated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "node").touch()
+    for words, reason in {"./none": "No such file", "none x": "No such", "./node": "Perm"}.items():
+        with pytest.raises(UsageError, match=f"cannot run '{words.split()[0]}': {reason}"):
+            choose(LABS["husky"], {"controller": words})
 
 
 def test_nodes_of_the_workspace_are_checked_in_place_of_the_model_answers(
@@ -126,3 +136,25 @@ def test_nodes_of_the_workspace_are_checked_in_place_of_the_model_answers(
     shutil.copy(tmp_path / "mine/mine/simple_controller.py", tmp_path / "mine/mine/moving_robot.py")
     with pytest.raises(UsageError, match=r"mine/mine/moving_robot\.py is not a node yet"):
         choose(LABS["dolly"], {})
+
+
+def test_scripts_and_nodes_in_cpp_of_the_workspace_are_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    create(NewPackage("mine", "first"), tmp_path / "mine")
+    monkeypatch.chdir(tmp_path)
+    script = tmp_path / "mine" / "src" / "evaluate_controller.py"
+    script.touch()
+    with pytest.raises(UsageError, match=r"mine/src/evaluate_controller.py is not executable"):
+        choose(LABS["husky"], {})
+    script.chmod(0o755)
+    (run,) = choose(LABS["husky"], {})
+    assert run.command[:4] == ["lcmtools", "run", "mine", "evaluate_controller.py"]
+    assert choose(LABS["husky"], {"evaluator": "lcmtools run evaluate_controller"})[0].is_answer
+    (tmp_path / "mine" / "CMakeLists.txt").write_text("add_executable(moving_robot a.cpp)")
+    with pytest.raises(UsageError, match="is not built; type: lcmtools pkg build mine"):
+        choose(LABS["dolly"], {})
+    (tmp_path / "mine" / "build").mkdir()
+    (tmp_path / "mine" / "build" / "moving_robot").touch(0o755)
+    (run,) = choose(LABS["dolly"], {})
+    assert run.command[:4] == ["lcmtools", "run", "mine", "moving_robot"]

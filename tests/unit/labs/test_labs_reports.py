@@ -230,6 +230,37 @@ def test_a_file_is_one_program_of_a_submission(
     assert {option: text.split()[1] for option, text in programs.items()} == found
 
 
+@pytest.mark.parametrize(
+    ("files", "found"),
+    [
+        (["moving_robot.cpp"], {"mover": "moving_robot.cpp"}),
+        (["moving_robot", "moving_robot.cpp"], {"mover": "moving_robot.cpp"}),
+        (["moving_robot.cpp", "moving_robot.py"], {"mover": "python moving_robot.py"}),
+        (["src/main.cc"], {"mover": "src/main.cc"}),
+        (["a b/moving_robot.cxx"], {"mover": "'a b/moving_robot.cxx'"}),
+        (["moving_robot.hpp"], {}),
+        (["build/CMakeCache.txt", "build/moving_robot"], {}),
+    ],
+)
+def test_a_source_in_cpp_is_a_program_and_comes_before_what_is_built_from_it(
+    files: list[str], found: dict[str, str], tmp_path: Path
+) -> None:
+    for name in files:
+        path = tmp_path / "anna" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text('int main() { publish("/dolly/cmd_vel", Twist()); }')
+        path.chmod(0o755)
+    copy_submission(tmp_path / "anna", tmp_path / "own")
+    programs = programs_of(LABS["dolly"], tmp_path / "own", {})
+    python = Path(sys.executable).name
+    assert {o: text.replace(f"{python} ", "python ") for o, text in programs.items()} == found
+
+
+def test_a_file_in_cpp_without_main_is_no_program(tmp_path: Path) -> None:
+    (tmp_path / "moving_robot.cpp").write_text("void publish_cmd_vel() {}")
+    assert programs_of(LABS["dolly"], tmp_path, {}) == {}
+
+
 def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path: Path) -> None:
     (tmp_path / "anna.py").touch()
     check = ClassCheck(LABS["dolly"], {"teleop": "python {program}"}, (), None, 1)

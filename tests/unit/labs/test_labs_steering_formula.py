@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import cycle, pairwise
 
 import pytest
 
@@ -48,19 +48,33 @@ def on_a_circle(angle: float) -> tuple[float, float]:
 
 
 def run(
-    angle: Angle, law: Law = proportional, points: Sequence[Point] = PATH, reach: float = 0.4
+    angle: Angle,
+    law: Law = proportional,
+    points: Sequence[Point] = PATH,
+    reach: float = 0.4,
+    delays: Sequence[int] = (0,),
 ) -> tuple[list[TrueState], list[CommandMessage]]:
-    """Drive to one point after the other, as long as a check would look on."""
-    x, y, heading, goal = -1.0, 0.0, 0.0, 0
-    drive, commands = DrivenPath(PATH), list[CommandMessage]()
+    """Drive to one point after the other, as long as a check would look on.
+
+    A command comes some periods after the state that it is of; ``delays`` has their numbers, which
+    are taken in turn. States that come meanwhile are not used.
+    """
+    x, y, heading, goal, speed, turn = -1.0, 0.0, 0.0, 0, 0.0, 0.0
+    drive, commands, periods = DrivenPath(PATH), list[CommandMessage](), cycle(delays)
+    left = -1
     for time in (n / 50 for n in range(3000)):
+        drive.add(TrueState(time, x, y, speed, turn, heading))
         while goal < len(points) - 1 and math.dist(points[goal], (x, y)) < reach:
             goal += 1
-        speed, turn = law(angle(points[goal][0] - x, points[goal][1] - y, heading))
-        drive.add(TrueState(time, x, y, speed, turn, heading))
-        twist = Twist()
-        twist.linear.x, twist.angular.z = speed, turn
-        commands.append(CommandMessage(time, "/RosAria/cmd_vel", twist))
+        if left < 0:
+            wanted = law(angle(points[goal][0] - x, points[goal][1] - y, heading))
+            left = next(periods)
+        if left == 0:
+            speed, turn = wanted
+            twist = Twist()
+            twist.linear.x, twist.angular.z = wanted
+            commands.append(CommandMessage(time, "/RosAria/cmd_vel", twist))
+        left -= 1
         # as 2*atan2(z, w) has it
         heading = math.remainder(heading + max(-4.0, min(4.0, turn)) / 50, 2 * math.tau)
         x, y = x + speed / 50 * math.cos(heading), y + speed / 50 * math.sin(heading)
@@ -91,6 +105,25 @@ def test_a_mistake_in_the_angle_is_named(angle: Angle, words: str, law: Law) -> 
     assert cause is not None
     assert cause.key == "angle"
     assert cause.text.startswith(f"its turns fit {words}")
+
+
+@pytest.mark.parametrize(("angle", "words"), MISTAKES, ids=[words for _, words in MISTAKES])
+@pytest.mark.parametrize("delays", [(1,), (0, 0, 2, 1), (0, 3, 1, 0)], ids=str)
+def test_a_mistake_is_named_if_commands_arrive_late(
+    angle: Angle, words: str, delays: Sequence[int]
+) -> None:
+    cause = steering_cause(PATH, *run(angle, delays=delays))
+    assert cause is not None
+    # which of two angles is in degrees may be unclear
+    assert ("in degrees" if "in degrees" in words else words) in cause.text
+
+
+@pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends, on_a_circle])
+@pytest.mark.parametrize("delays", [(1,), (0, 3, 1, 0)], ids=str)
+def test_a_right_angle_is_no_mistake_if_commands_arrive_late(
+    law: Law, delays: Sequence[int]
+) -> None:
+    assert steering_cause(PATH, *run(right, law, delays=delays)) is None
 
 
 @pytest.mark.parametrize("law", [proportional, on_a_circle])

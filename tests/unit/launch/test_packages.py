@@ -5,11 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fixtures.says import raises_saying
+from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.executables import Executable, find_executable, find_typed, startable
 from lcmtools.launch.packages import LABS, find_files, package_folder
+from lcmtools.launch.plan import Plan
 
 Make = Callable[..., Path]
 
@@ -49,6 +50,36 @@ def test_labs_files_are_found_by_name_and_by_package(
 ) -> None:
     assert folder == Path.cwd()
     assert find_files(words) == [LABS / path]
+
+
+def test_packages_of_ros_are_found_in_ros_package_path(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second = tmp_path_factory.mktemp("first"), tmp_path_factory.mktemp("second")
+    files = {
+        first / "deep/er/still/arm": "arm",
+        first / "deep/er/still/arm/inner": "in_a_package",
+        first / ".hidden/secret": "secret",
+        first / "old": "ignored",
+        first / "stack": "",
+        second / "arm": "arm",
+        second / "leg": "leg",
+        folder / "near": "leg",
+    }
+    for path, name in files.items():
+        path.mkdir(parents=True)
+        if name:
+            (path / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (first / "old" / "CATKIN_IGNORE").touch()
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{first}:/nowhere::{second}")
+    assert package_folder("arm") == first / "deep/er/still/arm", "the first of two"
+    assert package_folder("leg") == folder / "near", "the workspace comes first"
+    for name in ("in_a_package", "secret", "ignored"):
+        with raises_saying(UsageError, f"there is no package '{name}'"):
+            package_folder(name)
+    monkeypatch.delenv("ROS_PACKAGE_PATH")
+    with raises_saying(UsageError, "there is no package 'arm'"):
+        package_folder("arm")
 
 
 def test_own_package_and_own_file_come_before_the_labs(workspace: Make, folder: Path) -> None:
@@ -123,8 +154,8 @@ def test_package_with_several_launch_files_names_them(workspace: Make) -> None:
     [
         ("lcmtools", "talker", "talker"),
         ("beginner_tutorials", "listener", "listener"),
-        ("air_lab0", "evaluate_controller.py", "evaluate_controller"),
-        ("my_package", "moving_robot", "moving_robot"),
+        ("air_lab0", "evaluate_controller.py", "lcmtools evaluate_controller"),
+        ("my_package", "moving_robot", "lcmtools moving_robot"),
         ("gazebo_ros", "gzserver", "sim"),
         ("morse", "morse", "sim"),
     ],
@@ -132,7 +163,18 @@ def test_package_with_several_launch_files_names_them(workspace: Make) -> None:
 def test_nodes_of_the_labs_are_lcmtools_own(
     folder: Path, package: str, name: str, node: str
 ) -> None:
-    assert find_executable(package, name, folder).command == ("lcmtools", "run", node)
+    assert find_executable(package, name, folder).command == ("lcmtools", "run", *node.split())
+
+
+@pytest.mark.parametrize(
+    "tag", ["pkg='air_lab0' type='simple_controller'", "run='simple_controller'"]
+)
+def test_the_note_on_a_model_answer_is_written_once(plan: Callable[..., Plan], tag: str) -> None:
+    made = plan(f"<launch><node name='a' {tag}/><node name='b' {tag}/></launch>")
+    (note,) = made.notes
+    assert_says(note, "a.launch:1", "the lab's model answer")
+    for node in made.nodes:  # a node named with its package writes no note
+        assert node.command[:4] == ("lcmtools", "run", "lcmtools", "simple_controller")
 
 
 def test_nodes_of_the_workspace_are_found_from_here_and_from_the_files_folder(
@@ -176,6 +218,7 @@ def test_lcmtools_own_node_keeps_its_meaning_where_the_workspace_has_one_of_that
 
 def test_executable_file_of_a_package_is_its_node(workspace: Make) -> None:
     script = workspace("mine", "scripts/die.py") / "scripts" / "die.py"
+    script.write_text("#!/bin/sh\n")
     here = Path.cwd()
     with raises_saying(UsageError, "'die'", "mine", "drive"):
         find_executable("mine", "die", here)

@@ -31,7 +31,7 @@ def test_labs_file_becomes_one_node_with_its_remap(xml: Make) -> None:
     (node,) = plan.nodes
     assert node.name == "/husky0/husky_simple_controller"
     assert node.command_line() == (
-        "lcmtools run simple_controller __ns:=/husky0 __name:=husky_simple_controller"
+        "lcmtools run lcmtools simple_controller __ns:=/husky0 __name:=husky_simple_controller"
         " controlled_velocity:=velocity_cmd"
     )
     assert node.place == "a.launch:3"
@@ -211,7 +211,7 @@ def test_labs_world_is_included_by_its_package(xml: Make) -> None:
         <arg name="world_name" value="husky"/><arg name="paused" value="true"/></include>"""
     )
     assert plan.nodes[0].command_line() == (
-        "lcmtools run sim --world husky --rate 1 --paused __ns:=/ __name:=gazebo"
+        "lcmtools run sim --world husky --rate 1 --paused --view __ns:=/ __name:=gazebo"
     )
 
 

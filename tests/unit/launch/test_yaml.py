@@ -58,7 +58,7 @@ def test_whole_file_means_what_it_says(yaml: Make) -> None:
     driver, morse, talker, cat = yaml(WHOLE).nodes
     assert driver.name == "/husky0/driver"
     assert driver.command == (
-        *("lcmtools", "run", "simple_controller", "__ns:=/husky0", "__name:=driver"),
+        *("lcmtools", "run", "lcmtools", "simple_controller", "__ns:=/husky0", "__name:=driver"),
         *("controlled_velocity:=velocity_cmd", "_kp:=1e-3", '_names:=[a, "on", 2]'),
         *('_text:="2"', "_deep/er:=true"),
     )
@@ -95,7 +95,7 @@ def test_script_is_run_by_python_and_gets_its_names(yaml: Make, folder: Path) ->
     (folder / "node.py").touch()
     (node,) = yaml("nodes: [{run: ./node.py, ns: a}]").nodes
     assert node.name == "/a/node"
-    assert node.command[1:] == (f"{folder}/node.py", "__ns:=/a", "__name:=node")
+    assert node.command[3:] == (f"{folder}/node.py", "__ns:=/a", "__name:=node")
 
 
 def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> None:

@@ -4,8 +4,10 @@ Every type takes them with its default values; with any values those types do th
 every kind of field that there is.
 """
 
+import copy
 import json
 import math
+import pickle
 import struct
 from collections.abc import Callable
 from types import ModuleType
@@ -15,9 +17,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lcmtools.errors import DecodeError
+from lcmtools.message_value import MessageValue
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
 from lcmtools.messages.coder import coder
 from lcmtools.messages.definition import definition
+from lcmtools.messages.dicts import from_dict, to_dict
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.fill import fill
 from lcmtools.messages.message_template import draft_from_values
@@ -101,6 +105,21 @@ def check_round_trips(message: Message) -> None:
     again = cls()
     fill(again, to_plain(decoded))
     assert encode(again) == payload
+    check_is_a_value(message, decoded)
+
+
+def check_is_a_value(message: Message, decoded: Message) -> None:
+    """Dicts, copies and pickles give the message back; equal bytes mean equal messages."""
+    cls, payload = type(message), encode(message)
+    copies = [copy.deepcopy(decoded), from_dict(cls, to_dict(decoded))]
+    if isinstance(message, MessageValue):  # the classes of lcm-gen itself are in no module
+        copies += [pickle.loads(pickle.dumps(decoded, number)) for number in range(6)]  # noqa: S301 - ours
+        by_name = {field.attribute: getattr(decoded, field.attribute) for field in fields(cls)}
+        copies.append(cls(**by_name))
+        if "nan" not in format_message(decoded):
+            assert [message, *copies] == [decoded] * (1 + len(copies))
+        assert repr(decoded).startswith(f"{cls.__name__}(")
+    assert [encode(one) for one in copies] == [payload] * len(copies)
 
 
 def check_broken_payloads(message: Message, change: Callable[[bytes], bytes]) -> None:

@@ -1,5 +1,7 @@
 """Messages in which a time is the moment of sending."""
 
+from typing import Any
+
 import pytest
 from fixtures.says import raises_saying
 
@@ -80,6 +82,52 @@ def test_a_utime_may_be_now_in_microseconds(texts: list[str]) -> None:
     for moment in (NOW, NOW + 1_500_000_000):
         message = draft.at(moment)
         assert (message.utime, message.x) == (moment // 1000, 1.0)
+
+
+def reading(name: str, lcm_type: str) -> Any:
+    """Return a class with one field, as lcm-gen writes it."""
+    tables = {
+        "__slots__": (name,),
+        "__typenames__": (lcm_type,),
+        "__dimensions__": (None,),
+        "__init__": lambda self: setattr(self, name, 0),
+    }
+    return type("Reading", (), tables)
+
+
+@pytest.mark.parametrize(
+    ("name", "lcm_type", "value"),
+    [
+        ("timestamp", "int64_t", NOW // 1000),
+        ("t", "int64_t", NOW // 1000),
+        ("gps_utime", "int64_t", NOW // 1000),
+        ("time_us", "int64_t", NOW // 1000),
+        ("timestamp_micros", "int64_t", NOW // 1000),
+        ("time_ms", "int64_t", NOW // 10**6),
+        ("timestamp_millis", "int64_t", NOW // 10**6),
+        ("t_msec", "int64_t", NOW // 10**6),
+        ("time_ns", "int64_t", NOW),
+        ("time_nsecs", "int64_t", NOW),
+        ("stamp_nanos", "int64_t", NOW),
+        ("timestamp", "double", NOW / 10**9),
+        ("time_ms", "double", NOW / 10**6),
+    ],
+)
+def test_a_number_whose_name_is_of_a_time_may_be_now(
+    name: str, lcm_type: str, value: float
+) -> None:
+    cls = reading(name, lcm_type)
+    draft = draft_from_values(cls, [f"{name}: now"])
+    assert getattr(draft.at(NOW), name) == value
+
+
+@pytest.mark.parametrize(
+    ("name", "lcm_type"), [("timestamp", "int32_t"), ("seq", "int64_t"), ("timeout", "int64_t")]
+)
+def test_a_number_that_holds_no_time_may_not_be_now(name: str, lcm_type: str) -> None:
+    cls = reading(name, lcm_type)
+    with raises_saying(ValueMismatch, f"{name}: expected an integer", "'now'"):
+        draft_from_values(cls, [f"{name}: now"])
 
 
 def test_another_number_is_no_time() -> None:

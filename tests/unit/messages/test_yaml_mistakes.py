@@ -283,7 +283,7 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
             )
             for mark in "@`%"
         ),
-        ("x:\n\ty: 1", "bad YAML at line 2, column 1: a tab cannot indent; use blanks"),
+        ("x:\n\ty: 1", "bad YAML at line 2, column 1: a tab cannot indent; indent with spaces"),
         (
             "x:1\ny: 2",
             (
@@ -298,7 +298,7 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
                 "put the fields in { }, and text that has ': ' in it in quotes"
             ),
         ),
-        ("\t- x", "bad YAML at line 1, column 1: a tab cannot indent; use blanks"),
+        ("\t- x", "bad YAML at line 1, column 1: a tab cannot indent; indent with spaces"),
         ("x: *b", f"bad YAML at line 1, column 4: unknown alias '*b'; {quote('*')}"),
         ("&a [*a]", f"bad YAML at line 1, column 5: unknown alias '*a'; {quote('*')}"),
         ("x: !!binary =", "bad YAML at line 1, column 4: !!binary is not followed by base64"),

@@ -1,6 +1,7 @@
 """Resolution of names to topics: rule by rule, as in https://wiki.ros.org/Names."""
 
 import pytest
+from fixtures.says import assert_says
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -64,6 +65,13 @@ def test_an_illegal_name_is_refused_with_the_rule(name: str) -> None:
 def test_a_private_name_without_a_node_is_refused() -> None:
     with pytest.raises(InvalidName, match="private, and there is no node"):
         names.resolve("~gain")
+
+
+@pytest.mark.parametrize("name", ["”/camera/depth/image_raw”", "“a”"])
+def test_quotation_marks_of_a_printed_text_are_named(name: str) -> None:
+    with pytest.raises(InvalidName) as raised:
+        names.resolve(name)
+    assert_says(str(raised.value), name, "quotation marks as a printed text has them", "leave them")
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from lcmtools import Node
 from lcmtools.errors import BusError, ServiceTimeout
 from lcmtools.graph import model
 from lcmtools.graph.protocol import (
+    ANSWER_SPREAD,
     NODE_CHANNEL,
     PROBE_CHANNEL,
     Announcement,
@@ -102,6 +103,24 @@ def test_a_probe_of_one_is_answered_by_that_one_before_the_probe_returns(
     _probe(bus, "/b", 43)
     _probe(bus, "/nobody", 44)
     assert [a.node.name for a in _announced(bus) if a.answers] == ["/b"]
+
+
+def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil
+) -> None:
+    begin()
+    Node("a")
+    Node("b")
+    began = time.monotonic()
+    for nonce in range(1, 501):
+        _probe(bus, "/a", nonce)
+        _probe(bus, f"/nobody{nonce}", nonce)
+    wait_until(lambda: any(a.answers == 500 for a in _announced(bus)))
+    announced = 3  # the first answer, and announcements of the new nodes, which answer too
+    most = announced + (time.monotonic() - began) / ANSWER_SPREAD
+    answers = [a for a in _announced(bus) if a.answers]
+    assert {a.node.name for a in answers} == {"/a"}
+    assert len(answers) <= most
 
 
 @pytest.mark.parametrize("payload", [b"", b"nonsense", encode_probe(Probe("/a", 1))[:-1]])

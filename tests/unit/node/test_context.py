@@ -239,6 +239,16 @@ def test_init_on_a_log_that_is_read_is_refused() -> None:
     assert not lcmtools.ok()
 
 
+def test_an_option_of_the_url_that_has_no_effect_is_logged(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    lcmtools.init([], url="memq://?ttl=1")
+    Node("a")
+    lcmtools.shutdown()
+    note = "--lcm-url memq://?ttl=1: ttl=1 has no effect; memq has no options"
+    assert capsys.readouterr().err.count(note) == 1
+
+
 def _records(folder: Path) -> list[Path]:
     return [path for path in folder.rglob("*") if path.is_file()]
 

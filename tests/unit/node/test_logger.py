@@ -11,6 +11,7 @@ from fixtures.says import assert_says
 import lcmtools
 from lcmtools import Node
 from lcmtools.clock import ManualClock
+from lcmtools.escapes import ESCAPES_IN_LINES
 from lcmtools.messages.codec import decode
 from lcmtools.node.context import Context
 from lcmtools.node.logger import Logger
@@ -96,6 +97,12 @@ def test_a_line_of_several_is_one_entry(desk: _Desk) -> None:
     assert [entry.msg for entry in desk.entries] == ["a\nb"]
 
 
+def test_text_of_a_message_cannot_control_the_terminal(desk: _Desk) -> None:
+    desk.logger.info("Hellö 你\t\x1b[2J\u202e")
+    assert desk.stream.getvalue().endswith(": Hellö 你\t\\x1b[2J\\u202e\n")
+    assert [entry.msg for entry in desk.entries] == ["Hellö 你\t\x1b[2J\u202e"]
+
+
 def test_a_nodes_log_goes_to_standard_error_and_rosout(
     begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -127,7 +134,7 @@ def test_no_text_is_an_error_to_log(begin: Begin, bus: FakeBus, text: object) ->
     logger = Node("a").get_logger()
     logger._stream = io.StringIO()
     logger.info(text)
-    assert logger._stream.getvalue().endswith(f"{text}\n")
+    assert logger._stream.getvalue().endswith(f"{str(text).translate(ESCAPES_IN_LINES)}\n")
     assert "/rosout" in [channel for channel, _ in bus.published]
 
 

@@ -88,12 +88,12 @@ def test_a_value_that_does_not_fit_names_its_field(begin: Begin) -> None:
 def test_a_literal_topic_is_the_channel_to_the_letter(begin: Begin, bus: FakeBus) -> None:
     begin("__ns:=/husky0", "EXAMPLE:=/other")
     node = Node("a")
-    publisher = node.create_publisher(String, "EXAMPLE", literal=True)
+    publisher = node.create_publisher(String, "EXAMPLE", plain_channel=True)
     publisher.publish(String())
     assert "EXAMPLE" in [channel for channel, _ in bus.published]
-    assert node.create_publisher(String, "été #1", literal=True).topic == "été #1"
+    assert node.create_publisher(String, "été #1", plain_channel=True).topic == "été #1"
     with pytest.raises(InvalidName):
-        node.create_publisher(String, "a" * 64, literal=True)
+        node.create_publisher(String, "a" * 64, plain_channel=True)
 
 
 class _Refusing(FakeBus):

@@ -12,8 +12,9 @@ from lcmtools.bus.base import Handler
 from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
-from lcmtools.node.subscription import Subscription
+from lcmtools.node.subscription import Losses, Subscription
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
+from lcmtools.types.sensor_msgs import Image
 from lcmtools.types.std_msgs import Int32, String
 
 Begin = Callable[..., Context]
@@ -94,8 +95,8 @@ def test_a_message_that_comes_while_its_subscription_is_made_is_not_left_behind(
     """Another thread may make it, and the spinning one looks in vain between the two steps."""
 
     class EagerBus(FakeBus):
-        def subscribe(self, channel: str, handler: Handler) -> None:
-            super().subscribe(channel, handler)
+        def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+            super().subscribe(channel, handler, is_large=is_large)
             if channel == "/n":
                 self.publish("/n", _number(1))
                 lcmtools.spin_once(node)
@@ -302,3 +303,35 @@ def test_a_destroyed_subscription_calls_nobody_though_messages_wait(
     lcmtools.spin_once(node)
     assert heard == [1]
     assert second.pop() is None
+
+
+class _LossyBus(FakeBus):
+    """A bus that has lost something before, and loses more."""
+
+    is_later = False
+    large: tuple[str, ...] = ()
+
+    @property
+    def overflows(self) -> int:
+        return 7
+
+    def lost(self, channel: str) -> int:
+        return 5 if channel == "/n" and self.is_later else 2
+
+    def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+        super().subscribe(channel, handler)
+        self.large += (channel,) * is_large
+
+
+def test_a_subscription_tells_what_it_has_lost(begin: Begin) -> None:
+    bus = _LossyBus()
+    begin(bus=bus)
+    node = Node("a")
+    numbers = node.create_subscription(Int32, "n", lambda _: None, depth=1)
+    node.create_subscription(Image, "image", lambda _: None)
+    bus.is_later = True
+    for value in range(3):
+        bus.publish("/n", _number(value))
+    assert numbers.losses() == Losses(displaced=2, incomplete=3, overflows=7)
+    assert (numbers.endpoint().incomplete, node.describe().overflows) == (3, 7)
+    assert bus.large == ("/image",)

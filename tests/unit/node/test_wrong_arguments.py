@@ -49,6 +49,10 @@ _TYPES_AND_TOPICS = [
         "create_publisher takes the type first; write create_publisher(String, 'news')",
     ),
     (
+        lambda n: n.create_publisher("std_msgs/String", 10),
+        "create_publisher: the type is a class, not the text 'std_msgs/String'; " + _IMPORT,
+    ),
+    (
         lambda n: n.create_publisher("std_msgs/String", "chatter"),
         "create_publisher: the type is a class, not the text 'std_msgs/String'; " + _IMPORT,
     ),
@@ -119,6 +123,26 @@ _TYPES_AND_TOPICS = [
         "create_publisher: the depth is a number of messages, such as 10; got '10'",
     ),
 ]
+
+_MISSING_TYPES = [
+    (lambda n: n.create_publisher("/a/cmd_vel", 10), "create_publisher(Twist, '/a/cmd_vel')"),
+    (lambda n: n.create_publisher("cmd_vel"), "create_publisher(Twist, 'cmd_vel')"),
+    (
+        lambda n: n.create_subscription("/laser", n.turn),
+        "create_subscription(Twist, '/laser', callback)",
+    ),
+    (
+        lambda n: n.create_subscription("/scan", n.turn, 10),
+        "create_subscription(Twist, '/scan', callback)",
+    ),
+    (
+        lambda n: n.create_subscription("laser", 10, n.turn),
+        "create_subscription(Twist, 'laser', callback)",
+    ),
+    (lambda n: n.create_service("/reset", n.tick), "create_service(Trigger, '/reset', callback)"),
+    (lambda n: n.create_client("/reset"), "create_client(Trigger, '/reset')"),
+]
+"""Calls as in texts whose types are lost, and how they are written."""
 
 _CALLBACKS = [
     (
@@ -203,6 +227,20 @@ def test_a_wrong_argument(begin: Begin, call: Call, line: str) -> None:
     with pytest.raises(LcmtoolsError) as raised:
         call(Driver())
     assert str(raised.value) == line
+
+
+@pytest.mark.parametrize(("call", "right"), _MISSING_TYPES)
+def test_a_missing_type(begin: Begin, call: Call, right: str) -> None:
+    begin()
+    with pytest.raises(LcmtoolsError) as raised:
+        call(Driver())
+    name, topic = right.partition("(")[0], right.split("'")[1]
+    kind = right.partition("(")[2].partition(",")[0]
+    shows = "service info" if kind == "Trigger" else "info"
+    assert str(raised.value) == (
+        f"{name}: the type is missing before '{topic}'; write {right} if it is {kind}; "
+        f"lcmtools {shows} {topic} shows it"
+    )
 
 
 @pytest.mark.parametrize("callback", [print, [].append, lambda *_: None, str])

@@ -73,7 +73,7 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             lambda n: n.create_publisher(Twist, "cmd_vel", queue_size=10),
             (
                 "create_publisher got an unexpected keyword argument 'queue_size'; "
-                "write create_publisher(message_type, topic, depth=10, literal=False)"
+                "write create_publisher(message_type, topic, depth=10, plain_channel=False)"
             ),
         ),
         (
@@ -84,7 +84,7 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             ),
         ),
         (
-            lambda n: n.create_service("reset", n.turn),
+            lambda n: n.create_service(Trigger, "reset"),
             (
                 "create_service missing 1 required positional argument: 'callback'; "
                 "write create_service(service_type, name, callback)"

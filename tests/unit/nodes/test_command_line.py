@@ -64,7 +64,7 @@ def test_main_spins_one_node_of_its_name_and_leaves_the_bus(
     spun: list[str] = []
     monkeypatch.setenv("LCM_DEFAULT_URL", "memq://")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.setattr("lcmtools.bus.lcm_bus.LcmBus", lambda _url: FakeBus())
+    monkeypatch.setattr("lcmtools.bus.udp_bus.UdpBus", lambda _url: FakeBus())
     monkeypatch.setattr(lcmtools, "spin", lambda node: spun.append(node.name), raising=False)
     assert importlib.import_module(f"lcmtools.labs.nodes.{node}").main(["__ns:=/husky0"]) is None
     assert spun == [f"/husky0/{node}"]

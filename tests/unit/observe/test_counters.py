@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.observe.measuring.counters import (
     Counters,
     average_rate,
@@ -10,6 +10,7 @@ from lcmtools.observe.measuring.counters import (
     callback_time,
     duration_text,
 )
+from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
 ENDPOINT = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)
@@ -93,3 +94,53 @@ def test_the_announced_rate_counts_where_one_look_has_to_do() -> None:
     assert counters.record(node, known)["rate"] == 2.5
     assert counters.record(node, node.endpoints[1])["rate"] is None
     assert "rate: 2.50 Hz" in counters.of_endpoint(node, known)
+
+
+def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen() -> None:
+    sender, end = Sender("127.0.0.1", 4000), Endpoint("/a", Role.PUBLISHER)
+    node = Node("/a", "id", "host", 1, endpoints=(end,), sender=sender)
+    seen = Traffic("/a", sender, (), 12, 96, 98 * SECOND, 99 * SECOND)
+    counters = Counters(Graph((node,)), Graph((node,), (seen,), time=100 * SECOND))
+    assert "seen messages: 12, bytes: 96" in counters.of_endpoint(node, end)
+    assert "last: 1.0 s ago" in counters.of_endpoint(node, end)
+    silent = Counters(Graph((node,)), Graph((node,), time=100 * SECOND))
+    assert "last: never" in silent.of_endpoint(node, end)
+
+
+def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate() -> None:
+    imu = _counted(40, 100.0)._replace(rate=5.4)
+    step = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step_Request",))
+    sim = Node("/sim", "id", "host", 1, start_time=90 * SECOND, endpoints=(imu, step))
+    ear = Node("/ear", "ear", "host", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+
+    def shown(*nodes: Node, before: Endpoint | None = None) -> tuple[str, object, object]:
+        was = sim._replace(endpoints=(before, step)) if before else sim
+        counters = Counters(Graph((was,)), Graph(nodes, time=101 * SECOND))
+        record = counters.record(nodes[0], imu)
+        return counters.of_endpoint(nodes[0], imu), record["rate"], record["average_rate"]
+
+    text, *numbers = shown(sim)
+    assert "idle: it publishes only while something subscribes, last: 1.0 s ago" in text
+    assert "Hz" not in text
+    assert numbers == [None, None]
+    assert shown(sim, ear)[1:] == (5.4, None)
+    assert "rate: 50.00 Hz" in shown(sim, before=_counted(35, 99.9))[0]
+    assert shown(sim._replace(is_recorded=True))[1] == 5.4
+
+
+@pytest.mark.parametrize(
+    ("last", "messages", "now", "is_steady"),
+    [
+        (99.99, 30, 100.6, True),  # 50 Hz
+        (95.0, 30, 100.6, False),  # idle for five seconds before
+        (99.1, 1, 100.1, True),  # 1 Hz
+        (99.1, 2, 101.1, True),
+        (40.0, 1, 100.1, False),  # the first one after a minute
+        (40.0, 2, 100.1, False),
+    ],
+)
+def test_a_rate_is_not_counted_over_a_pause(
+    last: float, messages: int, now: float, *, is_steady: bool
+) -> None:
+    was, end = _counted(7, last), _counted(7 + messages, now)
+    assert end.is_steady_since(was, 100 * SECOND, SECOND) is is_steady

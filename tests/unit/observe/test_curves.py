@@ -1,5 +1,6 @@
 """Fields over time as curves."""
 
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +14,15 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
-from lcmtools.observe.measuring.curves import Curve, Curves, draw_picture, draw_text
+from lcmtools.observe.measuring.curves import (
+    Curve,
+    Curves,
+    draw_curves,
+    draw_picture,
+    draw_text,
+    empty_figure,
+    value_limits,
+)
 from lcmtools.observe.reading.find import GLOBAL
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
@@ -23,6 +32,7 @@ from lcmtools.types.std_msgs import Bool, Empty, String
 from lcmtools.wire.packet import Packet
 
 _SECOND = 10**9
+_LIMITS = json.loads((Path(__file__).parents[2] / "fixtures" / "value_limits.json").read_text())
 
 
 class _Log:
@@ -167,3 +177,21 @@ def test_a_message_that_cannot_be_decoded_is_left_out() -> None:
 def test_curves_begin_again_where_time_goes_back() -> None:
     packets = [Packet("/a", encode(Twist()), time * _SECOND) for time in (100, 101, 2)]
     assert _of(packets, "linear.x", 10.0)["/a/linear.x"].times == [2.0]
+
+
+@pytest.mark.parametrize(("least", "most", "low", "high"), _LIMITS)
+def test_the_value_axis_does_not_zoom_into_noise(
+    least: float | None, most: float | None, low: float, high: float
+) -> None:
+    ends = (math.inf, -math.inf) if least is None or most is None else (least, most)
+    assert value_limits(*ends) == pytest.approx((low, high), rel=1e-7)
+
+
+def test_noise_is_flat_in_the_picture_and_in_the_terminal() -> None:
+    noise = Curve("/a", [0.0, 1.0, 2.0], [5.0, math.nan, 5.0000004])
+    axes = empty_figure(4, 3).add_subplot()
+    draw_curves(axes, [noise])
+    assert axes.get_ylim() == pytest.approx((4.5, 5.5), abs=1e-6)
+    text = draw_text([noise], 60, 12, colored=False)
+    assert "4.5" in text
+    assert "5.5" in text

@@ -8,6 +8,7 @@ import pytest
 from fixtures.says import assert_says
 
 from lcmtools.bus.url import BusUrl
+from lcmtools.observe.channels import feed as feed_module
 from lcmtools.observe.channels.feed import Feed, Snapshot
 from lcmtools.observe.channels.rows import ChannelRow, ChannelSelection
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -215,5 +216,35 @@ def test_what_follows_a_trouble_does_not_wait_for_the_period(
         wait_until(lambda: told[-1])
         fails = False
         wait_until(lambda: not told[-1])
+    finally:
+        feed.stop()
+
+
+def test_many_silent_channels_are_shown_seldom_until_a_message_comes(
+    wait_until: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(feed_module, "_QUIET_PERIOD", 1000.0)
+    monkeypatch.setattr(feed_module, "_SHARE", 1)
+    old, reads = time.time_ns() - 5_000_000_000, 0
+    sent = [Packet(f"/a{number}", bytes(8), old) for number in range(500)]
+
+    def behaviour() -> list[Packet]:
+        nonlocal reads
+        reads += 1
+        arrived = sent[:]
+        sent.clear()
+        return arrived
+
+    feed = Feed(BusMonitor(MEMORY, "spy", {}, Bus(behaviour)), ChannelSelection(), 0.001)
+    told: list[Snapshot] = []
+    feed.on_snapshot = lambda: told.append(feed.latest)
+    feed.start()
+    try:
+        wait_until(lambda: len(told) == 11)  # the first ones come soon
+        start = reads
+        wait_until(lambda: reads > start + 500)
+        assert len(told) == 11
+        sent.append(Packet("/a7", bytes(8), time.time_ns()))
+        wait_until(lambda: feed.latest.row("/a7").messages == 1)
     finally:
         feed.stop()

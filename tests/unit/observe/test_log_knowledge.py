@@ -20,7 +20,7 @@ from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here
 from lcmtools.observe.reading.sources import LogObserver
-from lcmtools.observe.reports.describe import program_text
+from lcmtools.observe.reports.describe import program_texts
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.log_events import SYNC
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
@@ -103,7 +103,7 @@ def test_the_processes_of_this_computer_do_not_name_senders_of_a_log(path: Path)
     names = SenderNames(read)
     names.update([seen.sender])
     assert names.name(seen.sender) == "driver.py (pid 7)"
-    assert program_text(seen) == "driver.py (pid 7) (when it was recorded)"
+    assert program_texts([seen]) == ["driver.py (pid 7) (when it was recorded)"]
 
 
 def test_arrivals_have_the_senders_of_the_recording(path: Path) -> None:

@@ -1,12 +1,16 @@
 """Names of senders, and how seldom the socket table is read for them."""
 
+import os
+import socket
 from collections.abc import Collection
 
 import pytest
 
+from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.graph.model import Node
-from lcmtools.observe.reading.senders import SenderNames, SocketTable
+from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_gone, is_here
+from lcmtools.observe.reports.describe import host_text
 from lcmtools.wire.packet import Sender
 
 LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
@@ -46,3 +50,11 @@ def test_a_port_that_processes_share_names_none_of_them() -> None:
     assert table.processes(LOCAL).only is None
     assert [process.pid for process in table.processes(LOCAL).candidates] == [7, 8]
     assert table.processes(Sender("10.255.3.4", 1)).candidates == ()
+
+
+def test_a_node_of_another_pid_namespace_is_not_here() -> None:
+    node = Node("/drive", "1", socket.gethostname(), os.getpid(), sender=LOCAL)
+    here = own_pid_namespace()
+    assert [is_here(node._replace(pid_namespace=n)) for n in (0, here, here + 1)] == [1, 1, 0]
+    assert not is_gone(node._replace(pid=1 << 22, pid_namespace=here + 1))
+    assert host_text(node._replace(pid_namespace=here + 1)).endswith(", in another container")

@@ -219,6 +219,8 @@ def test_the_package_is_the_folder_s_or_what_its_project_says(
     [
         ("double x", "M.msg:1: unknown type 'double'; did you mean float64?"),
         ("\nint x", "M.msg:2: unknown type 'int'; did you mean int32 or int64?"),
+        ("doubel x", "M.msg:1: unknown type 'doubel'; did you mean float64?"),
+        ("boolena x", "M.msg:1: unknown type 'boolena'; did you mean bool?"),
         ("flaot64 x", "M.msg:1: unknown type 'flaot64'; did you mean float64?"),
         ("int8 ok\nfloat64", "M.msg:2: cannot read 'float64'; {example}"),
         ("float64 x;", "M.msg:1: 'float64 x;' ends in ';'; lines of ROS have none"),

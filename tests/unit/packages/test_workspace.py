@@ -200,6 +200,10 @@ def test_words_mean_a_node(words: list[str], package: str, name: str, rest: list
         (["lab", "drvie"], "the package lab has no node 'drvie'; did you mean drive?"),
         (["lab", "x"], "the package lab has no node 'x'; it has drive, talker"),
         (["lob", "drive"], "there is no package 'lob'; did you mean lab?"),
+        (
+            ["arm", "talker"],
+            "there is no package 'arm'; lab and lcmtools have such a node: lcmtools run talker",
+        ),
         (["talkre"], "there is no node 'talkre'; did you mean talker?"),
     ],
 )

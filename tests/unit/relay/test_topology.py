@@ -149,3 +149,21 @@ def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
     assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
     assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
     assert known.idle("0/0", {"0", "1"}) == frozenset()
+
+
+@pytest.mark.parametrize("ports", [(), (5,)])
+def test_an_end_that_is_heard_on_both_buses_may_fall_silent(ports: tuple[int, ...]) -> None:
+    pairs = ((0, 1), (0, 1))
+    younger = _links(pairs)[1]
+    ends = tuple(replace(end, ports=ports) for end in younger.ends)
+    known = _known(pairs, 0)
+    report = Knowledge("1/0", (replace(younger, ends=ends, number=1),))  # type: ignore[arg-type]
+    known.add_report(report, "0/0", 0, "10.0.0.2")
+    known.add_report(report, "0/1", SECOND, "10.0.0.3")  # by a forwarder, or a stranger
+    assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", port) for port in ports}
+    assert known.idle("0/1", {"0"}) == {Sender("10.0.0.3", port) for port in ports}
+    known.expire(3 * SECOND + 1)
+    assert [end.heard for end in known.own.ends] == [(), ("1/0",)]
+    assert known.idle("0/1", {"0"}) == frozenset()  # the relay itself is forgotten
+    known.expire(5 * SECOND)
+    assert [end.heard for end in known.own.ends] == [(), ()]

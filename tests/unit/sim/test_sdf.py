@@ -174,12 +174,15 @@ def test_includes_are_found_beside_the_file_and_where_gazebo_looks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model = f"<sdf>{GOOD}</sdf>"
-    for folder in ("near", "models/deeper", "elsewhere/far"):
+    for folder in ("near", "models/deeper", "elsewhere/far", "ros/arm", "ros/arm/models/hand"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "model.sdf").write_text(model)
     (tmp_path / "plain.sdf").write_text(model)
     monkeypatch.setenv("GAZEBO_MODEL_PATH", f"/nowhere:{tmp_path}/elsewhere")
-    uris = ("model://near", "model://deeper", "model://far", "plain.sdf", "near")
+    (tmp_path / "ros/arm/package.xml").write_text("<package><name>arm</name></package>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}/ros")
+    of_ros = ("package://arm", "package://arm/models/hand", "package://arm/model.sdf")
+    uris = ("model://near", "model://deeper", "model://far", "plain.sdf", "near", *of_ros)
     inside = "".join(
         f"<include><uri>{uri}</uri><name>n{i}</name><pose>{i} 0 0 0 0 0</pose></include>"
         for i, uri in enumerate(uris)
@@ -197,6 +200,7 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
     mesh = "<collision name='c'><geometry><mesh><uri>a.dae</uri></mesh></geometry></collision>"
     inside = (
         "<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>"
+        "<include><uri>package://gone/a</uri></include>"
         "<include><uri>https://fuel.org/house</uri></include><include><uri>model://gone</uri></include>"
         "<light name='l'/><scene/><physics/><gui/><plugin/>"
         + static(mesh)
@@ -211,7 +215,7 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
         (
             f"{tmp_path}/yard.world: left out: heightmap (1), light (1), mesh (1),"
             " visuals without collisions (1), https://fuel.org/house (not found, 1),"
-            " model://gone (not found, 1)"
+            " model://gone (not found, 1), package://gone/a (not found, 1)"
         ),
     )
 

@@ -17,7 +17,7 @@ MISTAKES = {
     "": "yard.yaml:1: the file is empty",
     "- a\n- b\n": "yard.yaml:1: 'world' must be a mapping (key: value), not a list",
     "robots: [": "yard.yaml:1: not YAML: a bracket is not closed",
-    "node: a\n\tseed: 1": "yard.yaml:2: not YAML: a tab cannot indent; use blanks",
+    "node: a\n\tseed: 1": "yard.yaml:2: not YAML: a tab cannot indent; indent with spaces",
     "node: \x07": "yard.yaml:1: not YAML: the character U+0007 is not allowed",
     "a: " + "[" * 5000: "yard.yaml:1: not YAML: nested more than 100 levels deep",
     "gravety: 9.81": "yard.yaml:1: unknown key 'gravety' in 'world'; did you mean gravity?",

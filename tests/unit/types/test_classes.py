@@ -23,9 +23,9 @@ EXPECTED_NAMES = {
         TransformStamped Twist TwistStamped TwistWithCovariance TwistWithCovarianceStamped
         Vector3 Vector3Stamped Wrench WrenchStamped""",
     "lcmtools_msgs": """
-        Announcement Appendable CallbackError Endpoint NodeDetails Parameter Parameters_Request
-        Parameters_Response Probe RelayEnd RelayLink RelayReport RelayStep RemoteAnnouncement
-        ServiceReply ServiceRequest Shutdown""",
+        Announcement Appendable CallbackError Endpoint FullLine NodeDetails Observed
+        ObservedPublisher Parameter Parameters_Request Parameters_Response Probe RelayEnd RelayLink
+        RelayReport RelayStep RemoteAnnouncement ServiceReply ServiceRequest Shutdown""",
     "nav_msgs": "GridCells MapMetaData OccupancyGrid Odometry Path",
     "rosgraph_msgs": "Clock Log TopicStatistics",
     "sensor_msgs": """

@@ -54,6 +54,12 @@ image.data = b"pixels"
 endpoint = Endpoint.decode(Endpoint().encode())
 endpoint.bytes = Endpoint.CLIENT
 text: str = serve(Trigger, trigger).message
+twist = Twist(linear=Vector3(x=1.0), angular=Vector3(0.0, 0.0, 1.0))
+same: bool = twist == Twist()
+joints = JointState(name=["left"], position=(0.5,))
+endpoint = Endpoint(bytes=3)
+Vector3(q=1)  # wrong
+Vector3(x="a")  # wrong
 twist.linear.x = "a"  # wrong
 twist.lineaar = Vector3()  # wrong
 JointState().effort.append(0.5)  # wrong

@@ -26,9 +26,25 @@ def test_clocks_that_drift_apart_make_nothing_late() -> None:
     assert lateness.is_late(sent[-1] + SECOND, sent[-1] + sent[-1] // 2000 + 3 * SECOND)
 
 
-def test_a_clock_that_was_set_makes_messages_late_for_ten_seconds() -> None:
+def test_messages_that_wait_are_late_for_as_long_as_they_do() -> None:
     lateness = Lateness()
     lateness.is_late(0, 0)
-    late = [lateness.is_late(time * SECOND, (time + 100) * SECOND) for time in range(1, 30)]
-    assert late == [True] * 11 + [False] * 18
-    assert lateness.is_late(30 * SECOND, 132 * SECOND)
+    assert not lateness.is_doubtful
+    for time in range(1, 60):
+        assert lateness.is_late(time * SECOND, (time + 6) * SECOND)
+    assert lateness.is_doubtful
+    lateness.compare(60 * SECOND, 60 * SECOND + SECOND // 10, SECOND // 5)  # an answer in time
+    assert lateness.is_late(60 * SECOND, 66 * SECOND)
+    assert not lateness.is_late(66 * SECOND, 66 * SECOND + SECOND // 2)
+
+
+def test_an_answer_tells_that_a_clock_was_set() -> None:
+    lateness = Lateness()
+    lateness.is_late(0, 0)
+    late = [lateness.is_late(time * SECOND, (time + 100) * SECOND) for time in range(1, 9)]
+    assert all(late)
+    lateness.compare(9 * SECOND, 112 * SECOND, 4 * SECOND)  # it had to wait: it tells nothing
+    assert lateness.is_late(10 * SECOND, 110 * SECOND)
+    lateness.compare(11 * SECOND, 111 * SECOND, SECOND // 100)
+    assert not lateness.is_late(12 * SECOND, 112 * SECOND)
+    assert lateness.is_late(13 * SECOND, 114 * SECOND + SECOND // 10)

@@ -19,6 +19,7 @@ from lcmtools.graph.protocol import (
 from lcmtools.wire.datagram import fragments, short_message
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import Reader
+from lcmtools.wire.reassembly import INCOMPLETE
 
 SENDER = Sender("10.0.0.1", 5000)
 NODE = Node("/talker", "1", "here", 7, endpoints=(Endpoint("/chatter", Role.PUBLISHER),))
@@ -77,10 +78,11 @@ def test_announcements_are_whole_where_heads_are_enough_for_others() -> None:
 
 def test_senders_of_nonsense_are_bounded() -> None:
     reader = Reader(whole=False)
-    for port in range(3000):
+    for port in range(5000):
         reader.read(b"nonsense", Sender("10.0.0.1", port), 0)
         reader.read(short_message(0, "A", b""), Sender("10.0.0.2", port), 0, 1)
-    assert len(reader.malformed) == len(reader.sequences) == len(reader.ttls) == 1000
+    counts = [len(known) for known in (reader.malformed, reader.sequences, reader.ttls)]
+    assert counts == [1000, 4000, 4000]
 
 
 def test_only_the_channels_that_are_wanted_whole_come_whole() -> None:
@@ -112,3 +114,12 @@ def test_the_size_of_large_messages_is_known_where_they_come_whole(*, whole: boo
     assert reader.largest_whole == 0
     read(reader, list(fragments(4, "/image", bytes(150_000))))
     assert reader.largest_whole == (150_000 if whole else 0)
+
+
+@pytest.mark.parametrize(("pause", "count"), [(INCOMPLETE, 1), (INCOMPLETE + 1, 0)])
+def test_what_is_incomplete_for_long_is_forgotten(pause: int, count: int) -> None:
+    reader = Reader(whole=True)
+    first, *rest = fragments(7, "/image", bytes(150_000))
+    reader.read(first, SENDER, 5)
+    found = [reader.read(data, SENDER, 5 + pause) for data in rest]
+    assert len([*filter(None, found)]) == count

@@ -246,3 +246,17 @@ def test_any_datagrams_are_parsed_and_collected_without_an_exception(data: list[
         parsed = wire.parse(b"LC03" + datagram)
         if isinstance(parsed, Fragment):
             reassembler.add(_ALICE, parsed)
+
+
+def test_messages_that_stay_incomplete_are_counted_if_their_channel_is_known() -> None:
+    reassembler = Reassembler()
+    first, *others = _cut(_payload(200_000))
+    reassembler.add(_ALICE, first, 10)
+    for part in others:
+        reassembler.add(_BOB, part, 20)
+    reassembler.drop_before(10)
+    assert (reassembler.lost, reassembler.has_first(_ALICE, 1)) == ({}, True)
+    reassembler.drop_before(21)
+    assert reassembler.lost == {"/camera/image": 1}
+    assert reassembler.kept_bytes == 0
+    assert not reassembler.has_first(_ALICE, 1)

@@ -75,3 +75,23 @@ def test_any_numbers_are_counted(numbers: list[int]) -> None:
     one = sequence(*numbers)
     assert one.messages == len(numbers)
     assert one.lost >= 0
+
+
+def test_small_messages_between_the_parts_of_a_large_one_lose_nothing() -> None:
+    one = sequence(0)
+    one.begin(1)
+    for number in range(2, 102):
+        one.add(number)
+    found = [one.lost]
+    for number in (102, 1):
+        one.add(number)
+        found.append(one.lost)
+    assert found == [0, 1, 0]
+
+
+def test_a_large_message_that_stays_incomplete_is_lost_when_another_begins() -> None:
+    one = sequence(0)
+    one.begin(1)
+    one.add(2)
+    one.begin(3)
+    assert one.lost == 1

@@ -178,9 +178,11 @@ class Overview(LivePage):
     def _heading(self) -> Text:
         shown, all_rows = len(self._rows), len(self._snapshot.rows)
         count = f"{shown} of {all_rows}" if self.view.text else str(all_rows)
+        left_out = self._snapshot.left_out
         text = Text.assemble(
             ("lcmtools spy", "bold"),
             f"  {self._bus}  {count} channel{'s' if all_rows != 1 else ''}",
+            (f" (and {left_out} more)" if left_out else "", "bold yellow"),
             (f"  {rate_text(self._snapshot.rate)} msg/s", "green"),
             (f"  {bandwidth_text(self._snapshot.bandwidth)}", "green"),
             no_wrap=True,
@@ -193,13 +195,14 @@ class Overview(LivePage):
 
     def _remarks(self) -> Text | None:
         if self._snapshot.trouble:
-            return Text(self._snapshot.trouble, "bold red")
+            return Text(printable(self._snapshot.trouble), "bold red")
         if errors := self._snapshot.callback_errors:
             more = f" (and {len(errors) - 1} more; see lcmtools wtf)" if len(errors) > 1 else ""
             return Text(f"{printable(errors[0])}{more}", "bold red")
         programs = self._snapshot.plain_listeners
-        verb = "listens" if len(programs) == 1 else "listen"
-        return Text(f"{', '.join(programs)} {verb} as no node", "dim") if programs else None
+        is_one = len(programs) == 1
+        verb = "also listens; it is not a node" if is_one else "also listen; they are not nodes"
+        return Text(printable(f"{', '.join(programs)} {verb}"), "dim") if programs else None
 
 
 def cell_style(row: ChannelRow, column: Column) -> str:

@@ -15,6 +15,9 @@ from textual.widgets import DataTable
 CURVE = Color.parse("ansi_cyan").rich_color
 
 
+_MOST_LINES, _MOST_CELLS = 100, 1000  # that are seen at a time, about
+
+
 class Cell(NamedTuple):
     """A styled text, and the key of its row."""
 
@@ -67,6 +70,10 @@ class RowTable(DataTable[Cell | CurveCell]):
     def __init__(self, name: str) -> None:
         self._is_updating = False
         super().__init__(id=name, cursor_type="row", cell_padding=0)
+        # what is kept is not found again after an update, whose number is part of the keys
+        self._cell_render_cache.maxsize = _MOST_CELLS
+        for kept in (self._row_render_cache, self._row_renderable_cache, self._line_cache):
+            kept.maxsize = _MOST_LINES
         self._headings: Sequence[tuple[str, int]] = ()
         self._keys: list[str] = []
         self._cells: Callable[[str], Cells] = lambda _: ()

@@ -1,6 +1,6 @@
-// An input for the name of a topic or a field, with suggestions.
+// Inputs for a name: of a topic or a field, with suggestions, or one of a list.
 
-import { element, fill } from "../elements.js";
+import { element, fill, offer } from "../elements.js";
 import { stylesheet } from "./stylesheet.js";
 
 let count = 0;
@@ -27,22 +27,40 @@ export function choiceField({ label, value = "", placeholder = "", suggest, choo
     autocomplete: "off",
     autocapitalize: "off",
     spellcheck: "false",
-    onfocus: () => offer(),
-    oninput: () => offer(),
+    onfocus: suggestNow,
+    oninput: suggestNow,
     onchange: () => choose(input.value.trim()),
   });
   input.value = value;
   let asked = 0;
-  async function offer() {
+  async function suggestNow() {
     const number = ++asked;
     /** @type {{value: string, detail?: string}[]} */
     const found = await suggest(input.value.trim()).catch(() => []);
-    if (number === asked) fill(list, found.map(option));
+    const options = found.map(({ value: one, detail }) => element("option", { value: one }, detail));
+    if (number === asked) fill(list, options);
   }
   return { element: element("span", { class: "choice-field" }, input, list), input };
 }
 
-/** @param {{value: string, detail?: string}} choice */
-function option({ value, detail }) {
-  return element("option", { value }, detail ?? null);
+/**
+ * Create a list of names to choose from; the chosen one stays, even if it is not in the list.
+ * @param {string} label
+ * @param {unknown} wanted the chosen name at first
+ * @param {() => void} choose called when another name is chosen
+ * @param {string} [none] the text of the choice without a name
+ */
+export function nameList(label, wanted, choose, none = `${label} …`) {
+  const select = element("select", { "aria-label": label, onchange: choose });
+  /** @type {string | undefined} */
+  let offered;
+  /** @param {string[]} names */
+  function offerNames(names, chosen = select.value) {
+    const all = [...new Set([...names, chosen, ""])].sort();
+    if (all.join(" ") === offered) return;
+    offered = all.join(" ");
+    offer(select, all.map((name) => [name, name || none]), chosen);
+  }
+  offerNames([], typeof wanted === "string" ? wanted : "");
+  return { element: select, offer: offerNames };
 }

@@ -60,10 +60,13 @@ export default class GraphPanel {
     this.list = element("ul", { class: "graph-findings", "aria-label": "Findings of wtf" });
     this.outline = element("ul", { class: "graph-outline", "aria-label": "The graph as text" });
     this.counted = element("span", { class: "muted" });
-    this.choosers = CHOICES.map(({ name, label, title }) =>
-      button(label, () => this.choose(name), { title }),
-    );
-    this.outliner = button("Text", () => this.toggleOutline(), { title: "The graph as text" });
+    this.choosers = CHOICES.map(({ name, label, title }) => button(label, () => this.choose(name), { title }));
+    const toggleOutline = () => {
+      this.hasOutline = !this.hasOutline;
+      this.showChoices();
+      context.changed();
+    };
+    this.outliner = button("Text", toggleOutline, { title: "The graph as text" });
     this.element = element(
       "div",
       { class: "graph" },
@@ -114,16 +117,8 @@ export default class GraphPanel {
     this.context.changed();
   }
 
-  toggleOutline() {
-    this.hasOutline = !this.hasOutline;
-    this.showChoices();
-    this.context.changed();
-  }
-
   showChoices() {
-    CHOICES.forEach(({ name }, index) => {
-      this.choosers[index]?.setAttribute("aria-pressed", String(this.choices[name]));
-    });
+    CHOICES.forEach(({ name }, index) => this.choosers[index]?.setAttribute("aria-pressed", String(this.choices[name])));
     this.outliner.setAttribute("aria-pressed", String(this.hasOutline));
     this.element.classList.toggle("is-text", this.hasOutline);
   }
@@ -158,10 +153,7 @@ export default class GraphPanel {
     this.showOutline(graph, marks);
   }
 
-  /**
-   * Return the findings at each vertex, the most severe first.
-   * @param {Graph} graph
-   */
+  /** Return the findings at each vertex, the most severe first. @param {Graph} graph */
   marks(graph) {
     /** @type {Map<string, Finding[]>} */
     const found = new Map();
@@ -186,11 +178,8 @@ export default class GraphPanel {
       return new Set(found.map(({ key }) => key));
     }
     const { chosen } = this;
-    if (chosen) {
-      const keys = [...marks].filter(([, found]) => found.includes(chosen)).map(([key]) => key);
-      return keys.length ? new Set(keys) : null;
-    }
-    return null;
+    const keys = chosen ? [...marks].filter(([, found]) => found.includes(chosen)).map(([key]) => key) : [];
+    return keys.length ? new Set(keys) : null;
   }
 
   /** @param {Map<string, Finding[]>} marks */
@@ -199,9 +188,7 @@ export default class GraphPanel {
     const found = this.findings.map((finding) => this.findingButton(marks, finding));
     const rows = (found.length ? found : [none]).map((one) => element("li", { class: found.length ? null : "muted" }, one));
     if (rowsText(rows) === rowsText([...this.list.children]) && !this.chosenChanged()) return;
-    const place = [...this.list.querySelectorAll("button")].indexOf(
-      /** @type {HTMLButtonElement} */ (document.activeElement),
-    );
+    const place = [...this.list.querySelectorAll("button")].findIndex((one) => one === document.activeElement);
     fill(this.list, rows);
     if (place >= 0) this.list.querySelectorAll("button")[place]?.focus();
   }

@@ -1,6 +1,6 @@
 // The images of a topic: colour, grey and depth, with the value under the pointer.
 
-import { button, element, fill, iconButton, set, write } from "../elements.js";
+import { button, element, iconButton, offer, selection, set, write } from "../elements.js";
 import { mistakeText, rateText } from "../texts.js";
 import { choiceField } from "./choice.js";
 import { mix, readPicture } from "./pixels.js";
@@ -26,7 +26,6 @@ export default class ImagePanel {
     this.topic = typeof settings.topic === "string" ? settings.topic : "";
     this.map = typeof settings.map === "string" ? settings.map : "warm";
     /** The limits of a fixed scale [m, or grey]; null if it adapts to each picture. */
-    /** @type {{near: number, far: number} | null} */
     this.fixed = readScale(settings.near, settings.far);
     /** The highest rate of pictures [Hz]; undefined for as many as can be shown. @type {number | undefined} */
     this.rate = Number.isFinite(settings.rate) && settings.rate > 0 ? Number(settings.rate) : undefined;
@@ -58,23 +57,20 @@ export default class ImagePanel {
     });
     this.viewport.element.addEventListener("keydown", (event) => this.key(event));
     this.pauseButton = iconButton("pause", "Pause", () => this.pause(!this.isPaused), { "aria-pressed": "false" });
-    this.mapChoice = element("select", { "aria-label": "Colours of depth", title: "Colours of depth", onchange: () => this.changeMap() });
-    this.automatic = element("input", { type: "checkbox", onchange: () => this.setScale(this.automatic.checked) });
-    this.automatic.checked = !this.fixed;
+    this.mapChoice = selection("Colours of depth", [], "", (name) => {
+      this.map = name;
+      this.show();
+      context.changed();
+    });
+    const onchange = () => this.setScale(this.automatic.checked);
+    this.automatic = element("input", { type: "checkbox", checked: !this.fixed, onchange });
     this.near = this.scaleInput("Value of the first colour");
     this.far = this.scaleInput("Value of the last colour");
     this.bar = element("span", { class: "legend-bar", "aria-hidden": "true" });
     this.unit = element("small", {});
-    this.legend = element(
-      "div",
-      { class: "legend", hidden: true },
-      this.near,
-      this.bar,
-      this.far,
-      this.unit,
-      element("label", {}, this.automatic, "Auto"),
-      this.mapChoice,
-    );
+    const auto = element("label", {}, this.automatic, "Auto");
+    this.legend = element("div", { class: "legend" }, this.near, this.bar, this.far, this.unit, auto, this.mapChoice);
+    this.legend.hidden = true;
     this.reading = element("output", { class: "mono reading-at", "aria-label": "Value at the pointer" });
     this.about = element("span", { class: "muted" });
     this.element = this.layOut(choice.element);
@@ -203,16 +199,8 @@ export default class ImagePanel {
   setMaps(maps) {
     this.maps = maps;
     if (!maps[this.map]) this.map = Object.keys(maps)[0] ?? "warm";
-    const options = Object.keys(maps).map((name) => element("option", { value: name }, name));
-    fill(this.mapChoice, options);
-    this.mapChoice.value = this.map;
+    offer(this.mapChoice, Object.keys(maps).map((name) => [name, name]), this.map);
     this.show();
-  }
-
-  changeMap() {
-    this.map = this.mapChoice.value;
-    this.show();
-    this.context.changed();
   }
 
   /** @param {boolean} isAutomatic */
@@ -275,7 +263,7 @@ export default class ImagePanel {
     this.showLegend();
     this.showReading();
     if (this.picture) write(this.about, this.aboutText(this.picture));
-    this.viewport.redraw();
+    this.viewport.paint(); // in this animation frame, not in the next
   }
 
   showLegend() {
@@ -285,7 +273,7 @@ export default class ImagePanel {
     const isDepth = this.picture?.kind === "depth";
     const { near, far, colors } = this.scale();
     for (const [input, value] of /** @type {const} */ ([[this.near, near], [this.far, far]])) {
-      if (document.activeElement !== input && this.automatic.checked) input.value = String(round(value));
+      if (document.activeElement !== input && this.automatic.checked) input.value = String(Math.round(value * 100) / 100);
       else if (this.fixed && document.activeElement !== input) input.value = String(value);
     }
     const stops = isDepth ? Array.from({ length: 9 }, (_, index) => mix(colors, index / 8)) : [[0, 0, 0], [255, 255, 255]];
@@ -297,8 +285,7 @@ export default class ImagePanel {
   showReading() {
     const text = this.mark && this.picture ? this.readingText(this.picture, this.mark) : "";
     write(this.reading, text);
-    const scale = this.picture ? this.picture.step : 1;
-    this.viewport.mark(this.mark, scale);
+    this.viewport.mark(this.mark, this.picture?.step ?? 1);
   }
 
   /**
@@ -319,7 +306,7 @@ export default class ImagePanel {
 
   /** @param {Picture} picture */
   aboutText({ width, height, step, header }) {
-    const [first, last] = [this.arrivals[0], this.arrivals[this.arrivals.length - 1]];
+    const [first, last] = [this.arrivals[0], this.arrivals.at(-1)];
     const time = first && last ? last.time - first.time : 0;
     const rate = first && last && time > 0 ? rateText((last.count - first.count) / time) : "";
     const part = step > 1 ? `1:${step}` : "";
@@ -336,9 +323,4 @@ export default class ImagePanel {
 function readScale(near, far) {
   const isScale = Number.isFinite(near) && Number.isFinite(far) && near < far;
   return isScale ? { near: Number(near), far: Number(far) } : null;
-}
-
-/** @param {number} value */
-function round(value) {
-  return Math.round(value * 100) / 100;
 }

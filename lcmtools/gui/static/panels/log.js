@@ -1,30 +1,23 @@
 // The log of the nodes, filtered by level, node and text; repeated lines are shown once, counted.
 
-import { element, fill, iconButton, set, write } from "../elements.js";
+import { div, element, iconButton, searchField, selection, set, write } from "../elements.js";
 import { clockText } from "../texts.js";
+import { nameList } from "./choice.js";
 
 const MOST = 2000; // lines kept
 const NEAR = 12; // last lines that are searched for an equal one
 /** @type {[number, string][]} */
-const LEVELS = [
-  [1, "DEBUG"],
-  [2, "INFO"],
-  [4, "WARN"],
-  [8, "ERROR"],
-  [16, "FATAL"],
-];
+const LEVELS = [[1, "DEBUG"], [2, "INFO"], [4, "WARN"], [8, "ERROR"], [16, "FATAL"]];
 
 /**
  * @typedef {{time: number, level: number, node: string, text: string, place: string,
- *   count: number, row: HTMLTableRowElement | null}} LogLine
+ *   count: number, row: HTMLTableRowElement | null, isPlaced: boolean}} LogLine ``isPlaced`` unless its
+ *   row belongs elsewhere
  */
 
 /** The log panel. */
 export default class Log {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     this.context = context;
     this.title = "Log";
@@ -33,21 +26,10 @@ export default class Log {
     this.isPaused = false;
     this.isAtEnd = true;
     this.leftOut = 0;
-    this.level = element(
-      "select",
-      { "aria-label": "Lowest level", onchange: () => this.changed() },
-      LEVELS.map(([level, name]) => element("option", { value: level }, name)),
-    );
-    this.level.value = LEVELS.some(([level]) => level === settings.level) ? String(settings.level) : "1";
-    this.node = element("select", { "aria-label": "Node", onchange: () => this.changed() });
-    this.wantedNode = typeof settings.node === "string" ? settings.node : "";
-    this.search = element("input", {
-      type: "search",
-      placeholder: "Search",
-      "aria-label": "Search the lines",
-      oninput: () => this.changed(),
-    });
-    this.search.value = typeof settings.search === "string" ? settings.search : "";
+    const level = LEVELS.some(([one]) => one === settings.level) ? String(settings.level) : "1";
+    this.level = selection("Lowest level", LEVELS.map(([one, name]) => [String(one), name]), level, () => this.changed());
+    this.node = nameList("Node", settings.node, () => this.changed(), "all nodes");
+    this.search = searchField("Search", "Search the lines", settings.search, () => this.changed());
     this.pause = iconButton("pause", "Pause", () => this.setPaused(!this.isPaused), { "aria-pressed": "false" });
     this.count = element("span", { class: "muted" });
     this.body = element("tbody");
@@ -60,14 +42,12 @@ export default class Log {
       const { scrollTop, scrollHeight, clientHeight } = this.scroller;
       this.isAtEnd = scrollHeight - scrollTop - clientHeight < 30;
     });
-    this.element = element(
-      "div",
-      { class: "log" },
-      element(
-        "div",
-        { class: "tools" },
+    this.element = div(
+      "log",
+      div(
+        "tools",
         this.level,
-        this.node,
+        this.node.element,
         this.search,
         this.pause,
         iconButton("clear", "Clear", () => this.clear()),
@@ -75,20 +55,16 @@ export default class Log {
       ),
       this.scroller,
     );
-    this.showNodes();
     context.open("log", {}, (data) => this.receive(data));
   }
 
   settings() {
-    return { level: Number(this.level.value), node: this.wantedNode, search: this.search.value };
+    return { level: Number(this.level.value), node: this.node.element.value, search: this.search.value };
   }
 
-  close() {}
-
   changed() {
-    this.wantedNode = this.node.value;
     this.isAtEnd = true;
-    for (const line of this.lines) line.row = null;
+    for (const line of this.lines) line.isPlaced = false;
     this.body.replaceChildren();
     this.show();
     this.context.changed();
@@ -109,13 +85,16 @@ export default class Log {
     this.show();
   }
 
-  /** @param {{lines: [number, number, string, string, string][], leftOut: number}} data */
-  receive({ lines, leftOut }) {
-    const [first] = lines;
-    const last = this.lines[this.lines.length - 1];
-    if (first && last && first[0] < last.time - 1) this.clear(); // a played log has jumped back
+  /**
+   * @param {{lines: [number, number, string, string, string][], leftOut: number, isFirst: boolean}} data
+   *   ``isFirst`` of a stream, also after a lost connection: it has lines that are known
+   */
+  receive({ lines: all, leftOut, isFirst }) {
+    const last = this.lines.at(-1)?.time ?? 0;
+    const lines = isFirst ? all.filter(([time]) => time > last) : all;
+    if (lines[0] && lines[0][0] < last - 1) this.clear(); // a played log has jumped back
     const nodes = new Set(this.lines.map((line) => line.node));
-    for (const [time, level, node, text, place] of lines) this.add({ time, level, node, text, place, count: 1, row: null });
+    for (const [time, level, node, text, place] of lines) this.add({ time, level, node, text, place, count: 1, row: null, isPlaced: false });
     this.leftOut += leftOut;
     for (const old of this.lines.splice(0, Math.max(0, this.lines.length - MOST))) old.row?.remove();
     if (lines.some(([, , node]) => !nodes.has(node))) this.showNodes();
@@ -130,34 +109,35 @@ export default class Log {
     if (known) {
       known.count += 1;
       known.time = line.time;
-    } else this.lines.push(line);
+      known.isPlaced = false; // it belongs where its latest time is
+      this.lines.splice(this.lines.lastIndexOf(known), 1);
+    }
+    const place = this.lines.findLastIndex(({ time }) => time <= line.time) + 1; // a long line comes later
+    this.lines.splice(place, 0, known ?? line);
   }
 
   showNodes() {
-    const names = [...new Set([...this.lines.map((line) => line.node), this.wantedNode])].filter(Boolean).sort();
-    fill(
-      this.node,
-      element("option", { value: "" }, "all nodes"),
-      names.map((name) => element("option", { value: name }, name)),
-    );
-    this.node.value = this.wantedNode;
+    this.node.offer(this.lines.map(({ node }) => node));
   }
 
   show() {
     const wanted = this.search.value.toLowerCase();
     const lowest = Number(this.level.value);
+    const node = this.node.element.value;
     let shown = 0;
-    for (const line of this.lines) {
+    /** @type {HTMLTableRowElement | null} */
+    let next = null;
+    for (const line of this.lines.toReversed()) {
       const fits =
         line.level >= lowest &&
-        (!this.wantedNode || line.node === this.wantedNode) &&
+        (!node || line.node === node) &&
         (!wanted || line.text.toLowerCase().includes(wanted));
       if (!fits) continue;
       shown += 1;
-      if (!line.row) {
-        line.row = this.row(line);
-        this.body.append(line.row);
-      }
+      line.row ??= this.row(line);
+      if (!line.isPlaced) this.body.insertBefore(line.row, next);
+      line.isPlaced = true;
+      next = line.row;
       write(/** @type {Element} */ (line.row.cells[0]), clockText(line.time));
       write(/** @type {Element} */ (line.row.cells[4]), line.count > 1 ? `× ${line.count}` : "");
     }

@@ -10,16 +10,19 @@ import { element, iconButton, set, write } from "../elements.js";
  *   isNumber: boolean]} Line
  */
 
-/** The tree of one topic's messages. */
+/** The tree of one topic's messages, or of an answer. */
 export class MessageTree {
   /**
    * @param {import("../context.js").Context} context
-   * @param {string} topic
+   * @param {string} topic "" for messages that are not of a topic
    * @param {(text: string) => void} onAbout called with a summary of each message
+   * @param {string} [stream] the stream that they come by
+   * @param {object} [source] its parameters
    */
-  constructor(context, topic, onAbout) {
+  constructor(context, topic, onAbout, stream = "message", source = { topic }) {
     this.context = context;
     this.topic = topic;
+    this.source = source;
     this.onAbout = onAbout;
     /** @type {Set<string>} */
     this.toggled = new Set();
@@ -32,14 +35,14 @@ export class MessageTree {
     this.element = element("div", {
       class: "tree",
       role: "tree",
-      "aria-label": `Message of ${topic}`,
+      "aria-label": topic ? `Message of ${topic}` : "Answer",
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
     });
-    this.stream = context.open("message", this.parameters(), (data) => this.receive(data));
+    this.stream = context.open(stream, this.parameters(), (data) => this.receive(data));
   }
 
   parameters() {
-    return { topic: this.topic, toggled: [...this.toggled] };
+    return { ...this.source, toggled: [...this.toggled] };
   }
 
   close() {
@@ -49,7 +52,7 @@ export class MessageTree {
   /** @param {any} data */
   receive(data) {
     const { type, size, lines, bytes } = data;
-    this.onAbout(`${type || "unknown type"}, ${size} B`);
+    this.onAbout(`${type || "unknown type"}${size === undefined ? "" : `, ${size} B`}`);
     if (type !== this.type) this.loadType(type);
     this.lines = lines ?? hexLines(bytes ?? "");
     this.show();
@@ -62,7 +65,7 @@ export class MessageTree {
     if (!type) return;
     try {
       const about = await this.context.ask("type", { type });
-      if (type === this.type) this.fields = byPath(about.fields, "");
+      if (type === this.type) this.fields = new Map(withPaths(about.fields));
       this.show();
     } catch {
       // the message is shown without comments
@@ -78,14 +81,9 @@ export class MessageTree {
   }
 
   row() {
-    const row = element(
-      "div",
-      { role: "treeitem", class: "tree-row", onclick: () => this.choose(row.dataset.path ?? "") },
-      element("span", { class: "tree-name" }),
-      element("span", { class: "tree-value mono" }),
-      element("span", { class: "tree-unit" }),
-      element("span", { class: "tree-comment" }),
-    );
+    const parts = ["tree-name", "tree-value mono", "tree-unit", "tree-comment"].map((name) => element("span", { class: name }));
+    const onclick = () => this.choose(row.dataset.path ?? "");
+    const row = element("div", { role: "treeitem", class: "tree-row", onclick }, parts);
     return row;
   }
 
@@ -103,6 +101,7 @@ export class MessageTree {
     row.style.setProperty("--depth", String(depth));
     write(/** @type {Element} */ (name), label);
     write(/** @type {Element} */ (value), text);
+    set(/** @type {Element} */ (value), "title", text.length > 20 ? text : null);
     value?.classList.toggle("is-number", isNumber);
     write(/** @type {Element} */ (unit), field && isNumber ? field.unit : "");
     write(/** @type {Element} */ (comment), field?.comment ?? "");
@@ -117,7 +116,7 @@ export class MessageTree {
    */
   offerPlot(row, path, isNumber) {
     const button = row.children[4];
-    if (!isNumber) button?.remove();
+    if (!isNumber || !this.topic) button?.remove();
     else if (!button) {
       const plot = (/** @type {Event} */ event) => {
         event.stopPropagation();
@@ -176,20 +175,16 @@ export class MessageTree {
 }
 
 /**
- * Return the fields of a type by their paths, without array indices.
+ * Return the fields of a type with their paths, without array indices.
  * @param {Field[]} fields
- * @param {string} before
- * @returns {Map<string, Field>}
+ * @param {string} [before] the start of their paths
+ * @returns {[path: string, field: Field][]}
  */
-function byPath(fields, before) {
-  /** @type {Map<string, Field>} */
-  const found = new Map();
-  for (const field of fields) {
-    const path = before ? `${before}.${field.name}` : field.name;
-    found.set(path, field);
-    for (const [inner, one] of byPath(field.fields, path)) found.set(inner, one);
-  }
-  return found;
+function withPaths(fields, before = "") {
+  return fields.flatMap((field) => {
+    const path = before + field.name;
+    return [[path, field], ...withPaths(field.fields, `${path}.`)];
+  });
 }
 
 /**

@@ -94,20 +94,14 @@ export class PanZoom {
     this.changed(false);
   }
 
-  /**
-   * Return the position of an event in the element.
-   * @param {MouseEvent} event
-   */
+  /** Return the position of an event in the element. @param {MouseEvent} event */
   place(event) {
     const box = this.target.getBoundingClientRect();
     const unit = this.unit();
     return { x: (event.clientX - box.left) * unit, y: (event.clientY - box.top) * unit };
   }
 
-  /**
-   * Return the point of the picture at an event.
-   * @param {MouseEvent} event
-   */
+  /** Return the point of the picture at an event. @param {MouseEvent} event */
   point(event) {
     const { x, y } = this.place(event);
     return { x: (x - this.left) / this.scale, y: (y - this.top) / this.scale };

@@ -133,10 +133,7 @@ export class Picture {
   }
 }
 
-/**
- * Return evenly interpolated colours, as pixels of a canvas.
- * @param {Color[]} colors
- */
+/** Return evenly interpolated colours, as pixels of a canvas. @param {Color[]} colors */
 function colorTable(colors) {
   return Uint32Array.from({ length: LEVELS }, (_, level) => {
     const [r = 0, g = 0, b = 0] = mix(colors, level / (LEVELS - 1));

@@ -1,6 +1,6 @@
 // Plots: fields of messages over time.
 
-import { button, element, iconButton, set } from "../elements.js";
+import { button, div, element, iconButton, offer, selection, set } from "../elements.js";
 import { choiceField } from "./choice.js";
 import { Chart } from "./plot/chart.js";
 import { Curves } from "./plot/curves.js";
@@ -19,13 +19,22 @@ import { stylesheet } from "./stylesheet.js";
 const WINDOWS = [5, 10, 30, 60, 300, 600, 0]; // [s], and all
 const LONGEST = 3600;
 const USUAL = 10;
+/** The times that samples can have, for the server. @type {[string, string][]} */
+const TIMES = [
+  ["arrival", "over time of arrival"],
+  ["stamp", "over header stamp"],
+  ["simulated", "over simulated time"],
+];
+/** @type {["least" | "most" | "span", string, string][]} */
+const AXIS = [
+  ["least", "from", "Lower end of the value axis"],
+  ["most", "to", "Upper end of the value axis"],
+  ["span", "span", "Least span of the value axis: smaller changes are not enlarged"],
+];
 
 /** The plot panel. */
 export default class Plot {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     stylesheet("./plot/plot.css");
     this.context = context;
@@ -37,9 +46,12 @@ export default class Plot {
     this.curves = new Curves();
     const usual = this.isLog ? 0 : USUAL;
     this.span = new Span(this.curves, settings.window >= 0 && settings.window !== null ? Math.min(LONGEST, Number(settings.window)) : usual);
-    /** The curves by the server's numbers; a curve keeps its samples when others are added. */
-    /** @type {string[]} */
+    /** The curves by the server's numbers; a curve keeps its samples when others are added. @type {string[]} */
     this.labels = [];
+    /** @type {string[]} */
+    this.units = [];
+    /** The time of the samples, or the label of the curve across. @type {string} */
+    this.x = typeof settings.x === "string" ? settings.x : "arrival";
     /** The index of each label among the curves. @type {Map<string, number>} */
     this.places = new Map();
     /** @type {About[]} */
@@ -56,42 +68,51 @@ export default class Plot {
       signal: context.signal,
     });
     this.chart.isClock = settings.clock === true;
+    for (const [name] of AXIS) if (Number.isFinite(settings.axis?.[name])) this.chart.axis[name] = settings.axis[name];
     this.table = new CurveTable(this.chart, {
       toggle: (series) => this.toggle(series),
-      remove: (text) => this.remove(text),
+      remove: (text) => {
+        this.remove(text);
+        this.choice.input.focus();
+      },
       about: () => this.aboutText(),
     });
+    const suggest = (/** @type {string} */ text) => context.ask("numbers", { text });
     this.choice = choiceField({
       label: "Add a field",
       placeholder: "Add /topic/field",
-      suggest: (text) => this.context.ask("numbers", { text }),
+      suggest,
       choose: (text) => this.add(text),
     });
     this.tree = new FieldTree(
-      (text) => context.ask("numbers", { text }),
+      suggest,
       (field) => this.fields.includes(field),
-      (field, isChosen) => (isChosen ? this.add(field) : this.setFields(this.fields.filter((one) => one !== field))),
+      (field, isChosen) => (isChosen ? this.add(field) : this.remove(field)),
     );
     this.treeButton = button("Fields", () => this.openTree(), { "aria-expanded": "false", title: "Choose fields from a tree" });
     this.pauseButton = iconButton("pause", "Pause (space)", () => this.chart.pause(), { "aria-pressed": "false" });
-    this.length = element(
-      "select",
-      { "aria-label": "Length of the window", title: "Length of the window", onchange: () => this.setWindow(Number(this.length.value)) },
-      [...new Set([...WINDOWS, this.span.length])]
-        .sort((a, b) => (a || Infinity) - (b || Infinity))
-        .map((value) => element("option", { value }, lengthText(value))),
-    );
-    this.length.value = String(this.span.length);
-    this.clock = element(
-      "select",
-      { "aria-label": "Times", title: "Times", onchange: () => this.setClock(this.clock.value === "clock") },
-      element("option", { value: "seconds" }, "seconds"),
-      element("option", { value: "clock" }, "clock"),
-    );
-    this.clock.value = this.chart.isClock ? "clock" : "seconds";
+    const lengths = [...new Set([...WINDOWS, this.span.length])].sort((a, b) => (a || Infinity) - (b || Infinity));
+    const texts = /** @type {[string, string][]} */ (lengths.map((one) => [String(one), lengthText(one)]));
+    this.length = selection("Length of the window", texts, String(this.span.length), (value) => {
+      this.span.length = Number(value);
+      this.chart.choose(null);
+      context.changed();
+    });
+    const shown = this.chart.isClock ? "clock" : "seconds";
+    this.clock = selection("Times", [["seconds", "seconds"], ["clock", "clock"]], shown, (value) => {
+      this.chart.isClock = value === "clock";
+      this.changed();
+    });
+    this.across = selection("Horizontal axis", [], "", (value) => this.setX(value));
     this.element = this.layOut();
-    this.stream = context.open("plot", { fields: this.fields }, (data, payload) => this.receive(data, payload));
+    this.stream = context.open("plot", { fields: this.fields, time: this.time }, (data, payload) => this.receive(data, payload));
     context.onChange(() => this.moveHand());
+    this.rebuild();
+  }
+
+  /** The time that the samples have. */
+  get time() {
+    return TIMES.some(([name]) => name === this.x) ? this.x : "arrival";
   }
 
   get title() {
@@ -100,7 +121,8 @@ export default class Plot {
   }
 
   settings() {
-    return { fields: this.fields, window: this.span.length, clock: this.chart.isClock, hidden: [...this.hidden] };
+    const { isClock: clock, axis } = this.chart;
+    return { fields: this.fields, window: this.span.length, clock, x: this.x, axis, hidden: [...this.hidden] };
   }
 
   close() {
@@ -110,19 +132,19 @@ export default class Plot {
 
   layOut() {
     const name = () => fileName(this.fields.join("_")).slice(0, 80);
-    return element(
-      "div",
-      { class: "plot" },
-      element(
-        "div",
-        { class: "tools" },
+    return div(
+      "plot",
+      div(
+        "tools",
         this.choice.element,
         this.treeButton,
         element("span", { class: "space" }),
         this.pauseButton,
         button("Follow", () => this.chart.choose(null), { title: "Show the last samples as they come (Home)" }),
         this.length,
+        this.across,
         this.clock,
+        AXIS.map(([name, text, title]) => this.limitField(name, text, title)),
         button("CSV", () => this.saveCsv(`${name()}.csv`), { title: "Save what is shown as CSV" }),
         button("PNG", () => this.chart.savePicture(`${name()}.png`), { title: "Save what is shown as PNG" }),
         this.isLog ? null : iconButton("clear", "Forget the samples", () => this.forget()),
@@ -131,6 +153,21 @@ export default class Plot {
       this.chart.element,
       this.table.element,
     );
+  }
+
+  /** @param {"least" | "most" | "span"} name @param {string} text @param {string} title */
+  limitField(name, text, title) {
+    const { axis } = this.chart;
+    const onchange = () => {
+      axis[name] = input.value === "" ? null : Number(input.value);
+      const isWrong = axis.least !== null && axis.most !== null && axis.least >= axis.most;
+      this.context.showProblem(axis, isWrong ? `the value axis cannot go from ${axis.least} to ${axis.most}` : "");
+      this.draw();
+      this.context.changed();
+    };
+    const about = { type: "number", step: "any", class: "limit", placeholder: text, title };
+    const input = element("input", { ...about, "aria-label": title, value: axis[name], onchange });
+    return input;
   }
 
   openTree() {
@@ -148,17 +185,26 @@ export default class Plot {
   /** @param {string} text */
   remove(text) {
     this.setFields(this.fields.filter((one) => one !== text));
-    this.choice.input.focus();
   }
 
   /** @param {string[]} fields */
   setFields(fields) {
     this.fields = fields;
     this.choiceNumber += 1;
-    this.stream.change({ fields, choice: this.choiceNumber });
+    const across = this.chart.across?.text;
+    if (across && !fields.includes(across)) this.x = "arrival";
+    this.stream.change({ fields, time: this.time, choice: this.choiceNumber });
     this.about = fields.map((text) => this.about.find((one) => one.text === text) ?? { text, problem: "", curves: [] });
-    this.rebuild();
-    this.context.changed();
+    this.changed();
+  }
+
+  /** @param {string} x as in ``this.x`` */
+  setX(x) {
+    const before = this.time;
+    this.x = x;
+    if (this.time === before) return this.changed();
+    this.forget();
+    this.setFields(this.fields);
   }
 
   /** @param {number} [start] of a log [s since 1970] */
@@ -171,8 +217,8 @@ export default class Plot {
   }
 
   /**
-   * @param {{choice: number, curves?: string[], fields?: About[], leftOut?: number, start?: number,
-   *   every?: number}} data ``start`` begins a log anew
+   * @param {{choice: number, curves?: string[], units?: string[], fields?: About[], leftOut?: number,
+   *   start?: number | null, every?: number}} data ``start`` begins a log anew
    * @param {ArrayBuffer} [payload]
    */
   receive(data, payload) {
@@ -180,17 +226,18 @@ export default class Plot {
     if (data.start !== undefined) {
       const { chosen } = this.span;
       this.every = data.every ?? 1;
-      this.forget(data.start);
+      this.forget(data.start ?? undefined);
       this.span.chosen = chosen;
       this.moveHand();
     }
     if (data.fields && data.curves) {
       this.labels = data.curves;
+      this.units = data.units ?? [];
       this.about = data.fields;
       for (const label of this.labels) if (!this.places.has(label)) this.places.set(label, this.places.size);
       this.rebuild();
-      const problems = data.fields.filter(({ problem }) => problem);
-      this.context.showProblem(this, problems.map(({ problem }) => problem).join("\n"));
+      const problems = new Set(data.fields.map(({ problem }) => problem));
+      this.context.showProblem(this, [...problems].filter(Boolean).join("\n"));
     }
     this.leftOut += data.leftOut ?? 0;
     if (payload) {
@@ -210,9 +257,14 @@ export default class Plot {
     const series = this.about.flatMap(({ text, curves }) =>
       curves.map((curve) => {
         const label = this.labels[curve] ?? text;
-        return { curve: this.place(curve), label, text, isShown: !this.hidden.has(label) };
+        return { curve: this.place(curve), label, unit: this.units[curve] ?? "", text, isShown: !this.hidden.has(label) };
       }),
     );
+    const isOver = this.x.includes("/");
+    this.chart.across = isOver && series.length ? (series.find(({ label }) => label === this.x) ?? { curve: -1, label: this.x, unit: "", text: "", isShown: true }) : null;
+    const labels = new Set([...series.map(({ label }) => label), ...(isOver ? [this.x] : [])]);
+    offer(this.across, [...TIMES, .../** @type {[string, string][]} */ ([...labels].map((label) => [label, `over ${label}`]))], this.x);
+    this.clock.disabled = isOver;
     this.chart.show(series);
     this.table.make(this.about);
     this.draw();
@@ -235,30 +287,20 @@ export default class Plot {
 
   /** Show the playback position of the log. */
   moveHand() {
-    const time = this.context.connection.state.log?.time;
+    const time = this.time === "arrival" ? this.context.connection.state.log?.time : NaN;
     if (time === undefined || time === this.span.hand) return;
     this.span.hand = time;
     this.draw();
-  }
-
-  /** @param {number} seconds */
-  setWindow(seconds) {
-    this.span.length = seconds;
-    this.chart.choose(null);
-    this.context.changed();
-  }
-
-  /** @param {boolean} isClock */
-  setClock(isClock) {
-    this.chart.isClock = isClock;
-    this.rebuild();
-    this.context.changed();
   }
 
   /** @param {Series} series */
   toggle({ label, isShown }) {
     if (isShown) this.hidden.add(label);
     else this.hidden.delete(label);
+    this.changed();
+  }
+
+  changed() {
     this.rebuild();
     this.context.changed();
   }

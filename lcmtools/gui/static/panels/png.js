@@ -55,10 +55,7 @@ function unfiltered(data, width, height) {
   return numbers;
 }
 
-/**
- * @param {Uint8Array} bytes
- * @param {number} index
- */
+/** @param {Uint8Array} bytes @param {number} index */
 function at(bytes, index) {
   return /** @type {number} */ (bytes[index]);
 }

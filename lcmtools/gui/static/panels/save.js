@@ -22,10 +22,7 @@ export function savePicture(name, canvas) {
   canvas.toBlob((content) => content && saveFile(name, content), "image/png");
 }
 
-/**
- * Convert a topic into a part of a file's name.
- * @param {string} topic
- */
+/** Convert a topic into a part of a file's name. @param {string} topic */
 export function fileName(topic) {
   return topic.replace(/[^\w.-]+/g, "_").replace(/^_+|_+$/g, "") || "lcmtools";
 }

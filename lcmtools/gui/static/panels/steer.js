@@ -2,7 +2,7 @@
 
 import { button, element, set, write } from "../elements.js";
 import { choiceField } from "./choice.js";
-import { cross, heldSlider, limitField, partField, positive, signed } from "./steer/controls.js";
+import { cross, heldSlider, limitField, limited, partField, signed } from "./steer/controls.js";
 import { HeldKeys, gamepadShare, joystickShare, together } from "./steer/held.js";
 import { stylesheet } from "./stylesheet.js";
 
@@ -12,11 +12,13 @@ import { stylesheet } from "./stylesheet.js";
  *   refused?: string}} State
  */
 
-const PERIOD = 100; // [ms] between two commands while something is held
+const PERIOD = 100; // [ms] in which the sender hears of what is held
 const SHORTEST = 40; // [ms] between two different commands
 const RIM = 50 / 0.34; // [%] of the knob's size, which is 0.34 of the joystick's
 const GAMEPAD_PERIOD = 50; // [ms]
 const HELP = "Hold W A S D or the arrows; with Shift at full speed. Space or Esc stops.";
+const PROMISE =
+  "If the network to the robot or the computer with lcmtools gui fails, only a robot with a timeout of its own stops.";
 
 /** The steering panel. */
 export default class Steer {
@@ -27,15 +29,18 @@ export default class Steer {
   constructor(context, settings) {
     stylesheet("./steer/steer.css");
     this.context = context;
-    this.topic = text(settings.topic);
-    this.linear = positive(settings.linear, 1);
-    this.angular = positive(settings.angular, 2);
-    this.part = Math.min(1, positive(settings.part, 0.5));
+    this.topic = typeof settings.topic === "string" ? settings.topic : "";
+    const [linear, angular] = context.connection.hello?.limits ?? [1, 2];
+    this.largest = { linear, angular };
+    this.linear = limited(settings.linear, 1, linear);
+    this.angular = limited(settings.angular, 2, angular);
+    this.part = limited(settings.part, 0.5, 1);
     this.usesGamepad = settings.gamepad === true;
     /** @type {State} */
     this.state = {};
     this.refusal = "";
-    this.isReady = false;
+    /** True if the sender has a connection of its own. */
+    this.isConnected = false;
     /** The commands of the controls that are held. */
     /** @type {Record<"pad" | "forward" | "turn" | "gamepad", Share | null>} */
     this.held = { pad: null, forward: null, turn: null, gamepad: null };
@@ -78,18 +83,24 @@ export default class Steer {
     this.stopButton = button("Stop", () => this.stop(), { class: "stop" });
     this.gamepad = element("input", {
       type: "checkbox",
+      checked: this.usesGamepad,
       onchange: () => {
         this.usesGamepad = this.gamepad.checked;
         this.hold("gamepad", null);
         this.context.changed();
       },
     });
-    this.gamepad.checked = this.usesGamepad;
     this.gamepadName = element("span", {}, "Gamepad");
     this.element = this.layOut(choice.element);
     this.show();
-    this.stream = context.open("steer", { topic: this.topic }, (data) => this.receive(data));
-    context.onChange(() => this.showAccess());
+    this.sender = new Worker(new URL("./steer/sender.js", import.meta.url), { type: "module" });
+    this.sender.onmessage = ({ data }) => this.hear(data);
+    this.sender.onerror = () => this.hear({ problem: "this browser cannot start the worker that sends commands" });
+    this.sender.postMessage({ address: context.connection.address, follow: this.topic });
+    context.onChange(() => {
+      if (context.connection.isOpen) this.sender.postMessage({ retry: true });
+      this.showAccess();
+    });
     const { signal } = context;
     addEventListener("blur", () => this.letGo(), { signal });
     addEventListener("pagehide", () => this.letGo(), { signal });
@@ -106,13 +117,20 @@ export default class Steer {
     return { topic, linear, angular, part, gamepad: usesGamepad };
   }
 
+  /** Let keys drive. */
+  focus() {
+    this.pad.focus({ preventScroll: true });
+  }
+
   close() {
     this.letGo();
     clearInterval(this.polls);
+    this.sender.terminate();
   }
 
   /** @param {HTMLElement} choice */
   layOut(choice) {
+    const { linear, angular } = this.largest;
     return element(
       "div",
       {
@@ -136,12 +154,12 @@ export default class Steer {
           element(
             "div",
             { class: "limits" },
-            limitField("Max speed", "Largest forward speed", "m/s", this.linear, (value) => this.limit({ linear: value })),
-            limitField("Max turn", "Largest turn rate", "rad/s", this.angular, (value) => this.limit({ angular: value })),
+            limitField("Max speed", "Largest forward speed", "m/s", this.linear, linear, (value) => this.limit({ linear: value })),
+            limitField("Max turn", "Largest turn rate", "rad/s", this.angular, angular, (value) => this.limit({ angular: value })),
             partField(this.part, (part) => this.limit({ part })),
             element("label", {}, this.gamepad, this.gamepadName),
           ),
-          element("small", { class: "steer-help" }, HELP),
+          element("small", { class: "steer-help" }, HELP, element("br"), PROMISE),
         ),
       ),
       this.status,
@@ -173,9 +191,19 @@ export default class Steer {
     this.letGo();
     this.topic = topic;
     this.state = {};
-    this.stream.change({ topic });
+    this.sender.postMessage({ follow: topic });
     this.show();
     this.context.changed();
+  }
+
+  /** @param {{isOpen?: boolean, problem?: string, data?: State}} said by the sender */
+  hear({ isOpen, problem, data }) {
+    if (isOpen !== undefined) {
+      this.isConnected = isOpen;
+      this.showAccess();
+    }
+    if (problem !== undefined) this.context.showProblem(this.sender, problem);
+    if (data) this.receive(data);
   }
 
   /** @param {State} data */
@@ -191,7 +219,7 @@ export default class Steer {
 
   /** Return the reason why no commands can be sent now; "" if they can. */
   obstacle() {
-    if (!this.context.connection.isOpen) return "The server is gone: nothing is sent.";
+    if (!this.isConnected || !this.context.connection.isOpen) return "The server is gone: nothing is sent.";
     if (this.context.source === "log") return "This is a log: nothing obeys.";
     if (!this.context.canCommand) return "This page may only watch, not command.";
     if (!this.topic) return "Choose the robot's command topic.";
@@ -211,10 +239,9 @@ export default class Steer {
   /** @param {PointerEvent} event */
   move(event) {
     if (!this.pad.hasPointerCapture(event.pointerId)) return;
-    const box = this.pad.getBoundingClientRect();
-    const radius = box.width / 2;
-    const right = (event.clientX - box.left) / radius - 1;
-    const down = (event.clientY - box.top) / radius - 1;
+    const { left, top, width } = this.pad.getBoundingClientRect();
+    const right = (2 * (event.clientX - left)) / width - 1;
+    const down = (2 * (event.clientY - top)) / width - 1;
     this.hold("pad", joystickShare(right, down));
   }
 
@@ -239,7 +266,7 @@ export default class Steer {
 
   readGamepad() {
     const found = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
-    write(this.gamepadName, found ? "Gamepad" : "Gamepad (none yet)");
+    write(this.gamepadName, found ? "Gamepad, a button held" : "Gamepad (none yet)");
     set(this.gamepadName, "title", found?.id ?? "Connect one and press one of its buttons");
     const counts = this.usesGamepad && document.hasFocus() && !document.hidden;
     let share = counts ? gamepadShare(found) : null;
@@ -272,7 +299,7 @@ export default class Steer {
   stop() {
     this.letGo();
     if (this.obstacle()) return;
-    this.context.send({ op: "stop", id: this.stream.id, topic: this.topic, type: this.state.type });
+    this.sender.postMessage({ stop: { topic: this.topic, type: this.state.type } });
     this.context.announce("Stopped");
   }
 
@@ -292,7 +319,7 @@ export default class Steer {
       clearInterval(this.repeats);
       this.repeats = undefined;
       this.refusal = "";
-      this.context.send({ op: "release", id: this.stream.id, topic: this.topic });
+      this.sender.postMessage({ release: this.topic });
     }
     this.show();
   }
@@ -304,14 +331,8 @@ export default class Steer {
       return;
     }
     this.lastSent = performance.now();
-    this.context.send({
-      op: "drive",
-      id: this.stream.id,
-      topic: this.topic,
-      type: this.state.type,
-      forward: share.forward * this.linear,
-      turn: share.turn * this.angular,
-    });
+    const drive = { topic: this.topic, type: this.state.type, forward: share.forward * this.linear, turn: share.turn * this.angular };
+    this.sender.postMessage({ drive });
   }
 
   showAccess() {
@@ -341,9 +362,4 @@ export default class Steer {
     const who = this.state.listeners?.length ? this.state.listeners.join(", ") : "nobody that is known";
     return `${isHeld ? "Driving" : "Not driving"}. ${this.state.type}, obeyed by ${who}.`;
   }
-}
-
-/** @param {any} value */
-function text(value) {
-  return typeof value === "string" ? value : "";
 }

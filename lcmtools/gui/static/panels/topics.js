@@ -1,6 +1,6 @@
 // The table of all topics, sorted and filtered, with the chosen topic's message or a form to publish.
 
-import { button, element, fill, iconButton, set, write } from "../elements.js";
+import { button, div, element, fill, iconButton, searchField, set, write } from "../elements.js";
 import { ageText, lossText, rateText, sizeText } from "../texts.js";
 import { MessageTree } from "./message.js";
 import { PublishForm } from "./publish.js";
@@ -18,26 +18,17 @@ import { PublishForm } from "./publish.js";
 const COLUMNS = [
   { name: "topic", title: "Topic", text: (row) => row.channel, key: (row) => row.channel },
   { name: "type", title: "Type", text: typeText, key: (row) => row.types[0] ?? null },
-  { name: "rate", title: "Rate", isNumber: true, text: ratedText, key: (row) => row.rate },
-  {
-    name: "bandwidth",
-    title: "Bandwidth",
-    isNumber: true,
-    text: (row) => (row.bandwidth === null ? "–" : `${sizeText(row.bandwidth)}/s`),
-    key: (row) => row.bandwidth,
-  },
-  { name: "loss", title: "Loss", isNumber: true, text: lostText, key: (row) => row.senders_loss },
-  { name: "age", title: "Last", isNumber: true, text: lastText, key: (row) => row.age },
+  numbers("rate", "Rate", (row) => row.rate, rateText),
+  numbers("bandwidth", "Bandwidth", (row) => row.bandwidth, (rate) => `${sizeText(rate)}/s`),
+  numbers("loss", "Loss", (row) => row.senders_loss, lossText),
+  numbers("age", "Last", (row) => row.age, (age) => (age < 1 ? "now" : `${ageText(age)} ago`)),
   { name: "senders", title: "Senders", text: (row) => row.senders.join(", ") || "–", key: (row) => row.senders[0] ?? null },
   { name: "listeners", title: "Listeners", text: (row) => row.listeners.join(", ") || "–", key: (row) => row.listeners[0] ?? null },
 ];
 
 /** The topics panel. */
 export default class Topics {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     this.context = context;
     this.title = "Topics";
@@ -47,13 +38,7 @@ export default class Topics {
     this.rows = [];
     /** @type {Map<string, HTMLTableRowElement>} */
     this.lines = new Map();
-    this.filter = element("input", {
-      type: "search",
-      placeholder: "Filter",
-      "aria-label": "Filter topics",
-      oninput: () => this.changed(),
-    });
-    this.filter.value = typeof settings.filter === "string" ? settings.filter : "";
+    this.filter = searchField("Filter", "Filter topics", settings.filter, () => this.changed());
     this.count = element("span", { class: "muted", role: "status" });
     /** The topic in the lower part, null for none, "" if the user enters it. @type {string | null} */
     this.chosen = typeof settings.topic === "string" ? settings.topic : null;
@@ -61,30 +46,16 @@ export default class Topics {
     /** @type {MessageTree | PublishForm | null} */
     this.part = null;
     this.head = element("tr");
-    this.body = element("tbody", {
-      onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
-    });
+    this.body = element("tbody", { onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event) });
     this.detail = element("section", { class: "detail", hidden: true });
     this.facts = element("p", { class: "facts" });
-    this.panes = element(
-      "div",
-      { class: "topics" },
-      element(
-        "div",
-        { class: "topics-list" },
-        element(
-          "div",
-          { class: "tools" },
-          this.filter,
-          this.count,
-          element("span", { class: "space" }),
-          button("Publish …", () => this.choose("", true)),
-        ),
-        element("div", { class: "table" }, element("table", {}, element("thead", {}, this.head), this.body)),
-      ),
-      this.detail,
+    const publish = button("Publish …", () => this.choose("", true));
+    const list = div(
+      "topics-list",
+      div("tools", this.filter, this.count, element("span", { class: "space" }), publish),
+      div("table", element("table", {}, element("thead", {}, this.head), this.body)),
     );
-    this.element = element("div", { class: "topics-panel" }, this.panes);
+    this.element = div("topics-panel", div("topics", list, this.detail));
     this.showHead();
     this.showDetail();
     context.open("topics", {}, (data) => {
@@ -95,13 +66,8 @@ export default class Topics {
   }
 
   settings() {
-    return {
-      sort: this.sort,
-      reverse: this.isReversed,
-      filter: this.filter.value,
-      topic: this.chosen,
-      publish: this.isPublishing,
-    };
+    const { sort, isReversed: reverse, chosen: topic, isPublishing: publish } = this;
+    return { sort, reverse, filter: this.filter.value, topic, publish };
   }
 
   close() {
@@ -131,16 +97,14 @@ export default class Topics {
     this.part = this.isPublishing
       ? new PublishForm(this.context, topic, row?.types[0] ?? "")
       : new MessageTree(this.context, topic, (text) => write(about, text));
-    /** @param {string} label @param {boolean} isForm */
-    const tab = (label, isForm) =>
+    const tab = (/** @type {string} */ label, isForm = false) =>
       button(label, () => this.choose(topic, isForm), { "aria-pressed": String(this.isPublishing === isForm) });
     fill(
       this.detail,
-      element(
-        "div",
-        { class: "tools" },
+      div(
+        "tools",
         element("h3", { class: "mono" }, topic || "Publish"),
-        topic ? [tab("Message", false), tab("Publish", true)] : null,
+        topic ? [tab("Message"), tab("Publish", true)] : null,
         about,
         element("span", { class: "space" }),
         iconButton("close", "Close the message", () => this.choose(null, false)),
@@ -154,42 +118,37 @@ export default class Topics {
 
   showFacts() {
     const row = this.rows.find((one) => one.channel === this.chosen);
-    if (!row) {
-      write(this.facts, "");
-      return;
-    }
+    if (!row) return write(this.facts, "");
     if (this.part instanceof PublishForm && !this.part.type.value && row.types[0]) {
       this.part.type.value = row.types[0]; // the form was opened before the topics were known
       this.part.loadType();
     }
-    const jitter = row.jitter === null ? "–" : `${(row.jitter * 1000).toFixed(1)} ms`;
+    const jitter = known(row.jitter, (seconds) => `${(seconds * 1000).toFixed(1)} ms`);
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
     const lost = row.senders_lost ? `; ${row.senders_lost} messages of its senders lost` : "";
     write(
       this.facts,
-      `${row.messages} messages, ${ratedText(row)}, jitter ${jitter}${lost}${others}\n` +
+      `${row.messages} messages, ${known(row.rate, rateText)}, jitter ${jitter}${lost}${others}\n` +
         `from ${row.senders.join(", ") || "nobody"} to ${row.listeners.join(", ") || "no node"}`,
     );
   }
 
   /** @param {KeyboardEvent} event */
   press(event) {
-    const rows = [...this.body.children];
-    const place = rows.indexOf(/** @type {Element} */ (event.target));
+    const rows = [...this.body.rows];
+    const place = rows.findIndex((row) => row === event.target);
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (place < 0) return;
-    if (step) {
-      this.focusRow(/** @type {HTMLElement | undefined} */ (rows[place + step]));
-    } else if (event.key === "Enter" || event.key === " ") {
-      /** @type {HTMLElement} */ (rows[place]).click();
-    } else return;
+    if (step) this.focusRow(rows[place + step]);
+    else if (event.key === "Enter" || event.key === " ") rows[place]?.click();
+    else return;
     event.preventDefault();
   }
 
   /** @param {HTMLElement | undefined} row */
   focusRow(row) {
     if (!row) return;
-    for (const one of this.body.children) set(one, "tabindex", one === row ? 0 : -1);
+    for (const one of this.body.rows) set(one, "tabindex", one === row ? 0 : -1);
     row.focus();
   }
 
@@ -210,10 +169,9 @@ export default class Topics {
 
   /** @param {string} name */
   sortBy(name) {
-    const isNumber = COLUMNS.find((column) => column.name === name)?.isNumber ?? false;
-    this.isReversed = name === this.sort ? !this.isReversed : isNumber;
-    this.sort = name;
     const place = COLUMNS.findIndex((column) => column.name === name);
+    this.isReversed = name === this.sort ? !this.isReversed : Boolean(COLUMNS[place]?.isNumber);
+    this.sort = name;
     this.showHead();
     this.head.querySelectorAll("button")[place]?.focus();
     this.changed();
@@ -226,11 +184,10 @@ export default class Topics {
     );
     found.sort((a, b) => this.compare(a, b));
     const names = new Set(found.map((row) => row.channel));
-    for (const [name, line] of [...this.lines]) {
-      if (!names.has(name)) {
-        line.remove();
-        this.lines.delete(name);
-      }
+    for (const [name, line] of this.lines) {
+      if (names.has(name)) continue;
+      line.remove();
+      this.lines.delete(name);
     }
     found.forEach((row, index) => {
       const line = this.line(row);
@@ -242,10 +199,7 @@ export default class Topics {
     write(this.count, found.length === this.rows.length ? all : `${found.length} of ${all}`);
   }
 
-  /**
-   * @param {Row} a
-   * @param {Row} b
-   */
+  /** @param {Row} a @param {Row} b */
   compare(a, b) {
     const column = COLUMNS.find(({ name }) => name === this.sort);
     const [one, other] = [column?.key(a) ?? null, column?.key(b) ?? null];
@@ -258,30 +212,25 @@ export default class Topics {
   line(row) {
     let line = this.lines.get(row.channel);
     if (!line) {
-      line = element(
-        "tr",
-        {
-          tabindex: -1,
-          onclick: () => {
-            const isShown = this.chosen === row.channel && !this.isPublishing;
-            this.choose(isShown ? null : row.channel, false);
-          },
-        },
-        COLUMNS.map(({ name, isNumber }) =>
-          element("td", { class: isNumber ? "number" : null, "data-column": name }),
-        ),
+      const onclick = () => {
+        const isShown = this.chosen === row.channel && !this.isPublishing;
+        this.choose(isShown ? null : row.channel, false);
+      };
+      const cells = COLUMNS.map(({ name, isNumber }) =>
+        element("td", { class: isNumber ? "number" : null, "data-column": name }),
       );
+      line = element("tr", { tabindex: -1, onclick }, cells);
       this.lines.set(row.channel, line);
     }
     line.classList.toggle("is-silent", row.silent);
     set(line, "aria-selected", String(row.channel === this.chosen));
     COLUMNS.forEach((column, index) => {
-      const cell = /** @type {HTMLElement} */ (line.children[index]);
+      const cell = /** @type {HTMLElement} */ (line.cells[index]);
       const text = column.text(row);
       write(cell, text);
       if (!column.isNumber) set(cell, "title", text);
     });
-    line.children[4]?.classList.toggle("is-bad", Boolean(row.senders_lost));
+    line.cells[4]?.classList.toggle("is-bad", Boolean(row.senders_lost));
     return line;
   }
 }
@@ -292,18 +241,19 @@ function typeText({ types, announced }) {
   return first ? (others.length && !announced ? `${first} +${others.length}` : first) : "unknown";
 }
 
-/** @param {Row} row */
-function ratedText({ rate }) {
-  return rate === null ? "–" : rateText(rate);
+/**
+ * Return a column of numbers, some of which are unknown.
+ * @param {string} name
+ * @param {string} title
+ * @param {(row: Row) => number | null} key
+ * @param {(value: number) => string} text
+ * @returns {Column}
+ */
+function numbers(name, title, key, text) {
+  return { name, title, isNumber: true, key, text: (row) => known(key(row), text) };
 }
 
-/** @param {Row} row */
-function lostText({ senders_loss: loss }) {
-  return loss === null ? "–" : lossText(loss);
-}
-
-/** @param {Row} row */
-function lastText({ age }) {
-  if (age === null) return "–";
-  return age < 1 ? "now" : `${ageText(age)} ago`;
+/** @param {number | null} value @param {(value: number) => string} text */
+function known(value, text) {
+  return value === null ? "–" : text(value);
 }

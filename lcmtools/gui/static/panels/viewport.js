@@ -20,7 +20,8 @@ export class Viewport {
     /** @type {{x: number, y: number} | null} */
     this.marked = null;
     this.markSize = 1;
-    this.isWaiting = false;
+    /** The request for an animation frame; 0 for none. */
+    this.waiting = 0;
     this.canvas = element("canvas", {
       tabindex: 0,
       role: "img",
@@ -87,15 +88,12 @@ export class Viewport {
   }
 
   redraw() {
-    if (this.isWaiting) return;
-    this.isWaiting = true;
-    requestAnimationFrame(() => {
-      this.isWaiting = false;
-      this.paint();
-    });
+    this.waiting ||= requestAnimationFrame(() => this.paint());
   }
 
   paint() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
     const context = this.canvas.getContext("2d");
     if (!context) return;
     const { scale, left, top } = this.view;

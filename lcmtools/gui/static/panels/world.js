@@ -1,9 +1,10 @@
 // The world in 3D: robots, sensor data, and poses to send.
 
-import { button, element, fill, iconButton, set, write } from "../elements.js";
-import { mistakeText } from "../texts.js";
+import { button, element, iconButton, offer, selection, set, write } from "../elements.js";
+import { ageText, mistakeText } from "../texts.js";
 import { hexColor, isDark, onTheme } from "../theme.js";
 import { stylesheet } from "./stylesheet.js";
+import { Axes } from "./world/axes.js";
 import { Bodies } from "./world/bodies.js";
 import { Camera } from "./world/camera.js";
 import { Display } from "./world/displays.js";
@@ -17,14 +18,15 @@ import { View } from "./world/view.js";
 
 /**
  * @typedef {import("./world/frames.js").Pose} Pose
- * @typedef {{topic: string, type: string, kind: string, rate: number | null, silent: boolean}} Topic
+ * @typedef {{topic: string, type: string, kind: string, silence: number | null}} Topic silence [s] of
+ *   a topic that was sent repeatedly
  * @typedef {"look" | "move" | "pose"} Tool
  */
 
 const TOOLS = /** @type {[Tool, string, string][]} */ ([
   ["look", "Look", "Turn the view: drag; move it: right button or Shift; closer: wheel"],
   ["move", "Move", "Drag robots and crates; Shift turns them"],
-  ["pose", "Send pose", "Click a place and draw the heading: a PoseStamped is sent"],
+  ["pose", "Send pose", "Click a place and draw the heading: a goal (/goal), or an initial pose (/initialpose), as in RViz"],
 ]);
 const SERIES = 8;
 const SMOOTH = 200; // [ms] that the view keeps drawing after a message
@@ -40,14 +42,16 @@ export default class World {
     stylesheet("world.css");
     this.context = context;
     this.title = "World";
-    this.kept = { fixed: "", follow: "", goal: "/goal", side: true, shown: {}, colors: {}, camera: null, ...settings };
+    this.kept = { fixed: "", follow: null, goal: "/goal", side: true, axes: false, shown: {}, colors: {}, camera: null, ...settings };
     this.frames = new Frames();
-    /** @type {Map<string, {display: Display, close: () => void}>} */
+    /** By topic. @type {Map<string, Display>} */
     this.displays = new Map();
     /** @type {Topic[]} */
     this.topics = [];
     this.tool = /** @type {Tool} */ ("look");
     this.bodies = new Bodies(this.displays, this.frames);
+    /** The topics whose status is a problem. @type {Set<string>} */
+    this.isBad = new Set();
     this.listed = "";
     this.message = element("p", { class: "world-message", role: "status", hidden: true });
     this.stage = element("div", {
@@ -58,13 +62,27 @@ export default class World {
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.camera?.press(event),
     });
     this.simulator = new Simulator(context, (text) => this.say(text));
-    this.sidebar = new Sidebar({
-      isShown: (topic) => this.isShown(topic),
-      color: (topic) => this.colorOf(topic),
-      show: (topic, isShown) => this.show(topic, isShown),
-      paint: (topic, chosen) => this.paint(topic, chosen),
-      look: (name) => this.camera?.lookAt(name),
+    this.sidebar = new Sidebar(this);
+    this.toolButtons = TOOLS.map(([tool, name, title]) => button(name, () => this.choose(tool), { title }));
+    this.goal = element("input", {
+      type: "text",
+      class: "mono",
+      value: this.kept.goal,
+      "aria-label": "Topic of the pose",
+      title: "Topic of the pose (geometry_msgs/PoseStamped)",
+      onchange: () => {
+        this.kept.goal = this.goal.value.trim() || "/goal";
+        context.changed();
+      },
     });
+    this.fixedChoice = selection("Fixed frame", [], "", (name) => {
+      this.kept.fixed = this.bodies.fixed = name;
+      this.changed();
+    });
+    this.followChoice = selection("The camera follows", [], "", (name) => this.camera?.setFollowed(name));
+    set(this.followChoice, "aria-label", "Follow");
+    this.axesButton = button("Frames", () => this.toggle("axes"), { title: "Show the frames as axes: x red, y green, z blue" });
+    this.side = iconButton("settings", "Displays and poses", () => this.toggle("side"));
     this.element = element("div", { class: "world" }, this.tools(), element("div", { class: "world-room" }, this.stage, this.sidebar.element));
     this.stage.append(this.message);
     this.begin();
@@ -85,55 +103,25 @@ export default class World {
     }
     const { view } = this;
     view.beforeDrawing = (now) => this.place(now);
+    view.onPlain = () => this.displays.forEach((display) => display.make());
+    this.axes = new Axes(view.scene);
     this.camera = new Camera(view, this.bodies, this.kept, () => this.context.changed());
     const theme = () => view.setTheme(isDark());
     onTheme(theme, this.context.signal);
     theme();
-    this.pointing = new Pointing({
-      view,
-      tool: () => (this.context.canCommand ? this.tool : "look"),
-      bodyAt: (hit) => this.bodies.ofMesh(hit.object, this.simulator.nodes),
-      poseOf: (frame) => this.frames.pose(frame, "world", performance.now()),
-      hold: (frame, pose) => this.frames.hold(frame, pose),
-      put: ({ node, name }, [x, y, , , , qz, qw]) => this.simulator.call("set_pose", { name, x, y, qz, qw }, node),
-      send: (pose) => this.sendPose(pose),
-      color: () => hexColor("--accent"),
-    });
+    this.pointing = new Pointing(this, view);
   }
 
   tools() {
-    /** @type {Map<Tool, HTMLButtonElement>} */
-    this.toolButtons = new Map();
-    for (const [tool, name, title] of TOOLS) {
-      this.toolButtons.set(tool, button(name, () => this.choose(tool), { title, "aria-pressed": tool === "look" }));
-    }
-    this.goal = element("input", {
-      type: "text",
-      class: "mono",
-      "aria-label": "Topic of the pose",
-      title: "Topic of the pose (geometry_msgs/PoseStamped)",
-      hidden: true,
-      onchange: () => {
-        this.kept.goal = this.goal?.value.trim() || "/goal";
-        this.context.changed();
-      },
-    });
-    this.goal.value = this.kept.goal;
-    this.fixedChoice = element("select", { "aria-label": "Fixed frame", title: "Fixed frame", onchange: () => this.setFixed() });
-    this.followChoice = element("select", { "aria-label": "Follow", title: "The camera follows", onchange: () => this.camera?.setFollowed(this.followChoice?.value ?? "") });
-    this.side = iconButton("settings", "Displays and poses", () => {
-      this.kept.side = !this.kept.side;
-      this.showTools();
-      this.context.changed();
-    });
     return element(
       "div",
       { class: "tools world-tools" },
-      element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, [...this.toolButtons.values()], this.goal),
+      element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, this.toolButtons, this.goal),
       this.fixedChoice,
       this.followChoice,
       button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
       button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
+      this.axesButton,
       this.simulator.element,
       element("span", { class: "space" }),
       this.side,
@@ -142,12 +130,14 @@ export default class World {
 
   showTools() {
     const may = this.context.canCommand && this.context.source === "bus";
-    this.toolButtons?.forEach((one, tool) => {
+    TOOLS.forEach(([tool], index) => {
+      const one = /** @type {HTMLButtonElement} */ (this.toolButtons[index]);
       set(one, "aria-pressed", String(tool === this.tool));
       one.disabled = tool !== "look" && !may;
     });
-    if (this.goal) this.goal.hidden = this.tool !== "pose";
-    if (this.side) set(this.side, "aria-pressed", String(this.kept.side));
+    this.goal.hidden = this.tool !== "pose";
+    set(this.side, "aria-pressed", String(this.kept.side));
+    set(this.axesButton, "aria-pressed", String(this.kept.axes));
     this.sidebar.element.classList.toggle("is-folded", !this.kept.side);
     this.stage.dataset["tool"] = may ? this.tool : "look";
   }
@@ -158,9 +148,25 @@ export default class World {
     this.showTools();
   }
 
+  /** @param {"axes" | "side"} name */
+  toggle(name) {
+    this.kept[name] = !this.kept[name];
+    this.showTools();
+    this.changed();
+  }
+
+  /** Draw again, and save the settings. */
+  changed() {
+    this.view?.invalidate();
+    this.context.changed();
+  }
+
   /** @param {{topics: Topic[], undrawn: string[], simulators: string[]}} data */
   setTopics({ topics, undrawn, simulators }) {
     this.topics = topics;
+    const silent = topics.filter(({ silence }) => silence !== null).map(({ topic }) => topic);
+    if (String(silent) !== String([...this.frames.silent])) this.view?.invalidate();
+    this.frames.silent = new Set(silent);
     this.simulator.setNodes(simulators);
     const names = new Set(topics.map(({ topic }) => topic));
     for (const topic of this.displays.keys()) if (!names.has(topic)) this.hide(topic);
@@ -192,8 +198,7 @@ export default class World {
     this.kept.shown[topic.topic] = isShown;
     if (isShown) this.open(topic);
     else this.hide(topic.topic);
-    this.view?.invalidate();
-    this.context.changed();
+    this.changed();
   }
 
   /**
@@ -202,9 +207,8 @@ export default class World {
    */
   paint({ topic }, chosen) {
     this.kept.colors[topic] = chosen;
-    this.displays.get(topic)?.display.paint(chosen);
-    this.view?.invalidate();
-    this.context.changed();
+    this.displays.get(topic)?.paint(chosen);
+    this.changed();
   }
 
   /** @param {Topic} topic */
@@ -214,13 +218,13 @@ export default class World {
     const display = new Display(topic.topic, topic.type);
     display.color = this.colorOf(topic);
     display.isPainted = topic.topic in this.kept.colors;
-    const stream = this.context.connection.open(
+    display.stream = this.context.connection.open(
       kind.stream ?? "newest",
       { topic: topic.topic },
       (data, payload) => this.receive(display, data, payload),
-      (problem) => this.sidebar.setStatus(topic.topic, problem || kind.name, Boolean(problem)),
+      (problem) => (display.problem = problem),
     );
-    this.displays.set(topic.topic, { display, close: stream.close });
+    this.displays.set(topic.topic, display);
   }
 
   /** @param {string} topic */
@@ -228,7 +232,6 @@ export default class World {
     const found = this.displays.get(topic);
     if (!found) return;
     found.close();
-    found.display.close();
     this.displays.delete(topic);
     this.frames.drop(topic);
     this.sidebar.setStatus(topic, "", false);
@@ -242,52 +245,55 @@ export default class World {
   receive(display, sent, payload) {
     const now = performance.now();
     const data = withNumbers(sent);
-    if (data.kind === "frames") this.addFrames(display.topic, data, new Float32Array(payload ?? new ArrayBuffer(0)), now);
+    let hasChanged = false;
+    if (data.kind === "frames") hasChanged = this.addFrames(display.topic, data, payload, now);
     else {
       if (data.kind === "odometry" && data.child && hasPlace(data)) {
         this.frames.add(display.topic, data.frame, data.child, data.pose, now, true);
       }
-      display.receive(data, payload);
+      hasChanged = display.receive(data, payload);
       display.leaveTrail(this.frames, this.bodies.fixed, now);
     }
-    this.view?.invalidate(SMOOTH);
+    if (hasChanged) this.view?.invalidate(SMOOTH);
   }
 
   /**
+   * Add frames; return true if one of them moves.
    * @param {string} topic
    * @param {{frames: [string, string][], stamp: number}} data
-   * @param {Float32Array} numbers
+   * @param {ArrayBuffer | undefined} payload
    * @param {number} now
    */
-  addFrames(topic, data, numbers, now) {
+  addFrames(topic, data, payload, now) {
+    const numbers = Array.from(new Float32Array(payload ?? []));
     const before = this.frames.frames.size;
+    let hasMoved = false;
     data.frames.forEach(([parent, child], index) => {
-      const pose = /** @type {Pose} */ (Array.from(numbers.subarray(7 * index, 7 * index + 7)));
-      this.frames.add(topic, parent, child, pose, now);
+      const pose = /** @type {Pose} */ (numbers.slice(7 * index, 7 * index + 7));
+      hasMoved = this.frames.add(topic, parent, child, pose, now) || hasMoved;
     });
     this.simulator.updateTime(topic, data.stamp);
     if (this.frames.frames.size !== before) this.offerFrames();
+    return hasMoved;
   }
 
   offerFrames() {
     const names = this.frames.names();
     const fixed = names.includes(this.kept.fixed) ? this.kept.fixed : this.frames.root();
     this.bodies.fixed = fixed;
-    const shown = names.filter((name) => !name.startsWith("ground_truth/") || name === fixed);
-    offer(this.fixedChoice, shown.length ? shown : ["world"], fixed);
-    offer(this.followChoice, ["", ...this.bodies.list().map(({ name }) => name)], this.kept.follow, "follow nothing");
+    const followed = this.camera?.name ?? "";
+    const shown = new Set([...names.filter((name) => !name.startsWith("ground_truth/")), fixed]);
+    const bodies = new Set(["", ...this.bodies.list().map(({ name }) => name), followed]);
+    offer(this.fixedChoice, [...shown].map((name) => [name, name]), fixed);
+    offer(this.followChoice, [...bodies].map((name) => [name, name || "follow nothing"]), followed);
   }
 
-  /**
-   * Place all displays at their poses.
-   * @param {number} now
-   */
+  /** Place all displays at their poses. @param {number} now */
   place(now) {
     const { view } = this;
     if (!view) return;
-    for (const { display } of this.displays.values()) {
-      display.place(view.content, this.frames, this.bodies, now);
-    }
+    for (const display of this.displays.values()) display.place(view.content, this.frames, this.bodies, now);
+    this.axes?.place(this.kept.axes ? this.frames : null, this.bodies.fixed, now);
     view.ground.visible = !view.content.children.some((/** @type {any} */ one) => one.userData.isGround);
     this.camera?.follow(now);
   }
@@ -299,18 +305,17 @@ export default class World {
       return pose ? [{ name: body.name, pose }] : [];
     });
     this.sidebar.setBodies(bodies);
-    for (const [topic, { display }] of this.displays) {
-      const text = display.lost || display.status;
-      if (text) this.sidebar.setStatus(topic, text, Boolean(display.lost));
+    for (const [topic, display] of this.displays) {
+      const silence = this.topics.find((one) => one.topic === topic)?.silence ?? null;
+      const age = silence === null ? "" : `old: the last message came ${ageText(silence)} ago`;
+      const fault = display.problem || display.lost || age;
+      const text = fault || display.status;
+      const isBad = Boolean(fault) || display.status.includes("not drawn");
+      if (text || this.isBad.has(topic)) this.sidebar.setStatus(topic, text || (KINDS[display.latest?.kind]?.name ?? ""), isBad);
+      this.isBad[isBad ? "add" : "delete"](topic);
     }
-    if (this.followChoice && this.followChoice.options.length !== bodies.length + 1) this.offerFrames();
+    if (this.followChoice.options.length !== bodies.length + 1) this.offerFrames();
     if (this.camera && !this.camera.hasLooked && bodies.length) this.camera.reset();
-  }
-
-  setFixed() {
-    this.kept.fixed = this.bodies.fixed = this.fixedChoice?.value ?? "world";
-    this.view?.invalidate();
-    this.context.changed();
   }
 
   /** @param {Pose} pose */
@@ -329,9 +334,7 @@ export default class World {
     write(this.message, text);
     this.message.hidden = !text;
     clearTimeout(this.silence);
-    this.silence = setTimeout(() => {
-      this.message.hidden = true;
-    }, 4000);
+    this.silence = setTimeout(() => (this.message.hidden = true), 4000);
   }
 
   settings() {
@@ -346,18 +349,3 @@ export default class World {
   }
 }
 
-/**
- * @param {HTMLSelectElement | undefined} select
- * @param {string[]} values
- * @param {string} value
- * @param {string} [none]
- */
-function offer(select, values, value, none = "") {
-  if (!select) return;
-  const all = values.includes(value) ? values : [...values, value];
-  fill(
-    select,
-    all.map((one) => element("option", { value: one }, one || none)),
-  );
-  select.value = value;
-}

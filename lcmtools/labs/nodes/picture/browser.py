@@ -2,13 +2,14 @@
 
 import contextlib
 import os
-import webbrowser
 from collections.abc import Mapping
+from functools import partial
 
 from lcmtools import Node
 from lcmtools.errors import needing_extra
 from lcmtools.gui.access import access_for
-from lcmtools.gui.browser import has_display
+from lcmtools.gui.browser import show_page
+from lcmtools.gui.own_token import own_token
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import BusSource
 from lcmtools.labs.nodes.picture.display import Display
@@ -44,14 +45,15 @@ class BrowserDisplay(Display):
         monitor = self._at_close.enter_context(BusMonitor(url, "gui", os.environ))
         source = BusSource(monitor)
         self._at_close.callback(source.close)
-        access = access_for(None, is_read_only=True)
+        token = partial(own_token, environment=os.environ)
+        access = access_for(None, is_read_only=True, own_token=token)
         view: dict[str, Json] = {"panel": "image", "settings": {"topic": topic, **self._settings}}
         server = Server(source, access, view, self.show_text)
         port = self._at_close.enter_context(server.serving(_ADDRESS, 0))
         (address,) = access.addresses(_ADDRESS, port).values()
-        self.show_text(f"{topic} is shown at {address}; Ctrl-C ends it")
-        if has_display(os.environ):
-            webbrowser.open(address)
+        self.show_text(f"open {address} to see {topic}; Ctrl-C ends it")
+        if hint := show_page(address, os.environ):
+            self.show_text(hint)
 
     def show(self, picture: Picture) -> None:
         """Leave the picture to the page."""

@@ -65,15 +65,15 @@ def read_picture(message: Image | CompressedImage) -> Picture:
 
 
 def read_file(data: bytes) -> Picture:
-    """Read a PNG or JPEG file; DecodeError if it is broken, or of another format."""
+    """Read a PNG, JPEG or PGM file; DecodeError if it is broken, or of another format."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # Pillow warns of sizes that exhaust the memory
-            image = PIL.Image.open(BytesIO(data), formats=("PNG", "JPEG"))
+            image = PIL.Image.open(BytesIO(data), formats=("PNG", "JPEG", "PPM"))
         check_size(*image.size, image.format or "")
         image.load()
     except UnidentifiedImageError:
-        raise DecodeError("broken picture: it is not a PNG or JPEG file") from None
+        raise DecodeError("broken picture: it is not a PNG, JPEG or PGM file") from None
     except (OSError, SyntaxError, ValueError, Warning, PIL.Image.DecompressionBombError) as error:
         raise DecodeError(f"broken picture: {error}") from None
     if image.mode.startswith("I"):

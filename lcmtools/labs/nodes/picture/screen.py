@@ -23,10 +23,14 @@ _LEGEND_COLUMNS = _LEGEND_WIDTH + len("near 00.5 m  00.5 m far")
 
 
 class ScreenDisplay(Display):
-    """Shows pictures on the terminal's other screen, or a single one that stays among the text."""
+    """Shows pictures on the terminal's other screen, or a single one that stays among the text.
 
-    def __init__(self, options: ColorOptions, *, is_single: bool) -> None:
+    ``note`` follows the facts below a picture.
+    """
+
+    def __init__(self, options: ColorOptions, *, is_single: bool, note: str = "") -> None:
         self._options = options
+        self._note = note
         self._is_single = is_single
         self._colors = terminal_colors(
             os.environ, wants_color=stream_wants_color(sys.stdout, os.environ)
@@ -96,6 +100,7 @@ class ScreenDisplay(Display):
         # in the last column, the cursor is on the last character, which would be cleared
         end = _CLEAR_LINE if small.image.width < columns else ""
         about = f"{self._title}  {shown.image.width} x {shown.image.height} {shown.encoding}"
+        about += f"  {self._note}" if self._note else ""
         drawn = [f"{line}{end}" for line in blocks(small.image, self._colors)]
         return [*drawn, self._legend(small), self._fitted(about)]
 

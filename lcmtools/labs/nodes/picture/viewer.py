@@ -26,6 +26,7 @@ _TURN = 0.03  # longest time between two calls of the display's ``attend`` [s]
 _RATE, _LINES_RATE = 10.0, 1.0
 _ANSWERED = 0.3  # time that nodes have to say what they publish [s]
 _PICTURES = {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}
+_ELSEWHERE = "in a browser: --window"
 _MOST = 3  # topics that a hint names
 
 
@@ -105,8 +106,8 @@ class Viewer:
                     lcmtools.spin_once(node, _TURN)
                     self._display.attend()
                     self._show_if_due()
-                    self._tell_if_unpublished(node, topic)
                     self._check_time(topic)
+                    self._tell_if_unpublished(node, topic)
             finally:
                 self._display.close()
 
@@ -174,7 +175,8 @@ def choose_display(options: argparse.Namespace) -> Display:
             return _browser(options)
         except MissingExtra as error:
             print(f"{error}; shown in the terminal", file=sys.stderr)  # noqa: T201 - a node's own output
-    return ScreenDisplay(colors, is_single=options.once)
+    is_remote = not (has_display(os.environ) or options.once)
+    return ScreenDisplay(colors, is_single=options.once, note=_ELSEWHERE if is_remote else "")
 
 
 def _browser(options: argparse.Namespace) -> Display:

@@ -22,7 +22,7 @@ def test_the_table_shows_all_columns_and_what_is_known_of_the_bus() -> None:
         await screen.until(lambda: "f1 Help" in screen.text)  # keys come when the table has focus
         lines = screen.text.splitlines()
         assert lines[0].startswith("lcmtools spy  udpm://239.255.76.67:7667  44 channels  161.00")
-        assert lines[1] == "lcm-sink (pid 7) listens as no node"
+        assert lines[1] == "lcm-sink (pid 7) also listens; it is not a node"
         assert lines[2].split()[:4] == ["CHANNEL▲", "TYPE", "MESSAGES", "HZ"]
         assert lines[3].split()[:4] == ["/arm/joints", "sensor_msgs/JointState", "7", "100.00"]
         assert "f1 Help" in lines[-1]
@@ -153,7 +153,7 @@ def test_what_callbacks_raise_is_shown_above_the_table() -> None:
     errors = ("/driver: timer 0.02 s raised KeyError 3 times", "/arm: scan raised ValueError once")
 
     async def script(screen: Screen) -> None:
-        assert "lcm-sink (pid 7) listens" in screen.text
+        assert "lcm-sink (pid 7) also listens" in screen.text
         screen.planted.tell(replace(screen.planted.latest, callback_errors=errors[:1]))
         await screen.until(lambda: screen.text.splitlines()[1] == errors[0])
         screen.planted.tell(replace(screen.planted.latest, callback_errors=errors))

@@ -268,6 +268,26 @@ def test_pictures_are_shown_where_they_can_be_seen(
 
 
 @pytest.mark.parametrize(
+    ("words", "display", "told"),
+    [("", "", True), ("--once", "", False), ("--terminal", ":0", False)],
+)
+def test_a_terminal_without_a_display_tells_of_the_browser(
+    words: str,
+    display: str,
+    told: bool,  # noqa: FBT001 - pytest's
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name, value in {"DISPLAY": display, "TERM": "xterm", "COLUMNS": "100"}.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    shown = choose_display(viewer_parser().parse_args(words.split()))
+    shown.show(read_picture(depth(2, 1, 1000, 2000)))
+    assert ("2 x 1 16UC1  in a browser: --window" in capsys.readouterr().out) == told
+
+
+@pytest.mark.parametrize(
     ("words", "settings"),
     [
         ("", {"map": "warm"}),

@@ -1,6 +1,6 @@
 // A graph as SVG: the server computes the layout; this draws, pans, zooms and moves the selection.
 
-import { drawing, element, set, write } from "../../elements.js";
+import { drawing, element, fill, set, write } from "../../elements.js";
 import { rateText } from "../../texts.js";
 import { PanZoom } from "../panzoom.js";
 import { arrow, curve, saveDrawing } from "./svg.js";
@@ -46,8 +46,7 @@ export class GraphDrawing {
       drawing("defs", {}, arrow("plain"), arrow("lit")),
       this.all,
     );
-    this.element = element("div", { class: "graph-view" });
-    this.element.append(this.svg);
+    this.element = element("div", { class: "graph-view" }, this.svg);
     /** @type {Map<string, SVGGElement>} */
     this.vertices = new Map();
     /** @type {Map<string, SVGGElement>} */
@@ -58,7 +57,19 @@ export class GraphDrawing {
       changed: () => this.place(),
       largestFit: 1.15,
     });
-    this.listen();
+    const { svg } = this;
+    svg.addEventListener("click", (event) => {
+      if (!this.view.isDragged) this.onSelect(keyOf(event.target));
+    });
+    svg.addEventListener("pointerover", (event) => this.hover(keyOf(event.target)));
+    for (const type of ["pointerleave", "focusout"]) svg.addEventListener(type, () => this.hover(null));
+    svg.addEventListener("focusin", (event) => {
+      const key = keyOf(event.target);
+      this.hover(key);
+      const group = this.vertices.get(key ?? "");
+      if (group?.matches(":focus-visible")) this.reveal(group);
+    });
+    svg.addEventListener("keydown", (event) => this.press(event));
   }
 
   close() {
@@ -141,8 +152,9 @@ export class GraphDrawing {
     set(path, "d", curve(edge.way));
     const width = 1.2 + (rate ? Math.min(1.6, Math.log10(1 + rate) * 0.8) : 0);
     set(path, "stroke-width", width.toFixed(2));
-    const to = edge.way[edge.way.length - 1];
-    write(text, rate === null ? topicsText(topics) : rate ? rateText(rate) : "");
+    const to = edge.way.at(-1);
+    const carried = topics.length > 1 ? `${topics[0]} +${topics.length - 1}` : topics.join();
+    write(text, rate === null ? carried : rate ? rateText(rate) : "");
     if (to) {
       set(text, "x", to[0] - 13);
       set(text, "y", to[1] - 5);
@@ -164,14 +176,13 @@ export class GraphDrawing {
       if (!sign || sign.getAttribute("data-severity") === (severity ?? null)) continue;
       set(sign, "data-severity", severity ?? null);
       set(sign, "class", severity ? `sign is-${severity}` : "sign");
-      sign.replaceChildren();
-      if (severity) {
-        const text = severity === "note" ? "i" : "!";
-        sign.append(drawing("path", { d: SHAPES[severity] }), drawing("text", { y: severity === "warning" ? 6 : 4 }, text));
-      }
+      const y = severity === "warning" ? 6 : 4;
+      const text = drawing("text", { y }, severity === "note" ? "i" : "!");
+      fill(sign, severity ? [drawing("path", { d: SHAPES[severity] }), text] : null);
     }
-    for (const { source, target, ...edge } of this.graph?.edges ?? []) {
-      const group = this.edges.get(edgeKey({ source, target, ...edge }));
+    for (const edge of this.graph?.edges ?? []) {
+      const { source, target } = edge;
+      const group = this.edges.get(edgeKey(edge));
       const isNear = focus === source || focus === target;
       const isLit = near ? isNear : lit ? lit.has(source) && lit.has(target) : true;
       group?.classList.toggle("is-dimmed", !isLit);
@@ -201,23 +212,6 @@ export class GraphDrawing {
     const groups = [...this.vertices.values()];
     const active = groups.find((group) => group === document.activeElement || group.tabIndex === 0) ?? groups[0];
     for (const group of groups) group.setAttribute("tabindex", group === active ? "0" : "-1");
-  }
-
-  listen() {
-    const { svg } = this;
-    svg.addEventListener("click", (event) => {
-      if (!this.view.isDragged) this.onSelect(keyOf(event.target));
-    });
-    svg.addEventListener("pointerover", (event) => this.hover(keyOf(event.target)));
-    svg.addEventListener("pointerleave", () => this.hover(null));
-    svg.addEventListener("focusin", (event) => {
-      const key = keyOf(event.target);
-      this.hover(key);
-      const group = this.vertices.get(key ?? "");
-      if (group?.matches(":focus-visible")) this.reveal(group);
-    });
-    svg.addEventListener("focusout", () => this.hover(null));
-    svg.addEventListener("keydown", (event) => this.press(event));
   }
 
   /** @param {string | null} key */
@@ -256,17 +250,19 @@ export class GraphDrawing {
    * @param {string} direction
    */
   walk(key, direction) {
-    const boxes = new Map((this.graph?.vertices ?? []).map((vertex) => [vertex.key, middle(vertex.box)]));
-    const here = boxes.get(key);
+    const vertices = this.graph?.vertices ?? [];
+    const here = vertices.find((vertex) => vertex.key === key)?.box;
     if (!here) return;
     const near = this.near(key);
     const dx = Number(direction === "Right") - Number(direction === "Left");
     const dy = Number(direction === "Down") - Number(direction === "Up");
     let best = null;
     let least = Infinity;
-    for (const [other, [x, y]] of boxes) {
-      const along = (x - here[0]) * dx + (y - here[1]) * dy;
-      const across = Math.abs((x - here[0]) * dy) + Math.abs((y - here[1]) * dx);
+    for (const { key: other, box } of vertices) {
+      const right = box[0] + box[2] / 2 - here[0] - here[2] / 2;
+      const down = box[1] + box[3] / 2 - here[1] - here[3] / 2;
+      const along = right * dx + down * dy;
+      const across = Math.abs(right * dy) + Math.abs(down * dx);
       if (other === key || along < 5) continue;
       const isFar = dx !== 0 && !near.has(other);
       const cost = along + 2 * across + (isFar ? 1e5 : 0);
@@ -279,10 +275,7 @@ export class GraphDrawing {
     group.focus();
   }
 
-  /**
-   * Save the drawing, with its colours, as a file.
-   * @param {string} name
-   */
+  /** Save the drawing, with its colours, as a file. @param {string} name */
   save(name) {
     if (this.graph) saveDrawing(this.svg, this.graph.size, getComputedStyle(this.element).backgroundColor, name);
   }
@@ -310,15 +303,4 @@ function edgeKey({ source, target, relation }) {
 function keyOf(target) {
   const group = target instanceof Element ? target.closest("[data-key]") : null;
   return group?.getAttribute("data-key") ?? null;
-}
-
-/** @param {Vertex["box"]} box */
-function middle([x, y, width, height]) {
-  return /** @type {[number, number]} */ ([x + width / 2, y + height / 2]);
-}
-
-/** @param {string[]} topics */
-function topicsText(topics) {
-  const [first, ...others] = topics;
-  return first ? `${first}${others.length ? ` +${others.length}` : ""}` : "";
 }

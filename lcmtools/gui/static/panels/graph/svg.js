@@ -6,10 +6,7 @@ import { saveFile } from "../save.js";
 /** The style properties that are copied into a saved drawing. */
 const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "text-anchor", "paint-order"];
 
-/**
- * Create the head of an arrow, which edges refer to by its id.
- * @param {"plain" | "lit"} name
- */
+/** Create the head of an arrow, which edges refer to by its id. @param {"plain" | "lit"} name */
 export function arrow(name) {
   const place = { viewBox: "0 0 10 10", refX: 9, refY: 5, markerWidth: 8, markerHeight: 8, orient: "auto" };
   const head = drawing("path", { d: "M0 1L9 5L0 9Z", class: `arrow is-${name}` });

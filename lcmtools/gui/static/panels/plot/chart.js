@@ -5,15 +5,19 @@ import { element } from "../../elements.js";
 import { color, onTheme } from "../../theme.js";
 import { savePicture } from "../save.js";
 import { stylesheet } from "../stylesheet.js";
+import { axisLimits, valueSteps } from "./limits.js";
 import { tickText, timeText, timeTicks } from "./texts.js";
 
-/** @typedef {{curve: number, label: string, text: string, isShown: boolean}} Series */
+/** @typedef {{curve: number, label: string, unit: string, text: string, isShown: boolean}} Series */
 
 const COLORS = 8;
 const STYLES = ["solid", "dashed", "dotted"];
 const DASHES = [[], [8, 4], [2, 3]];
 const STEPS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 1800, 3600];
 const TICK_ROOM = 80; // [px] between two ticks of the time axis
+/** @type {import("./limits.js").Axis} */
+const FREE = { least: null, most: null, span: null };
+const SIDE = 58; // [px] of the value axis, at least
 const PAN = 0.1; // of the shown span
 const ZOOM = 0.8;
 
@@ -26,7 +30,12 @@ export function lineOf(index) {
   return { color: `--series-${(index % COLORS) + 1}`, style: STYLES[style] ?? "solid", dash: DASHES[style] };
 }
 
-/** A chart of curves over a span of time. */
+/** @param {{label: string, unit: string}} series */
+export function nameOf({ label, unit }) {
+  return unit ? `${label} [${unit}]` : label;
+}
+
+/** A chart of curves over a span of time, or over another curve. */
 export class Chart {
   /**
    * @param {import("./curves.js").Curves} curves
@@ -40,6 +49,12 @@ export class Chart {
     this.span = span;
     this.owner = owner;
     this.isClock = false;
+    /** The curve across, null for the time. @type {Series | null} */
+    this.across = null;
+    /** @type {import("./limits.js").Axis} */
+    this.axis = { ...FREE };
+    /** The limits of both axes where one curve is plotted over another. @type {{x: [number, number], y: [number, number]}} */
+    this.limits = { x: [-1, 1], y: [-1, 1] };
     /** @type {Series[]} */
     this.series = [];
     /** @type {uPlot | null} */
@@ -70,10 +85,7 @@ export class Chart {
     return this.isClock && !Number.isNaN(this.curves.start) ? this.curves.start : null;
   }
 
-  /**
-   * Replace the curves.
-   * @param {Series[]} series
-   */
+  /** @param {Series[]} series */
   show(series) {
     this.series = series;
     this.rebuild();
@@ -96,66 +108,58 @@ export class Chart {
   showHand() {
     const [from, to] = this.span.shown();
     const part = (this.span.hand - from) / (to - from);
-    this.hand.hidden = !(part >= 0 && part <= 1);
+    this.hand.hidden = !(part >= 0 && part <= 1) || Boolean(this.across);
     this.hand.style.left = `${(100 * part).toFixed(2)}%`;
   }
 
   /** @returns {uPlot.Options} */
   options() {
     const [line, muted] = [color("--line"), color("--muted")];
+    const drag = { x: true, y: false, setScale: false };
     const grid = { stroke: line, width: 1 };
-    const axis = { stroke: muted, grid, ticks: { ...grid, size: 4 }, font: "11px system-ui, sans-serif" };
+    const axis = { stroke: muted, grid, ticks: { ...grid, size: 4 }, gap: 4, font: "11px system-ui, sans-serif" };
+    const { across } = this;
+    /** @type {uPlot.Axis} */
+    const values = {
+      ...axis,
+      incrs: (_, __, from, to) => valueSteps(to - from),
+      splits: (_, __, from, to, step) => timeTicks(from, to, step, null),
+      values: (_, ticks, __, ___, step) => ticks.map((tick) => tickText(tick, step)),
+    };
+    /** @type {uPlot.Axis} */
+    const times = {
+      ...axis,
+      incrs: STEPS,
+      splits: (_, __, from, to, step) => timeTicks(from, to, step, this.origin),
+      values: (_, ticks, __, ___, step) => ticks.map((tick) => timeText(tick, step, this.origin)),
+    };
     return {
+      mode: across ? 2 : 1,
       width: Math.max(50, this.element.clientWidth),
       height: Math.max(50, this.element.clientHeight),
       legend: { show: false },
       pxAlign: 0,
-      cursor: {
-        drag: { x: true, y: false, setScale: false },
-        points: { size: 6 },
-        move: (_, left, top) => [left, top],
-      },
-      hooks: {
-        setSelect: [(chart) => this.zoomTo(chart)],
-        setCursor: [(chart) => this.pointTo(chart)],
-      },
+      cursor: across ? { show: false } : { drag, points: { size: 6 }, move: (_, left, top) => [left, top] },
+      hooks: { setSelect: [(chart) => this.zoomTo(chart)], setCursor: [(chart) => this.pointTo(chart)] },
       scales: {
-        x: { time: false, range: () => this.span.shown() },
-        y: { range: (_, least, most) => room(least, most) },
+        x: { time: false, range: () => (across ? this.limits.x : this.span.shown()) },
+        y: { range: (_, least, most) => (across ? this.limits.y : axisLimits(least, most, this.axis)) },
       },
       axes: [
-        {
-          ...axis,
-          space: TICK_ROOM,
-          size: 26,
-          gap: 4,
-          incrs: STEPS,
-          splits: (_, __, from, to, step) => timeTicks(from, to, step, this.origin),
-          values: (_, ticks, __, ___, step) => ticks.map((tick) => timeText(tick, step, this.origin)),
-        },
-        { ...axis, size: 58, gap: 4, values: (_, ticks, __, ___, step) => ticks.map((tick) => tickText(tick, step)) },
+        { ...(across ? { ...values, label: nameOf(across), labelSize: 18, labelFont: axis.font } : times), space: TICK_ROOM, size: 26 },
+        { ...values, size: (_, texts) => Math.max(SIDE, 12 + 7 * Math.max(0, ...(texts ?? []).map((text) => text.length))) },
       ],
       series: [{}, ...this.series.map((one, index) => this.line(one, index))],
     };
   }
 
-  /**
-   * @param {Series} series
-   * @param {number} index
-   * @returns {uPlot.Series}
-   */
+  /** @param {Series} series @param {number} index @returns {uPlot.Series} */
   line({ curve, label, isShown }, index) {
     const { color: name, dash } = lineOf(index);
-    return {
-      label,
-      show: isShown,
-      stroke: color(name),
-      dash,
-      width: 1.6,
-      spanGaps: false,
-      points: { size: 4 },
-      gaps: (chart) => this.gaps(chart, curve),
-    };
+    const look = { label, stroke: color(name), dash, width: 1.6 };
+    if (!this.across) return { ...look, show: isShown, spanGaps: false, points: { size: 6, fill: look.stroke }, gaps: (chart) => this.gaps(chart, curve) };
+    const facets = ["x", "y"].map((scale) => ({ scale, auto: true }));
+    return { ...look, show: isShown && curve !== this.across.curve, facets, points: { show: false }, paths: pathOver };
   }
 
   /**
@@ -167,17 +171,47 @@ export class Chart {
   gaps(chart, curve) {
     const { min = 0, max = 0 } = chart.scales["x"] ?? {};
     const shown = this.curves.last[curve]?.gaps.filter(([from, to]) => !(to < (min ?? 0)) && !(from > (max ?? 0)));
-    return (shown ?? []).map(([from, to]) => [
-      Number.isNaN(from) ? 0 : chart.valToPos(from, "x", true),
-      chart.valToPos(to, "x", true),
-    ]);
+    /** @type {(time: number) => number} */
+    const place = (time) => (Number.isNaN(time) ? 0 : chart.valToPos(time, "x", true));
+    return (shown ?? []).map(([from, to]) => [place(from), place(to)]);
   }
 
   /** @returns {uPlot.AlignedData} */
   data() {
     const { times, columns } = this.curves;
+    const { across, series } = this;
+    if (across) return this.dataOver(across);
     const none = new Array(times.length);
-    return [times, ...this.series.map(({ curve }) => columns[curve] ?? none)];
+    return [times, ...series.map(({ curve }) => columns[curve] ?? none)];
+  }
+
+  /**
+   * Return the shown samples over those of another curve, and set the limits of both axes to them.
+   * @param {Series} across
+   * @returns {any}
+   */
+  dataOver(across) {
+    const span = this.span.shown();
+    const pairs = this.series.map(({ curve, isShown }) =>
+      isShown && curve !== across.curve ? this.curves.over(across.curve, curve, span) : [[], []],
+    );
+    const [x, y] = [ends(pairs.map(([xs = []]) => xs)), ends(pairs.map(([, ys = []]) => ys))];
+    this.limits = { x: axisLimits(...x, FREE), y: axisLimits(...y, this.axis) };
+    if (this.series.every(({ unit }) => unit && unit === across.unit) && !Object.values(this.axis).some((one) => one !== null)) this.scaleEqually();
+    return [null, ...pairs];
+  }
+
+  /** Give both axes the same scale, as for the path of a robot. */
+  scaleEqually() {
+    const { x, y } = this.limits;
+    const { clientWidth: width = 1, clientHeight: height = 1 } = this.chart?.over ?? {};
+    if (!width || !height) return;
+    const scale = Math.max((x[1] - x[0]) / width, (y[1] - y[0]) / height);
+    for (const [limits, size] of /** @type {[[number, number], number][]} */ ([[x, width], [y, height]])) {
+      const more = (scale * size - (limits[1] - limits[0])) / 2;
+      limits[0] -= more;
+      limits[1] += more;
+    }
   }
 
   resize() {
@@ -196,19 +230,16 @@ export class Chart {
     this.choose(this.span.chosen ? null : this.span.shown());
   }
 
-  /**
-   * @param {number} factor
-   * @param {number} [at]
-   */
+  /** @param {number} factor as in ``Span`` @param {number} [at] */
   zoom(factor, at) {
-    this.span.zoom(factor, at);
-    this.owner.moved();
+    this.choose(this.span.zoomed(factor, at));
   }
 
-  /** @param {number} part */
+  /** @param {number} part of what is shown */
   moveBy(part) {
-    this.span.moveBy(part);
-    this.owner.moved();
+    const [from, to] = this.span.shown();
+    const way = (to - from) * part;
+    this.choose([from + way, to + way]);
   }
 
   /** @param {uPlot} chart */
@@ -229,11 +260,9 @@ export class Chart {
   wheel(event) {
     if (!this.chart) return;
     event.preventDefault();
-    if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
-      this.moveBy(((event.deltaX || event.deltaY) / 100) * PAN);
-      return;
-    }
-    const at = this.chart.posToVal(event.clientX - this.chart.over.getBoundingClientRect().left, "x");
+    const isPan = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    if (isPan) return this.moveBy(((event.deltaX || event.deltaY) / 100) * PAN);
+    const at = this.across ? undefined : this.chart.posToVal(event.clientX - this.chart.over.getBoundingClientRect().left, "x");
     this.zoom(event.deltaY > 0 ? 1 / ZOOM : ZOOM, at);
   }
 
@@ -242,6 +271,7 @@ export class Chart {
    * @param {PointerEvent} event
    */
   pan(event) {
+    if (this.across) return;
     const isPan = event.pointerType === "touch" || event.button === 1 || event.shiftKey;
     if (!isPan || !this.chart) return;
     event.preventDefault();
@@ -278,7 +308,7 @@ export class Chart {
   savePicture(name) {
     if (!this.chart) return;
     const { canvas } = this.chart.ctx;
-    const shown = this.series.flatMap(({ label, isShown }, index) => (isShown ? [{ label, index }] : []));
+    const shown = this.series.flatMap(({ label, unit, isShown }, index) => (isShown ? [{ label: nameOf({ label, unit }), index }] : []));
     const [line, left] = [18 * devicePixelRatio, 12 * devicePixelRatio];
     const copy = element("canvas", { width: canvas.width, height: canvas.height + line * (shown.length + 1) });
     const pen = copy.getContext("2d");
@@ -298,13 +328,36 @@ export class Chart {
 }
 
 /**
- * Return the limits of the value axis: the values with a margin.
- * @param {number | null} least
- * @param {number | null} most
- * @returns {[number, number]}
+ * Return the least and the largest number of columns; null without any.
+ * @param {import("./curves.js").Column[]} columns
+ * @returns {[number | null, number | null]}
  */
-function room(least, most) {
-  if (least === null || most === null || !Number.isFinite(least) || !Number.isFinite(most)) return [-1, 1];
-  const more = (most - least) * 0.08 || Math.abs(most) * 0.1 || 1;
-  return [least - more, most + more];
+function ends(columns) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const value of columns.flat()) {
+    if (typeof value === "number") [least, most] = [Math.min(least, value), Math.max(most, value)];
+  }
+  return least > most ? [null, null] : [least, most];
+}
+
+/**
+ * Draw a curve over another one, with a circle around the latest sample.
+ * @param {uPlot} chart
+ * @param {number} index of the series
+ */
+function pathOver(chart, index) {
+  const [xs, ys] = /** @type {any} */ (chart.data[index]);
+  const stroke = new Path2D();
+  let isDown = false;
+  xs.forEach((/** @type {number | null} */ x, /** @type {number} */ at) => {
+    if (x === null || ys[at] === null) {
+      isDown = false;
+      return;
+    }
+    const place = /** @type {[number, number]} */ ([chart.valToPos(x, "x", true), chart.valToPos(ys[at], "y", true)]);
+    stroke[isDown ? "lineTo" : "moveTo"](...place);
+    isDown = true;
+    if (at === xs.length - 1) stroke.arc(...place, 3 * devicePixelRatio, 0, 7);
+  });
+  return { stroke };
 }

@@ -40,22 +40,16 @@ export class FieldTree {
     return branch;
   }
 
-  /**
-   * @param {HTMLElement} leaves
-   * @param {string} topic
-   */
+  /** @param {HTMLElement} leaves @param {string} topic */
   async grow(leaves, topic) {
     const fields = await this.suggest(`${topic}/`).catch(() => []);
     fill(leaves, fields.length ? fields.map((field) => this.leaf(field, topic)) : element("small", {}, "no numbers"));
   }
 
-  /**
-   * @param {Choice} field
-   * @param {string} topic
-   */
+  /** @param {Choice} field @param {string} topic */
   leaf({ value, detail }, topic) {
-    const box = element("input", { type: "checkbox", onchange: () => this.choose(value, box.checked) });
-    box.checked = this.isChosen(value);
+    const onchange = () => this.choose(value, box.checked);
+    const box = element("input", { type: "checkbox", checked: this.isChosen(value), onchange });
     const path = value.slice(topic.length + 1);
     return element("label", {}, box, element("span", { class: "mono" }, path), " ", element("small", {}, detail));
   }

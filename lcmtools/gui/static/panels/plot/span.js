@@ -31,23 +31,18 @@ export class Span {
   }
 
   /**
+   * Return a longer or shorter span than the shown one.
    * @param {number} factor below 1 shows less
    * @param {number} [at] the time that keeps its place
+   * @returns {[number, number]}
    */
-  zoom(factor, at) {
+  zoomed(factor, at) {
     const [from, to] = this.shown();
     const { first, end } = this.curves;
     const about = at ?? (this.chosen || !Number.isNaN(this.hand) ? (from + to) / 2 : to);
     const most = Math.max(2 * KEPT, end - first);
     const length = Math.max(0.01, Math.min(most, (to - from) * factor));
     const start = about - ((about - from) / (to - from)) * length;
-    this.chosen = [start, start + length];
-  }
-
-  /** @param {number} part of what is shown */
-  moveBy(part) {
-    const [from, to] = this.shown();
-    const way = (to - from) * part;
-    this.chosen = [from + way, to + way];
+    return [start, start + length];
   }
 }

@@ -1,7 +1,7 @@
 // The table below a plot: curves, their latest values, and their values at the pointer.
 
-import { button, element, fill, iconButton, write } from "../../elements.js";
-import { lineOf } from "./chart.js";
+import { button, div, element, fill, iconButton, write } from "../../elements.js";
+import { lineOf, nameOf } from "./chart.js";
 import { rowAt } from "./curves.js";
 import { numberText, timeText } from "./texts.js";
 
@@ -30,24 +30,12 @@ export class CurveTable {
     this.headLatest = element("th", { scope: "col", class: "number" }, "Latest");
     this.headCursor = element("th", { scope: "col", class: "number" });
     this.status = element("span", { class: "muted" });
-    const heads = [
-      element("th", { scope: "col" }, "Curve"),
-      this.headLatest,
-      this.headCursor,
-      element("th", { scope: "col" }, element("span", { class: "spoken" }, "Remove")),
-    ];
-    this.element = element(
-      "div",
-      { class: "plot-table" },
-      element(
-        "table",
-        {},
-        element("caption", { class: "spoken" }, "The curves and their latest values"),
-        element("thead", {}, element("tr", {}, heads)),
-        this.body,
-      ),
-      this.status,
-    );
+    const name = element("th", { scope: "col" }, "Curve");
+    const remove = element("th", { scope: "col" }, element("span", { class: "spoken" }, "Remove"));
+    const head = element("tr", {}, name, this.headLatest, this.headCursor, remove);
+    const caption = element("caption", { class: "spoken" }, "The curves and their latest values");
+    const table = element("table", {}, caption, element("thead", {}, head), this.body);
+    this.element = div("plot-table", table, this.status);
   }
 
   close() {
@@ -63,7 +51,9 @@ export class CurveTable {
     const { series } = this.chart;
     const lines = fields.flatMap(({ text }) => {
       const found = series.filter((one) => one.text === text);
-      return found.length ? found.map((one) => this.line(one)) : [this.emptyLine(text)];
+      if (found.length) return found.map((one) => this.line(one));
+      const name = element("span", { class: "curve mono muted" }, text);
+      return this.row(text, name, element("td", { class: "number" }, "–"), element("td"));
     });
     fill(this.body, lines);
     this.next = 0;
@@ -76,22 +66,21 @@ export class CurveTable {
     swatch.style.borderTopColor = `var(${color})`;
     swatch.style.borderTopStyle = style;
     const about = { class: "curve mono", "aria-pressed": String(series.isShown), title: `Show or hide ${series.label}` };
-    const toggle = button(series.label, () => this.toggle(series), about);
+    const toggle = button(nameOf(series), () => this.toggle(series), about);
     toggle.prepend(swatch);
     const [latest, atCursor] = [element("td", { class: "number" }), element("td", { class: "number" })];
     this.cells.push({ latest, atCursor });
-    return element("tr", {}, element("th", { scope: "row" }, toggle), latest, atCursor, this.removeCell(series.text));
+    return this.row(series.text, toggle, latest, atCursor);
   }
 
-  /** @param {string} text */
-  emptyLine(text) {
-    const cells = [element("td", { class: "number" }, "–"), element("td")];
-    return element("tr", {}, element("th", { scope: "row" }, element("span", { class: "curve mono muted" }, text)), cells, this.removeCell(text));
-  }
-
-  /** @param {string} text */
-  removeCell(text) {
-    return element("td", {}, iconButton("close", `Remove ${text}`, () => this.owner.remove(text)));
+  /**
+   * @param {string} text of the field
+   * @param {HTMLElement} head
+   * @param {...HTMLElement} cells
+   */
+  row(text, head, ...cells) {
+    const remove = iconButton("close", `Remove ${text}`, () => this.owner.remove(text));
+    return element("tr", {}, element("th", { scope: "row" }, head), cells, element("td", {}, remove));
   }
 
   /** @param {Series} series */
@@ -131,10 +120,7 @@ export class CurveTable {
     write(this.status, this.owner.about());
   }
 
-  /**
-   * @param {number} curve
-   * @param {number} time
-   */
+  /** @param {number} curve @param {number} time */
   valueAt(curve, time) {
     const { curves } = this.chart;
     return curves.valueBefore(curve, rowAt(curves.times, time + 1e-6) - 1);

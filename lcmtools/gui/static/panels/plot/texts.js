@@ -9,13 +9,15 @@ import { clockText } from "../../texts.js";
 export function tickText(tick, step) {
   if (Math.abs(tick) < step / 1000) return "0";
   const isPlain = step >= 1e-4 && Math.abs(tick) < 1e6;
-  return isPlain ? tick.toFixed(Math.max(0, Math.ceil(-Math.log10(step) - 1e-9))) : tick.toExponential(1);
+  if (isPlain) return tick.toFixed(Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+  const digits = Math.ceil(Math.log10(Math.abs(tick)) - Math.log10(step) - 1e-9); // that tell two ticks apart
+  return tick.toExponential(Math.min(9, Math.max(1, digits)));
 }
 
-/** @param {number | null | undefined} value null is no number, undefined no sample */
+/** @param {number | undefined} value undefined for no sample */
 export function numberText(value) {
   if (value === undefined) return "–";
-  if (value === null || Number.isNaN(value)) return "nan";
+  if (Number.isNaN(value)) return "nan";
   if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";
   if (Number.isInteger(value) && Math.abs(value) < 1e9) return String(value);
   const size = Math.abs(value);

@@ -46,20 +46,22 @@ export function heldSlider(kind, label, { isEnded, begin, hold }) {
  * @param {string} about
  * @param {string} unit
  * @param {number} value
+ * @param {number} largest
  * @param {(value: number) => void} change
  */
-export function limitField(label, about, unit, value, change) {
+export function limitField(label, about, unit, value, largest, change) {
   const title = `${about} [${unit}]`;
   let last = value;
   const input = element("input", {
     type: "number",
     min: 0.1,
+    max: largest,
     step: 0.1,
     value,
     "aria-label": title,
     title,
     onchange: () => {
-      last = positive(Number(input.value), last);
+      last = limited(Number(input.value), last, largest);
       input.value = String(last);
       change(last);
     },
@@ -108,9 +110,11 @@ export function signed(value) {
 }
 
 /**
+ * Return a limit that was saved or entered; the usual one if it is none.
  * @param {any} value
  * @param {number} usual
+ * @param {number} largest
  */
-export function positive(value, usual) {
-  return typeof value === "number" && Number.isFinite(value) && value > 0 ? value : usual;
+export function limited(value, usual, largest) {
+  return Math.min(largest, typeof value === "number" && Number.isFinite(value) && value > 0 ? value : usual);
 }

@@ -52,13 +52,10 @@ export class HeldKeys {
   share(share) {
     if (!this.down.size) return null;
     const part = this.isFull ? 1 : share;
-    let [forward, turn] = [0, 0];
-    for (const key of this.down) {
-      const [x, y] = KEYS[/** @type {keyof typeof KEYS} */ (key)];
-      forward += x ?? 0;
-      turn += y ?? 0;
-    }
-    return { forward: Math.sign(forward) * part, turn: Math.sign(turn) * part };
+    const held = [...this.down].map((key) => KEYS[/** @type {keyof typeof KEYS} */ (key)]);
+    /** @param {number} axis */
+    const along = (axis) => Math.sign(held.reduce((sum, one) => sum + (one[axis] ?? 0), 0)) * part;
+    return { forward: along(0), turn: along(1) };
   }
 
   clear() {
@@ -68,21 +65,19 @@ export class HeldKeys {
 }
 
 /**
- * Return the command of a gamepad's sticks: the left one drives, the right one also turns. Null at rest.
+ * Return the command of a gamepad's sticks: the left one drives, the right one also turns. Null at
+ * rest, and while no button is held: a stick that is worn or lies on the table must not drive.
  * @param {Gamepad | null} gamepad
  * @returns {Share | null}
  */
 export function gamepadShare(gamepad) {
-  if (!gamepad?.connected) return null;
+  if (!gamepad?.connected || !gamepad.buttons.some((button) => button.pressed)) return null;
   const [x = 0, y = 0, right = 0] = gamepad.axes.map(withoutRest);
   const turn = Math.abs(right) > Math.abs(x) ? right : x;
   return turn || y ? { forward: -y || 0, turn: -turn || 0 } : null;
 }
 
-/**
- * Apply a dead zone: sticks do not return to exactly 0.
- * @param {number} value
- */
+/** Apply a dead zone: sticks do not return to exactly 0. @param {number} value */
 function withoutRest(value) {
   const size = Math.max(0, Math.abs(value) - 2 * DEAD_ZONE) / (1 - 2 * DEAD_ZONE);
   return Math.sign(value) * Math.min(1, size);

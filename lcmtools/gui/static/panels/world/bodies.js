@@ -1,6 +1,7 @@
 // The moving bodies of the world, which are robots, objects and odometries, and their poses.
 
 import { product } from "./frames.js";
+import { hasPlace } from "./numbers.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
@@ -10,7 +11,7 @@ import { product } from "./frames.js";
 /** The bodies that the displays show. */
 export class Bodies {
   /**
-   * @param {Map<string, {display: import("./displays.js").Display}>} displays by topic
+   * @param {Map<string, import("./displays.js").Display>} displays by topic
    * @param {import("./frames.js").Frames} frames
    */
   constructor(displays, frames) {
@@ -20,19 +21,16 @@ export class Bodies {
     this.fixed = "world";
   }
 
-  /**
-   * Return the bodies by name: robots, objects, odometries.
-   * @returns {Body[]}
-   */
+  /** Return the bodies by name: robots, objects, odometries. */
   list() {
-    /** @type {Map<string, {frame: string, at?: Pose}>} */
+    /** @type {Map<string, Omit<Body, "name">>} */
     const found = new Map();
-    for (const { display } of this.displays.values()) {
+    for (const display of this.displays.values()) {
       for (const { frame, ns } of display.parts) {
         if (ns && this.frames.frames.get(frame)?.parent === "world") found.set(ns, { frame });
       }
       const { latest } = display;
-      if (latest?.kind === "odometry" && !latest.child.startsWith("ground_truth")) {
+      if (latest?.kind === "odometry" && hasPlace(latest) && !latest.child.startsWith("ground_truth")) {
         // transforms may give the same frame the pose of another odometry
         const isSame = this.frames.frames.get(latest.child)?.parent === latest.frame;
         found.set(display.topic, isSame ? { frame: latest.child } : { frame: latest.frame, at: latest.pose });
@@ -43,6 +41,11 @@ export class Bodies {
     return [...found]
       .map(([name, where]) => ({ name, ...where }))
       .sort((a, b) => rank(a.name) - rank(b.name) || a.name.localeCompare(b.name, undefined, { numeric: true }));
+  }
+
+  /** Return the name of the first robot; "" if there is none. */
+  robot() {
+    return this.list().find(({ name }) => name.startsWith("/"))?.name ?? "";
   }
 
   /**
@@ -72,9 +75,8 @@ export class Bodies {
    */
   frameOf(frame, topic) {
     if (this.frames.frames.has(frame) || frame === this.fixed || this.frames.names().includes(frame)) return frame;
-    let best = "";
-    let found = frame;
-    for (const [name, { display }] of this.displays) {
+    let [best, found] = ["", frame];
+    for (const [name, display] of this.displays) {
       const space = name.slice(0, name.lastIndexOf("/") + 1);
       if (display.latest?.kind === "odometry" && topic.startsWith(space) && space.length > best.length) {
         best = space;

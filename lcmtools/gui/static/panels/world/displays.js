@@ -1,18 +1,16 @@
 // The displays of the world: one for each topic, by the type of its messages.
 
-import { Group } from "../../vendor/three/three.js";
-import { KINDS, LIFT, band } from "./drawings.js";
-import { dispose, matrixOf } from "./geometry.js";
+import * as THREE from "../../vendor/three/three.js";
+import { KINDS, LIFT } from "./drawings.js";
+import { dispose, matrixOf, setOld } from "./geometry.js";
 import { hasPlace } from "./numbers.js";
-import { MESH, bodyOf } from "./shapes.js";
+import { MESH, TRIANGLES, bodyOf } from "./shapes.js";
+import { Trail } from "./trail.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
  * @typedef {import("./frames.js").Frames} Frames
  */
-
-const TRAIL = 4000; // points
-const TRAIL_STEP = 0.03; // [m]
 
 /** The display of a topic. Its group is placed in its frame whenever the view is drawn. */
 export class Display {
@@ -26,47 +24,66 @@ export class Display {
     this.color = "#ff8800";
     /** True if points are drawn in this colour instead of their own. */
     this.isPainted = false;
-    /** The display's problem, or the amount that it shows. */
+    /** The server's problem with the topic. */
+    this.problem = "";
+    /** What is wrong with the latest message, or the amount that is shown of it. */
     this.status = "";
-    /** @type {{frame: string, group: any, ns?: string}[]} */
+    /** @type {{frame: string, group: any, ns?: string, isOld?: boolean}[]} */
     this.parts = [];
+    /** The latest message as text, but for what does not change the drawing. */
+    this.key = "";
     /** @type {any} */
     this.latest = null;
     /** @type {ArrayBuffer} */
     this.payload = new ArrayBuffer(0);
     /** True if the latest message must be converted when the view is drawn next. */
     this.isStale = false;
-    /** @type {{fixed: string, places: [number, number, number][]}} */
-    this.trail = { fixed: "", places: [] };
+    /** @type {Trail | undefined} */
+    this.trail = undefined;
+    /** @type {import("../../connection.js").Stream | undefined} */
+    this.stream = undefined;
   }
 
   /**
+   * Take a message; return true if it changes the drawing.
    * @param {any} data
    * @param {ArrayBuffer} [payload]
    */
   receive(data, payload = new ArrayBuffer(0)) {
-    this.latest = data;
-    this.payload = payload;
+    const key = JSON.stringify({ ...data, time: 0, twist: 0 }, (_, value) => (typeof value === "number" ? Math.round(value * 1e5) : value));
+    const [bytes, before] = [new Uint8Array(payload), new Uint8Array(this.payload)];
+    const hasBytes = bytes.length === before.length && bytes.every((value, index) => value === before[index]);
+    const isSame = key === this.key && hasBytes;
+    Object.assign(this, { latest: data, payload, key });
+    if (isSame) return false;
     this.isStale = true;
     if (data.kind === "markers") this.make(); // markers have the names of bodies
+    return true;
   }
 
+  /** Draw the latest message; one that cannot be drawn says so, and the other displays go on. */
   make() {
     this.isStale = false;
     if (!this.latest) return;
+    try {
+      this.draw();
+    } catch (error) {
+      this.clear();
+      this.status = `not drawn: ${error instanceof Error ? error.message : error}`;
+    }
+  }
+
+  draw() {
     const { kind, frame } = this.latest;
     if (kind === "markers") this.makeBodies(this.latest.markers);
     else if (!hasPlace(this.latest)) {
       this.clear();
       this.status = "not drawn: its place is not finite";
     } else if (KINDS[kind]?.draw) {
-      this.status = "";
-      if (this.parts[0]?.frame !== frame) {
-        this.clear();
-        this.parts = [{ frame, group: new Group() }];
-      }
-      const { group } = /** @type {{group: any}} */ (this.parts[0]);
-      for (const child of [...group.children]) dispose(child);
+      this.status = this.latest.odd ? `${this.latest.odd} not drawn: their places are not finite` : "";
+      this.clear();
+      const group = new THREE.Group();
+      this.parts = [{ frame, group }];
       KINDS[kind].draw(group, this.latest, this.payload, this.color, this.isPainted);
     }
   }
@@ -87,11 +104,14 @@ export class Display {
       Object.assign(group.userData, { topic: this.topic, frame, ns });
       return { frame, group, ns };
     });
-    const meshes = markers.filter(({ type }) => type === MESH).length;
-    const files = meshes ? `, ${meshes} not drawn: files that messages name are not read` : "";
-    const odd = all.length - markers.length;
-    const places = odd ? `, ${odd} not drawn: their places are not finite` : "";
-    this.status = `${markers.length} markers${files}${places}`;
+    const parts = [
+      [markers.filter(({ type }) => type === MESH), "files that messages name are not read"],
+      [all.filter((one) => !hasPlace(one)), "their places are not finite"],
+      [all.filter(({ type }) => type < 0 || type > TRIANGLES), "their types are unknown"],
+      [all.filter(({ color, colors }) => !(color[3] > 0) && !colors.length), "their color.a is 0"],
+    ];
+    const undrawn = parts.flatMap(([some = [], why]) => (some.length ? [`${some.length} not drawn: ${why}`] : []));
+    this.status = [`${markers.length} markers`, ...undrawn].join(", ");
   }
 
   /** @param {string} color */
@@ -99,6 +119,7 @@ export class Display {
     if (this.color === color) return;
     this.color = color;
     this.isPainted = true;
+    this.trail?.mesh.material.color.set(color);
     this.make();
   }
 
@@ -112,16 +133,19 @@ export class Display {
   place(content, frames, bodies, now) {
     let lost = "";
     if (this.isStale) this.make();
-    for (const { frame, group } of this.parts) {
+    for (const part of this.parts) {
+      const { frame, group } = part;
+      const isOld = frames.silent.has(this.topic) || frames.isOld(bodies.frameOf(frame, this.topic));
+      if (isOld !== Boolean(part.isOld)) setOld(group, (part.isOld = isOld));
       const pose = frames.pose(bodies.frameOf(frame, this.topic), bodies.fixed, now);
       group.visible = pose !== null;
       if (pose) group.matrix.copy(matrixOf(pose));
-      else lost = frame;
+      else lost = frame ? `no transform from ${frame} to ${bodies.fixed}` : "its frame_id is empty";
       group.matrixAutoUpdate = false;
       if (group.parent !== content) content.add(group);
     }
-    this.lost = lost && `no transform from ${lost} to ${bodies.fixed}`;
-    if (this.trailMesh?.parent !== content && this.trailMesh) content.add(this.trailMesh);
+    this.lost = lost;
+    if (this.trail && !this.trail.mesh.parent) content.add(this.trail.mesh);
   }
 
   /**
@@ -131,21 +155,16 @@ export class Display {
    * @param {number} now
    */
   leaveTrail(frames, fixed, now) {
-    const { trail, latest } = this;
+    const { latest } = this;
     if (latest?.kind !== "odometry" || !hasPlace(latest)) return;
-    if (trail.fixed !== fixed) Object.assign(trail, { fixed, places: [], group: undefined });
+    if (this.trail?.fixed !== fixed) {
+      if (this.trail) dispose(this.trail.mesh);
+      this.trail = new Trail(fixed, this.color);
+    }
     const base = frames.pose(latest.frame, fixed, now);
     const pose = base && matrixOf(base).multiply(matrixOf(latest.pose));
     if (!pose) return;
-    const at = /** @type {[number, number, number]} */ ([pose.elements[12], pose.elements[13], LIFT]);
-    const last = trail.places.at(-1);
-    const way = last ? Math.hypot(at[0] - last[0], at[1] - last[1]) : Infinity;
-    if (way < TRAIL_STEP) return;
-    if (way > 1 && last) trail.places = []; // the robot was moved elsewhere
-    trail.places.push(at);
-    if (trail.places.length > TRAIL) trail.places.shift();
-    if (this.trailMesh) dispose(this.trailMesh);
-    this.trailMesh = band(trail.places, 0.035, this.color, 0.75);
+    this.trail.add([pose.elements[12], pose.elements[13], LIFT]);
   }
 
   clear() {
@@ -154,7 +173,8 @@ export class Display {
   }
 
   close() {
+    this.stream?.close();
     this.clear();
-    if (this.trailMesh) dispose(this.trailMesh);
+    if (this.trail) dispose(this.trail.mesh);
   }
 }

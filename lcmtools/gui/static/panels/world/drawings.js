@@ -1,22 +1,8 @@
 // Functions that draw a message, by its kind: points, bands, arrows, maps.
 
-import {
-  BufferAttribute,
-  BufferGeometry,
-  CanvasTexture,
-  Color,
-  DoubleSide,
-  InstancedMesh,
-  Matrix4,
-  Mesh,
-  MeshBasicMaterial,
-  MeshStandardMaterial,
-  NearestFilter,
-  PlaneGeometry,
-  Points,
-  PointsMaterial,
-} from "../../vendor/three/three.js";
-import { matrixOf, ribbonOf, triples } from "./geometry.js";
+import * as THREE from "../../vendor/three/three.js";
+import { geometryOf, matrixOf, ribbonOf, triples } from "./geometry.js";
+import { litMaterial } from "./light.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
@@ -24,6 +10,8 @@ import { matrixOf, ribbonOf, triples } from "./geometry.js";
  */
 
 const FLOAT = 7; // of sensor_msgs/PointField
+const DOUBLE = 8;
+const MOST_CELLS = 4096; // of a map's side; of a larger one every second, third ... cell is drawn
 const FAR = 6; // [m] distance beyond which all points have the same shade
 const MOST_POINTS = 400_000;
 export const LIFT = 0.012; // [m] above the ground, for drawings on it
@@ -41,12 +29,10 @@ export const KINDS = {
     hasColor: true,
     draw: (group, data, payload, color) => {
       const ranges = new Float32Array(payload);
-      /** @type {number[]} */
-      const places = [];
-      ranges.forEach((range, index) => {
-        if (!(range >= data.shortest && range <= data.longest && Number.isFinite(range))) return;
+      const places = Array.from(ranges).flatMap((range, index) => {
+        if (!(range >= data.shortest && range <= data.longest && Number.isFinite(range))) return [];
         const angle = data.first + index * data.step;
-        places.push(range * Math.cos(angle), range * Math.sin(angle), 0);
+        return [range * Math.cos(angle), range * Math.sin(angle), 0];
       });
       group.add(cloudOf(new Float32Array(places), null, color, 5));
       group.add(fan(ranges, data, color));
@@ -72,7 +58,7 @@ export const KINDS = {
     hasColor: true,
     draw: (group, _, payload, color) => {
       const places = triples(new Float32Array(payload)).map(([x, y, z]) => /** @type {[number, number, number]} */ ([x, y, z + LIFT]));
-      group.add(band(places, 0.025, color, 0.9));
+      group.add(band(places, color));
     },
   },
   odometry: { name: "odometry", hasColor: true, draw: (group, data, _, color) => group.add(pointer(data.pose, color)) },
@@ -81,14 +67,13 @@ export const KINDS = {
     name: "poses",
     hasColor: true,
     draw: (group, _, payload, color) => {
-      const numbers = new Float32Array(payload);
+      const numbers = Array.from(new Float32Array(payload));
       const count = Math.floor(numbers.length / 7);
-      const mesh = new InstancedMesh(arrowShape(0.25), new MeshBasicMaterial({ color }), count);
+      const mesh = new THREE.InstancedMesh(arrowShape(0.25), new THREE.MeshBasicMaterial({ color }), count);
       for (let index = 0; index < count; index += 1) {
-        mesh.setMatrixAt(index, matrixOf(/** @type {any} */ ([...numbers.subarray(7 * index, 7 * index + 7)])));
+        mesh.setMatrixAt(index, matrixOf(/** @type {any} */ (numbers.slice(7 * index, 7 * index + 7))));
       }
-      mesh.frustumCulled = false;
-      group.add(mesh);
+      group.add(Object.assign(mesh, { frustumCulled: false }));
     },
   },
   grid: { name: "map", draw: (group, data, payload) => group.add(map(data, new Int8Array(payload))) },
@@ -101,13 +86,10 @@ export const KINDS = {
  * @param {number} size [px]
  */
 function cloudOf(places, colors, color, size) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(places, 3));
-  if (colors) geometry.setAttribute("color", new BufferAttribute(colors, 3));
+  const geometry = geometryOf(colors ? { position: places, color: colors } : { position: places });
   const look = { size: size * Math.min(devicePixelRatio, 2), sizeAttenuation: false, toneMapped: false };
-  const found = new Points(geometry, new PointsMaterial(colors ? { ...look, vertexColors: true } : { ...look, color }));
-  found.frustumCulled = false;
-  return found;
+  const material = new THREE.PointsMaterial(colors ? { ...look, vertexColors: true } : { ...look, color });
+  return Object.assign(new THREE.Points(geometry, material), { frustumCulled: false });
 }
 
 /**
@@ -117,39 +99,36 @@ function cloudOf(places, colors, color, size) {
  * @param {string} color
  */
 function fan(ranges, data, color) {
-  const places = new Float32Array(9 * Math.max(0, ranges.length - 1));
   const ends = Array.from(ranges, (range, index) => {
     const seen = range >= data.shortest && range <= data.longest ? range : range > data.shortest ? data.longest : 0;
     const way = Number.isFinite(seen) ? seen : 0;
     const angle = data.first + index * data.step;
     return [way * Math.cos(angle), way * Math.sin(angle)];
   });
-  for (let index = 1; index < ends.length; index += 1) {
-    const [a, b] = /** @type {number[][]} */ ([ends[index - 1], ends[index]]);
-    places.set([0, 0, 0, .../** @type {number[]} */ (a), 0, .../** @type {number[]} */ (b), 0], 9 * (index - 1));
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(places, 3));
-  const look = { color, transparent: true, opacity: 0.1, depthWrite: false, side: DoubleSide, toneMapped: false };
-  const found = new Mesh(geometry, new MeshBasicMaterial(look));
-  found.frustumCulled = false;
-  found.renderOrder = 3;
-  return found;
+  const places = ends.slice(1).flatMap((end, index) => [0, 0, 0, ...(ends[index] ?? end), 0, ...end, 0]);
+  const look = { color, transparent: true, opacity: 0.1, depthWrite: false, side: THREE.DoubleSide, toneMapped: false };
+  const geometry = geometryOf({ position: new Float32Array(places) });
+  const found = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial(look));
+  return Object.assign(found, { frustumCulled: false, renderOrder: 3 });
+}
+
+/**
+ * Create the material of a band on the ground.
+ * @param {string} color
+ * @param {number} opacity
+ */
+export function bandMaterial(color, opacity) {
+  const look = { color, transparent: true, opacity, side: THREE.DoubleSide, depthWrite: false, toneMapped: false };
+  return new THREE.MeshBasicMaterial({ ...look, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -12 });
 }
 
 /**
  * @param {[number, number, number][]} places
- * @param {number} width
  * @param {string} color
- * @param {number} opacity
  */
-export function band(places, width, color, opacity) {
-  const look = { color, transparent: true, opacity, side: DoubleSide, depthWrite: false, toneMapped: false };
-  const offset = { polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -12 };
-  const found = new Mesh(ribbonOf([places], width), new MeshBasicMaterial({ ...look, ...offset }));
-  found.renderOrder = 2;
-  found.frustumCulled = false;
-  return found;
+function band(places, color) {
+  const found = new THREE.Mesh(ribbonOf([places], 0.025), bandMaterial(color, 0.9));
+  return Object.assign(found, { frustumCulled: false, renderOrder: 2 });
 }
 
 /**
@@ -158,9 +137,9 @@ export function band(places, width, color, opacity) {
  * @param {string} color
  */
 export function pointer(pose, color) {
-  const look = { color, side: DoubleSide, roughness: 0.6, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -16 };
-  const found = new Mesh(arrowShape(0.7), new MeshStandardMaterial(look));
-  found.applyMatrix4(new Matrix4().multiplyMatrices(matrixOf(pose), new Matrix4().makeTranslation(0, 0, LIFT)));
+  const look = { color, side: THREE.DoubleSide, roughness: 0.6, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -16 };
+  const found = new THREE.Mesh(arrowShape(0.7), litMaterial(look));
+  found.applyMatrix4(new THREE.Matrix4().multiplyMatrices(matrixOf(pose), new THREE.Matrix4().makeTranslation(0, 0, LIFT)));
   found.renderOrder = 2;
   return found;
 }
@@ -168,13 +147,8 @@ export function pointer(pose, color) {
 /** @param {number} length [m] */
 function arrowShape(length) {
   const [neck, half, wide] = [0.62 * length, 0.07 * length, 0.2 * length];
-  const corners = [0, -half, neck, -half, neck, half, 0, -half, neck, half, 0, half, neck, -wide, length, 0, neck, wide];
-  const places = new Float32Array((corners.length / 2) * 3);
-  for (let index = 0; index < corners.length / 2; index += 1) {
-    places.set([/** @type {number} */ (corners[2 * index]), /** @type {number} */ (corners[2 * index + 1]), 0], 3 * index);
-  }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(places, 3));
+  const shaft = [0, -half, 0, neck, -half, 0, neck, half, 0, 0, -half, 0, neck, half, 0, 0, half, 0];
+  const geometry = geometryOf({ position: new Float32Array([...shaft, neck, -wide, 0, length, 0, 0, neck, wide, 0]) });
   geometry.computeVertexNormals();
   return geometry;
 }
@@ -191,19 +165,19 @@ function readCloud(data, payload, chosen) {
   const little = !data.isBigEndian;
   /** @param {string} name */
   const field = (name) => data.fields.find((/** @type {any[]} */ one) => one[0] === name);
-  const [x, y, z] = ["x", "y", "z"].map((name) => (field(name)?.[2] === FLOAT ? field(name)[1] : -1));
+  const [x, y, z] = ["x", "y", "z"].map((name) => reader(view, field(name), little));
   const rgb = field("rgb") ?? field("rgba");
   const total = Math.min(data.width * data.height, Math.floor(payload.byteLength / (data.pointStep || 1)));
   const step = Math.max(1, Math.ceil(total / MOST_POINTS));
   const places = new Float32Array(3 * Math.ceil(total / step));
   const colors = new Float32Array(places.length);
   let at = 0;
-  if (x < 0 || y < 0 || z < 0) return { places: places.subarray(0, 0), colors: colors.subarray(0, 0) };
-  const tone = new Color();
+  if (!x || !y || !z) throw new Error("it has no x, y and z as float32 or float64");
+  const tone = new THREE.Color();
   for (let index = 0; index < total; index += step) {
     const start = Math.floor(index / data.width) * data.rowStep + (index % data.width) * data.pointStep;
     if (start + data.pointStep > payload.byteLength) break;
-    const place = [view.getFloat32(start + x, little), view.getFloat32(start + y, little), view.getFloat32(start + z, little)];
+    const place = [x(start), y(start), z(start)];
     if (!place.every(Number.isFinite)) continue;
     places.set(place, at);
     const distance = Math.min(1, Math.hypot(...place) / FAR);
@@ -217,26 +191,44 @@ function readCloud(data, payload, chosen) {
 }
 
 /**
+ * Return a function that reads a field of the point that begins at an offset; null if it is no float.
+ * @param {DataView} view
+ * @param {[string, number, number] | undefined} field its name, offset and type
+ * @param {boolean} little
+ * @returns {((start: number) => number) | null}
+ */
+function reader(view, field, little) {
+  const [, offset = 0, type] = field ?? [];
+  if (type === FLOAT) return (start) => view.getFloat32(start + offset, little);
+  return type === DOUBLE ? (start) => view.getFloat64(start + offset, little) : null;
+}
+
+/**
  * @param {any} data
  * @param {Int8Array} cells
  */
 function map(data, cells) {
+  const step = Math.max(1, Math.ceil(Math.max(data.width, data.height) / MOST_CELLS));
   const canvas = document.createElement("canvas");
-  canvas.width = data.width || 1;
-  canvas.height = data.height || 1;
+  canvas.width = Math.floor(data.width / step) || 1;
+  canvas.height = Math.floor(data.height / step) || 1;
   const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const image = pen.createImageData(canvas.width, canvas.height);
-  cells.forEach((cell, index) => {
-    const row = canvas.height - 1 - Math.floor(index / canvas.width);
-    const light = cell < 0 ? 128 : 255 - 2.55 * cell;
-    image.data.set([light, light, light, cell < 0 ? 90 : 255], 4 * (row * canvas.width + (index % canvas.width)));
-  });
+  for (let row = 0; row < canvas.height; row += 1) {
+    for (let column = 0; column < canvas.width; column += 1) {
+      const cell = cells[row * step * data.width + column * step] ?? -1;
+      const light = cell < 0 ? 128 : 255 - 2.55 * cell;
+      const at = 4 * ((canvas.height - 1 - row) * canvas.width + column);
+      image.data[at] = image.data[at + 1] = image.data[at + 2] = light;
+      image.data[at + 3] = cell < 0 ? 90 : 255;
+    }
+  }
   pen.putImageData(image, 0, 0);
   const [width, height] = [data.width * data.resolution, data.height * data.resolution];
-  const texture = new CanvasTexture(canvas);
-  texture.magFilter = NearestFilter;
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.magFilter = THREE.NearestFilter;
   const look = { map: texture, transparent: true, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 };
-  const found = new Mesh(new PlaneGeometry(width, height).translate(width / 2, height / 2, 0.004), new MeshBasicMaterial(look));
+  const found = new THREE.Mesh(new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0.004), new THREE.MeshBasicMaterial(look));
   found.applyMatrix4(matrixOf(data.origin));
   return found;
 }

@@ -3,11 +3,12 @@
 const DELAY = 60; // [ms] behind the newest pose, so that there is a pose on each side
 const KEPT = 4;
 const DEEPEST = 50;
+const STILL = 1e-5; // [m], and of a quaternion: a robot at rest in a simulator moves less
 
 /**
  * @typedef {[number, number, number, number, number, number, number]} Pose position [m] and quaternion
  * @typedef {{time: number, pose: Pose}} Sample
- * @typedef {{parent: string, source: string, samples: Sample[]}} Frame
+ * @typedef {{name: string, parent: string, source: string, samples: Sample[]}} Frame
  */
 
 /** @type {Pose} */
@@ -20,10 +21,13 @@ export class Frames {
     this.frames = new Map();
     /** @type {Map<string, Pose>} */
     this.held = new Map();
+    /** The topics that have fallen silent. @type {Set<string>} */
+    this.silent = new Set();
   }
 
   /**
-   * Add a frame's pose in its parent. An odometry's pose counts only without a transform.
+   * Add a frame's pose in its parent; return true if it differs from the last one. An odometry's pose
+   * counts only without a transform.
    * @param {string} source the topic
    * @param {string} parent
    * @param {string} child
@@ -33,20 +37,37 @@ export class Frames {
    */
   add(source, parent, child, pose, now, isWeak = false) {
     let frame = this.frames.get(child);
-    if (isWeak && frame && frame.source !== source) return;
+    if (isWeak && frame && frame.source !== source) return false;
     if (!frame || frame.parent !== parent) {
-      frame = { parent, source, samples: [] };
+      frame = { name: child, parent, source, samples: [] };
       this.frames.set(child, frame);
     }
     frame.source = source;
+    const last = frame.samples.at(-1)?.pose;
     frame.samples.push({ time: now, pose });
     if (frame.samples.length > KEPT) frame.samples.shift();
+    return !last || last.some((value, index) => Math.abs(value - /** @type {number} */ (pose[index])) > STILL);
   }
 
   /**
-   * Remove the frames of a topic.
-   * @param {string} source
+   * Return true if a frame's place is old: a topic that says it, or a parent's, has fallen silent.
+   * @param {string} name
    */
+  isOld(name) {
+    return this.chain(name).some(({ source }) => this.silent.has(source));
+  }
+
+  /** Return a frame and its parents, up to the root's child. @param {string} name */
+  chain(name) {
+    /** @type {Frame[]} */
+    const found = [];
+    for (let frame = this.frames.get(name); frame && found.length < DEEPEST; frame = this.frames.get(frame.parent)) {
+      found.push(frame);
+    }
+    return found;
+  }
+
+  /** Remove the frames of a topic. @param {string} source */
   drop(source) {
     for (const [name, frame] of this.frames) if (frame.source === source) this.frames.delete(name);
   }
@@ -61,20 +82,12 @@ export class Frames {
     else this.held.delete(name);
   }
 
-  /**
-   * Return the names of frames and parents.
-   * @returns {string[]}
-   */
+  /** Return the names of frames and parents. */
   names() {
-    const found = new Set(this.frames.keys());
-    for (const { parent } of this.frames.values()) found.add(parent);
-    return [...found].sort();
+    return [...new Set([...this.frames.values()].flatMap(({ name, parent }) => [name, parent]))].sort();
   }
 
-  /**
-   * Return the root with the most descendants, or "world" if that is a root.
-   * @returns {string}
-   */
+  /** Return the root with the most descendants, or "world" if that is a root. */
   root() {
     /** @type {Map<string, number>} */
     const counts = new Map();
@@ -87,12 +100,7 @@ export class Frames {
 
   /** @param {string} name */
   rootOf(name) {
-    for (let depth = 0; depth < DEEPEST; depth += 1) {
-      const parent = this.frames.get(name)?.parent;
-      if (parent === undefined) break;
-      name = parent;
-    }
-    return name;
+    return this.chain(name).at(-1)?.parent ?? name;
   }
 
   /**
@@ -114,15 +122,10 @@ export class Frames {
    * @returns {Pose}
    */
   inRoot(name, now) {
-    /** @type {Pose} */
-    let pose = HERE;
-    for (let depth = 0; depth < DEEPEST; depth += 1) {
-      const frame = this.frames.get(name);
-      if (!frame) break;
-      pose = product(this.held.get(name) ?? between(frame.samples, now - DELAY), pose);
-      name = frame.parent;
-    }
-    return pose;
+    return this.chain(name).reduce(
+      (pose, frame) => product(this.held.get(frame.name) ?? between(frame.samples, now - DELAY), pose),
+      HERE,
+    );
   }
 }
 
@@ -139,24 +142,11 @@ function between(samples, time) {
   const before = samples[after - 1];
   if (!before || time >= next.time) return next.pose;
   const share = Math.max(0, (time - before.time) / (next.time - before.time));
-  return mixed(before.pose, next.pose, share);
-}
-
-/**
- * @param {Pose} a
- * @param {Pose} b
- * @param {number} share of b
- * @returns {Pose}
- */
-export function mixed(a, b, share) {
-  const dot = a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6];
-  const sign = dot < 0 ? -1 : 1;
-  const found = /** @type {Pose} */ (
-    a.map((value, index) => value + ((index < 3 ? 1 : sign) * /** @type {number} */ (b[index]) - value) * share)
-  );
-  const length = Math.hypot(found[3], found[4], found[5], found[6]) || 1;
-  for (let index = 3; index < 7; index += 1) found[index] = /** @type {number} */ (found[index]) / length;
-  return found;
+  const [a, b] = [before.pose, next.pose];
+  const sign = a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6] < 0 ? -1 : 1;
+  const found = a.map((value, index) => value + ((index < 3 ? 1 : sign) * (b[index] ?? 0) - value) * share);
+  const length = Math.hypot(...found.slice(3)) || 1;
+  return /** @type {Pose} */ (found.map((value, index) => (index < 3 ? value : value / length)));
 }
 
 /**
@@ -184,7 +174,7 @@ export function product(outer, inner) {
  * @param {Pose} pose
  * @returns {Pose}
  */
-export function inverse([x, y, z, qx, qy, qz, qw]) {
+function inverse([x, y, z, qx, qy, qz, qw]) {
   /** @type {Pose} */
   const turn = [0, 0, 0, -qx, -qy, -qz, qw];
   const [bx, by, bz] = rotated(turn, -x, -y, -z);
@@ -209,10 +199,7 @@ function rotated([, , , qx, qy, qz, qw], x, y, z) {
   ];
 }
 
-/**
- * Return the heading of a pose [rad].
- * @param {Pose} pose
- */
+/** Return the heading of a pose [rad]. @param {Pose} pose */
 export function heading([, , , x, y, z, w]) {
   return Math.atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z));
 }

@@ -1,10 +1,11 @@
 // Geometry of the world: poses as matrices, bands along lines, and freeing graphics memory.
 
-import { BufferAttribute, BufferGeometry, Matrix4, Quaternion, Vector3 } from "../../vendor/three/three.js";
+import * as THREE from "../../vendor/three/three.js";
 
 /** @typedef {import("./frames.js").Pose} Pose */
 
-export const UNIT = new Vector3(1, 1, 1);
+const OLD = "#8d9196"; // of what has not been heard of for some time
+export const UNIT = new THREE.Vector3(1, 1, 1);
 
 /**
  * Create flat bands along lines, as if painted on the ground.
@@ -24,9 +25,18 @@ export function ribbonOf(strips, width) {
   }
   const normals = new Float32Array(places.length);
   for (let index = 2; index < normals.length; index += 3) normals[index] = 1;
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
-  geometry.setAttribute("normal", new BufferAttribute(normals, 3));
+  return geometryOf({ position: new Float32Array(places), normal: normals });
+}
+
+/**
+ * Create a geometry from its attributes, which have three numbers for each corner.
+ * @param {Record<string, Float32Array>} attributes
+ */
+export function geometryOf(attributes) {
+  const geometry = new THREE.BufferGeometry();
+  for (const [name, numbers] of Object.entries(attributes)) {
+    geometry.setAttribute(name, new THREE.BufferAttribute(numbers, 3));
+  }
   return geometry;
 }
 
@@ -42,9 +52,9 @@ function edges(strip, index, half) {
   const isLoop = last > 2 && Math.hypot(...difference(strip[0], strip[last])) < 1e-6;
   const before = strip[index - 1] ?? (isLoop ? strip[last - 1] : strip[index]);
   const after = strip[index + 1] ?? (isLoop ? strip[1] : strip[index]);
-  const [dx, dy] = difference(after, before);
-  const length = Math.hypot(/** @type {number} */ (dx), /** @type {number} */ (dy)) || 1;
-  const [sx, sy] = [(-(/** @type {number} */ (dy)) / length) * half, (/** @type {number} */ (dx) / length) * half];
+  const [dx = 0, dy = 0] = difference(after, before);
+  const length = Math.hypot(dx, dy) || 1;
+  const [sx, sy] = [(-dy / length) * half, (dx / length) * half];
   return [
     [x - sx, y - sy, z],
     [x + sx, y + sy, z],
@@ -61,37 +71,47 @@ function difference(a = [0, 0, 0], b = [0, 0, 0]) {
 
 /** @param {Pose} pose */
 export function matrixOf([x, y, z, qx, qy, qz, qw]) {
-  const turn = new Quaternion(qx, qy, qz, qw);
+  const turn = new THREE.Quaternion(qx, qy, qz, qw);
   if (turn.lengthSq() === 0) turn.w = 1; // like rviz, read an all-zero rotation as none
-  return new Matrix4().compose(new Vector3(x, y, z), turn.normalize(), UNIT);
+  return new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), turn.normalize(), UNIT);
 }
 
-/**
- * @param {ArrayLike<number>} numbers
- * @returns {[number, number, number][]}
- */
+/** @param {ArrayLike<number>} numbers */
 export function triples(numbers) {
-  /** @type {[number, number, number][]} */
-  const found = [];
-  for (let index = 0; index + 2 < numbers.length; index += 3) {
-    found.push([
-      /** @type {number} */ (numbers[index]),
-      /** @type {number} */ (numbers[index + 1]),
-      /** @type {number} */ (numbers[index + 2]),
-    ]);
-  }
-  return found;
+  const all = Array.from(numbers);
+  const starts = Array.from({ length: Math.floor(all.length / 3) }, (_, index) => 3 * index);
+  return starts.map((start) => /** @type {[number, number, number]} */ (all.slice(start, start + 3)));
 }
 
 /**
- * Free the graphics memory of an object and its children.
+ * Draw an object and its children in grey, or in their own colours again; not the ground.
+ * @param {any} object
+ * @param {boolean} isOld
+ */
+export function setOld(object, isOld) {
+  object.traverse((/** @type {any} */ one) => {
+    if (!one.material || object.userData.isGround) return;
+    if (one.userData.own) {
+      one.material = one.userData.own;
+      delete one.userData.own;
+    }
+    if (!isOld) return;
+    one.userData.own = one.material;
+    one.material = Object.assign(one.material.clone(), { onBeforeCompile: one.material.onBeforeCompile });
+    one.material.color?.set(OLD);
+    one.material.vertexColors = false;
+  });
+}
+
+/**
+ * Free the graphics memory of an object and its children. Materials have none but their program, which
+ * three.js would delete with the last of them, and translate again for the next message.
  * @param {any} object
  */
 export function dispose(object) {
   object.traverse((/** @type {any} */ one) => {
     one.geometry?.dispose();
-    one.material?.map?.dispose();
-    one.material?.dispose();
+    (one.userData.own ?? one.material)?.map?.dispose();
   });
   object.removeFromParent();
 }

@@ -1,16 +1,19 @@
 // The ground's material, which contains the grid lines, so that they do not flicker.
 
-import { Color, Mesh, MeshStandardMaterial, PlaneGeometry, Vector3 } from "../../vendor/three/three.js";
+import * as THREE from "../../vendor/three/three.js";
+import { light, lightCorners, litMaterial } from "./light.js";
 
 const SIZE = 500; // [m]
 
 /** The parameters shared by all grounds: the colour of the lines, and the centre from which they fade. */
-export const lines = { color: { value: new Color() }, centre: { value: new Vector3() } };
+export const lines = { color: { value: new THREE.Color() }, centre: { value: new THREE.Vector3() } };
 
 /** Create a material with a line every metre, a strong one every ten, fading with the distance. */
 export function groundMaterial() {
-  const material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.95 });
+  const material = litMaterial({ vertexColors: true, roughness: 0.95 });
+  const { isPlain } = light;
   material.onBeforeCompile = (/** @type {any} */ shader) => {
+    if (isPlain) lightCorners(shader);
     shader.uniforms.lineColor = lines.color;
     shader.uniforms.lineCentre = lines.centre;
     shader.vertexShader = shader.vertexShader
@@ -21,8 +24,9 @@ export function groundMaterial() {
         "#include <common>",
         `#include <common>
         varying vec3 linePlace; uniform vec3 lineColor, lineCentre;
-        float lineAt(float size, float width) {
-          vec2 at = linePlace.xy / size, pixel = fwidth(at);
+        float lineAt(vec2 pixel, float size, float width) {
+          vec2 at = linePlace.xy / size;
+          pixel /= size;
           vec2 far = abs(fract(at - 0.5) - 0.5) - width / size;
           vec2 found = 1.0 - smoothstep(vec2(0.0), 1.5 * pixel, far);
           return max(found.x, found.y) * (1.0 - smoothstep(0.12, 0.5, max(pixel.x, pixel.y)));
@@ -32,7 +36,8 @@ export function groundMaterial() {
         "#include <color_fragment>",
         `#include <color_fragment>
         float lineFade = 1.0 - smoothstep(6.0, 45.0, distance(linePlace, lineCentre));
-        float line = max(0.2 * lineAt(1.0, 0.004), 0.38 * lineAt(10.0, 0.009)) * lineFade;
+        vec2 linePixel = fwidth(linePlace.xy);
+        float line = max(0.2 * lineAt(linePixel, 1.0, 0.004), 0.38 * lineAt(linePixel, 10.0, 0.009)) * lineFade;
         diffuseColor.rgb = mix(diffuseColor.rgb, lineColor, line);`,
       );
   };
@@ -44,8 +49,7 @@ export function plainGround() {
   const material = groundMaterial();
   material.vertexColors = false;
   material.color.set("#b9bdb8");
-  const found = new Mesh(new PlaneGeometry(SIZE, SIZE), material);
-  found.receiveShadow = true;
+  const found = new THREE.Mesh(new THREE.PlaneGeometry(SIZE, SIZE), material);
   found.position.z = -0.002;
-  return found;
+  return Object.assign(found, { receiveShadow: true });
 }

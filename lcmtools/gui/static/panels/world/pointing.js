@@ -1,5 +1,6 @@
 // Moving bodies and choosing poses in the world with the pointer.
 
+import { hexColor } from "../../theme.js";
 import { pointer } from "./drawings.js";
 import { heading } from "./frames.js";
 import { dispose } from "./geometry.js";
@@ -9,43 +10,35 @@ const TURN = 0.01; // [rad] for each pixel with Shift
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
- * @typedef {{node: string, name: string, frame: string}} Body
- * @typedef {{
- *   view: import("./view.js").View,
- *   tool: () => "look" | "move" | "pose",
- *   bodyAt: (hit: any) => Body | null,
- *   poseOf: (frame: string) => Pose | null,
- *   hold: (frame: string, pose: Pose | null) => void,
- *   put: (body: Body, pose: Pose) => Promise<boolean>,
- *   send: (pose: Pose) => void,
- *   color: () => string,
- * }} Owner
  */
 
 /** Applies the chosen tool to the pointer's events. */
 export class Pointing {
-  /** @param {Owner} owner */
-  constructor(owner) {
-    this.owner = owner;
+  /**
+   * @param {import("../world.js").default} world
+   * @param {import("./view.js").View} view
+   */
+  constructor(world, view) {
+    this.world = world;
+    this.view = view;
     /** @type {((event: PointerEvent) => void) | null} */
     this.onMove = null;
     /** @type {(() => void) | null} */
     this.onEnd = null;
-    const { canvas } = owner.view;
+    const { canvas } = view;
     canvas.addEventListener("pointerdown", (event) => this.begin(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this.onMove?.(event));
-    canvas.addEventListener("pointerup", () => this.end());
-    canvas.addEventListener("pointercancel", () => this.end());
+    for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, () => this.end());
   }
 
   /** @param {PointerEvent} event */
   begin(event) {
     if (event.button !== 0 || !event.isPrimary) return;
-    const tool = this.owner.tool();
-    if (tool !== "look") this.owner.view.refresh();
+    const { view } = this;
+    const tool = this.world.context.canCommand ? this.world.tool : "look";
+    if (tool !== "look") view.refresh();
     const started = tool === "move" ? this.drag(event) : tool === "pose" ? this.aim(event) : false;
     if (!started) return;
-    const { view } = this.owner;
     view.controls.enabled = false;
     try {
       view.canvas.setPointerCapture(event.pointerId);
@@ -57,8 +50,8 @@ export class Pointing {
   end() {
     this.onEnd?.();
     this.onMove = this.onEnd = null;
-    this.owner.view.controls.enabled = true;
-    this.owner.view.invalidate(300);
+    this.view.controls.enabled = true;
+    this.view.invalidate(300);
   }
 
   /**
@@ -66,10 +59,11 @@ export class Pointing {
    * @param {PointerEvent} event
    */
   drag(event) {
-    const { view, bodyAt, poseOf, hold, put } = this.owner;
+    const { view } = this;
+    const { bodies, frames, simulator } = this.world;
     const hits = view.ray(event).intersectObjects(view.content.children, true);
-    const body = hits.length ? bodyAt(hits[0]) : null;
-    const start = body && poseOf(body.frame);
+    const body = hits.length ? bodies.ofMesh(hits[0].object, simulator.nodes) : null;
+    const start = body && frames.pose(body.frame, "world", performance.now());
     const from = hits.length ? view.place(event, hits[0].point.z) : null;
     if (!body || !start || !from) return false;
     const height = hits[0].point.z;
@@ -82,13 +76,13 @@ export class Pointing {
       if (isBusy) return;
       isBusy = true;
       while (wanted) {
-        const next = wanted;
+        const [px, py, , , , qz, qw] = wanted;
         wanted = null;
-        await put(body, next);
+        await simulator.call("set_pose", { name: body.name, x: px, y: py, qz, qw }, body.node);
         await new Promise((resolve) => setTimeout(resolve, PERIOD));
       }
       isBusy = false;
-      if (!this.onMove) hold(body.frame, null);
+      if (!this.onMove) frames.hold(body.frame, null);
     };
     this.onMove = (moved) => {
       const at = view.place(moved, height);
@@ -100,12 +94,12 @@ export class Pointing {
       }
       [x, y] = [moved.clientX, moved.clientY];
       wanted = pose;
-      hold(body.frame, pose);
+      frames.hold(body.frame, pose);
       view.invalidate(300);
       send();
     };
     this.onEnd = () => {
-      if (!isBusy) hold(body.frame, null);
+      if (!isBusy) frames.hold(body.frame, null);
     };
     return Number.isFinite(y);
   }
@@ -115,24 +109,25 @@ export class Pointing {
    * @param {PointerEvent} event
    */
   aim(event) {
-    const { view, send, color } = this.owner;
+    const { view } = this;
+    const color = hexColor("--accent");
     const at = view.place(event);
     if (!at) return false;
     let pose = flat(at[0], at[1], 0);
-    let arrow = pointer(pose, color());
+    let arrow = pointer(pose, color);
     view.content.add(arrow);
     this.onMove = (moved) => {
       const end = view.place(moved);
       if (!end || Math.hypot(end[0] - at[0], end[1] - at[1]) < 0.05) return;
       pose = flat(at[0], at[1], Math.atan2(end[1] - at[1], end[0] - at[0]));
       dispose(arrow);
-      arrow = pointer(pose, color());
+      arrow = pointer(pose, color);
       view.content.add(arrow);
       view.invalidate();
     };
     this.onEnd = () => {
       dispose(arrow);
-      send(pose);
+      this.world.sendPose(pose);
     };
     return true;
   }

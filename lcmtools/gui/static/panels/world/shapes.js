@@ -1,30 +1,9 @@
 // Markers as meshes. All markers of a body share one mesh, so that many robots are drawn quickly.
 
-import {
-  BoxGeometry,
-  BufferAttribute,
-  BufferGeometry,
-  CanvasTexture,
-  CylinderGeometry,
-  DoubleSide,
-  FrontSide,
-  Group,
-  LatheGeometry,
-  Matrix4,
-  Mesh,
-  MeshStandardMaterial,
-  Points,
-  PointsMaterial,
-  Quaternion,
-  RoundedBoxGeometry,
-  SphereGeometry,
-  Sprite,
-  SpriteMaterial,
-  Vector2,
-  Vector3,
-} from "../../vendor/three/three.js";
-import { UNIT, matrixOf, ribbonOf, triples } from "./geometry.js";
+import * as THREE from "../../vendor/three/three.js";
+import { UNIT, geometryOf, matrixOf, ribbonOf, triples } from "./geometry.js";
 import { groundMaterial } from "./ground.js";
+import { light, litMaterial } from "./light.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
@@ -44,7 +23,7 @@ const SPHERE_LIST = 7;
 const POINTS = 8;
 const TEXT = 9;
 export const MESH = 10; // from a file
-const TRIANGLES = 11;
+export const TRIANGLES = 11; // the last one
 const LARGE = 30; // [m]; longer and wider boxes are ground, which casts no shadow
 const ROUNDING = 0.012; // [m] of edges
 
@@ -57,7 +36,7 @@ const known = new Map();
  * @returns {any} a group
  */
 export function bodyOf(markers) {
-  const group = new Group();
+  const group = new THREE.Group();
   const opaque = markers.filter((marker) => isSolid(marker) && opacity(marker) === 1);
   const ground = opaque.filter(({ scale }) => Math.min(scale[0], scale[1]) > LARGE);
   const lines = opaque.filter((marker) => isLine(marker));
@@ -93,7 +72,7 @@ function solidOf(markers, { shadow = false, opacity = 1, offset = 0 }) {
   const places = new Float32Array(3 * count);
   const normals = new Float32Array(3 * count);
   const colors = new Float32Array(3 * count);
-  const point = new Vector3();
+  const point = new THREE.Vector3();
   let at = 0;
   for (const { shape, matrix, color } of parts) {
     const { position, normal } = shape.attributes;
@@ -103,26 +82,18 @@ function solidOf(markers, { shadow = false, opacity = 1, offset = 0 }) {
       colors.set(color, at);
     }
   }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(places, 3));
-  geometry.setAttribute("normal", new BufferAttribute(normals, 3));
-  geometry.setAttribute("color", new BufferAttribute(colors, 3));
-  const material = new MeshStandardMaterial({
+  const material = litMaterial({
     vertexColors: true,
-    roughness: 0.72,
-    metalness: 0.03,
     transparent: opacity < 1,
     opacity,
     depthWrite: opacity === 1,
-    side: offset ? DoubleSide : FrontSide,
+    side: offset ? THREE.DoubleSide : THREE.FrontSide,
     polygonOffset: offset !== 0,
     polygonOffsetFactor: offset,
     polygonOffsetUnits: 4 * offset,
   });
-  const mesh = new Mesh(geometry, material);
-  mesh.castShadow = shadow;
-  mesh.receiveShadow = true;
-  return mesh;
+  const mesh = new THREE.Mesh(geometryOf({ position: places, normal: normals, color: colors }), material);
+  return Object.assign(mesh, { castShadow: shadow, receiveShadow: true });
 }
 
 /**
@@ -133,20 +104,18 @@ function partsOf(marker) {
   const { type, scale, points } = marker;
   const own = matrixOf(marker.pose);
   const color = linear(marker.color);
-  if (type === CUBE || type === SPHERE || type === CYLINDER) {
-    return [{ shape: solid(type, scale), matrix: own, color }];
-  }
+  if (type === ARROW) return arrow(marker).map((part) => ({ ...part, color }));
   if (type === CUBE_LIST || type === SPHERE_LIST) {
     const shape = solid(type === CUBE_LIST ? CUBE : SPHERE, scale);
     return triples(points).map(([x, y, z], index) => ({
       shape,
-      matrix: own.clone().multiply(new Matrix4().makeTranslation(x, y, z)),
+      matrix: own.clone().multiply(new THREE.Matrix4().makeTranslation(x, y, z)),
       color: colorAt(marker, index),
     }));
   }
-  if (type === ARROW) return arrow(marker).map((part) => ({ ...part, color }));
-  if (type === TRIANGLES) return [{ shape: triangles(points), matrix: own, color }];
-  return [{ shape: ribbon(marker), matrix: own, color }];
+  const isSimple = type === CUBE || type === SPHERE || type === CYLINDER;
+  const shape = isSimple ? solid(type, scale) : type === TRIANGLES ? triangles(points) : ribbon(marker);
+  return [{ shape, matrix: own, color }];
 }
 
 /**
@@ -167,7 +136,7 @@ function linear([r, g, b]) {
  * @param {number[]} scale
  */
 function solid(type, scale) {
-  const key = `${type} ${scale}`;
+  const key = `${light.isPlain} ${type} ${scale}`;
   let shape = known.get(key);
   if (!shape) {
     shape = newSolid(type, /** @type {[number, number, number]} */ (scale));
@@ -183,25 +152,19 @@ function solid(type, scale) {
  * @param {[number, number, number]} scale
  */
 function newSolid(type, [x, y, z]) {
+  const { isPlain } = light;
   const least = Math.min(x, y, z);
   const rounding = Math.min(ROUNDING, 0.18 * least);
   if (type === CUBE) {
-    return least > 0 && Math.min(x, y) < LARGE ? new RoundedBoxGeometry(x, y, z, 2, rounding) : new BoxGeometry(x, y, z);
+    return least > 0 && !isPlain && Math.min(x, y) < LARGE ? new THREE.RoundedBoxGeometry(x, y, z, 2, rounding) : new THREE.BoxGeometry(x, y, z);
   }
-  if (type === SPHERE) return new SphereGeometry(0.5, 24, 16).scale(x, y, z);
+  if (type === SPHERE) return (isPlain ? new THREE.SphereGeometry(0.5, 16, 10) : new THREE.SphereGeometry(0.5, 24, 16)).scale(x, y, z);
+  if (isPlain) return new THREE.CylinderGeometry(0.5, 0.5, z, 20).rotateX(Math.PI / 2).scale(x, y, 1);
   const [radius, half] = [x / 2, z / 2];
   const edge = Math.min(rounding, 0.3 * radius);
-  const outline = [
-    new Vector2(0, -half),
-    new Vector2(radius - edge, -half),
-    new Vector2(radius - 0.3 * edge, -half + 0.3 * edge),
-    new Vector2(radius, -half + edge),
-    new Vector2(radius, half - edge),
-    new Vector2(radius - 0.3 * edge, half - 0.3 * edge),
-    new Vector2(radius - edge, half),
-    new Vector2(0, half),
-  ];
-  const shape = sharp(outline, 36);
+  const top = [[0, half], [radius - edge, half], [radius - 0.3 * edge, half - 0.3 * edge], [radius, half - edge]];
+  const bottom = top.map(([across, up = 0]) => [across, -up]);
+  const shape = sharp([...bottom, ...top.toReversed()].map((at) => new THREE.Vector2(...at)), 36);
   return x === y ? shape : shape.scale(1, y / x, 1);
 }
 
@@ -211,22 +174,12 @@ function newSolid(type, [x, y, z]) {
  * @param {number} segments
  */
 function sharp(outline, segments) {
-  const pieces = outline.slice(1).map((end, index) => {
-    const piece = new LatheGeometry([outline[index], end], segments).toNonIndexed();
-    return piece.rotateX(Math.PI / 2);
-  });
-  const count = pieces.reduce((sum, piece) => sum + piece.attributes.position.count, 0);
-  const geometry = new BufferGeometry();
-  for (const name of ["position", "normal"]) {
-    const values = new Float32Array(3 * count);
-    let at = 0;
-    for (const piece of pieces) {
-      values.set(piece.attributes[name].array, at);
-      at += piece.attributes[name].array.length;
-    }
-    geometry.setAttribute(name, new BufferAttribute(values, 3));
-  }
-  return geometry;
+  const pieces = outline.slice(1).map((end, index) =>
+    new THREE.LatheGeometry([outline[index], end], segments).toNonIndexed().rotateX(Math.PI / 2),
+  );
+  /** @param {string} name */
+  const joined = (name) => new Float32Array(pieces.flatMap(({ attributes }) => [...attributes[name].array]));
+  return geometryOf({ position: joined("position"), normal: joined("normal") });
 }
 
 /** @param {Marker} marker */
@@ -235,16 +188,16 @@ function arrow({ pose, scale, points }) {
   let [length, width, head] = [scale[0], scale[1], 0.25 * scale[0]];
   let headWidth = 2 * width;
   if (points.length >= 6) {
-    const [from, to] = triples(points).map((at) => new Vector3().fromArray(at));
+    const [from, to] = triples(points).map((at) => new THREE.Vector3().fromArray(at));
     const along = to.clone().sub(from);
     length = along.length();
     [width, headWidth] = [scale[0], scale[1]];
     head = scale[2] || 0.25 * length;
-    const turn = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), along.normalize());
-    own.multiply(new Matrix4().compose(from, turn, UNIT));
+    const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(1, 0, 0), along.normalize());
+    own.multiply(new THREE.Matrix4().compose(from, turn, UNIT));
   }
-  const shaft = new CylinderGeometry(width / 2, width / 2, length - head, 16).toNonIndexed();
-  const tip = new CylinderGeometry(0, headWidth / 2, head, 20).toNonIndexed();
+  const shaft = new THREE.CylinderGeometry(width / 2, width / 2, length - head, 16).toNonIndexed();
+  const tip = new THREE.CylinderGeometry(0, headWidth / 2, head, 20).toNonIndexed();
   shaft.rotateZ(-Math.PI / 2).translate((length - head) / 2, 0, 0);
   tip.rotateZ(-Math.PI / 2).translate(length - head / 2, 0, 0);
   return [shaft, tip].map((shape) => ({ shape, matrix: own }));
@@ -252,9 +205,8 @@ function arrow({ pose, scale, points }) {
 
 /** @param {number[]} points */
 function triangles(points) {
-  const geometry = new BufferGeometry();
   const whole = points.length - (points.length % 9);
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(points.slice(0, whole)), 3));
+  const geometry = geometryOf({ position: new Float32Array(points.slice(0, whole)) });
   geometry.computeVertexNormals();
   return geometry;
 }
@@ -266,8 +218,8 @@ function ribbon({ type, scale, points }) {
   return ribbonOf(/** @type {[number, number, number][][]} */ (strips), scale[0] || 0.01);
 }
 
-/** @param {Marker} marker */
-function label({ pose, scale, text, color }) {
+/** @param {Pick<Marker, "pose" | "scale" | "text" | "color">} marker */
+export function label({ pose, scale, text, color }) {
   const canvas = document.createElement("canvas");
   const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const font = "600 48px system-ui, sans-serif";
@@ -281,7 +233,7 @@ function label({ pose, scale, text, color }) {
   pen.strokeText(text, 12, 38);
   pen.fillStyle = `rgba(${color.slice(0, 3).map((value) => Math.round(255 * value))}, ${color[3]})`;
   pen.fillText(text, 12, 38);
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: true }));
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: new THREE.CanvasTexture(canvas), depthTest: true }));
   const height = 1.4 * (scale[2] || 0.2);
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   sprite.position.fromArray(pose);
@@ -290,11 +242,9 @@ function label({ pose, scale, text, color }) {
 
 /** @param {Marker} marker */
 function dots(marker) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(marker.points), 3));
   const colors = triples(marker.points).flatMap((_, index) => colorAt(marker, index));
-  geometry.setAttribute("color", new BufferAttribute(new Float32Array(colors), 3));
-  const found = new Points(geometry, new PointsMaterial({ size: marker.scale[0] || 0.03, vertexColors: true }));
+  const geometry = geometryOf({ position: new Float32Array(marker.points), color: new Float32Array(colors) });
+  const found = new THREE.Points(geometry, new THREE.PointsMaterial({ size: marker.scale[0] || 0.03, vertexColors: true }));
   found.applyMatrix4(matrixOf(marker.pose));
   return found;
 }

@@ -1,26 +1,19 @@
 // The sidebar of the world: displays with checkboxes and colours, and the robots' poses.
 
-import { element, fill, set, write } from "../../elements.js";
+import { button, element, fill, set, write } from "../../elements.js";
 import { KINDS } from "./drawings.js";
 import { heading } from "./frames.js";
 
 /**
  * @typedef {import("./frames.js").Pose} Pose
  * @typedef {import("../world.js").Topic} Topic
- * @typedef {{
- *   isShown: (topic: Topic) => boolean,
- *   color: (topic: Topic) => string,
- *   show: (topic: Topic, isShown: boolean) => void,
- *   paint: (topic: Topic, color: string) => void,
- *   look: (name: string) => void,
- * }} Owner
  */
 
 /** The sidebar. */
 export class Sidebar {
-  /** @param {Owner} owner */
-  constructor(owner) {
-    this.owner = owner;
+  /** @param {import("../world.js").default} world */
+  constructor(world) {
+    this.world = world;
     /** @type {Map<string, {row: HTMLElement, status: HTMLElement}>} */
     this.rows = new Map();
     this.displays = element("ul", { class: "world-displays" });
@@ -50,10 +43,7 @@ export class Sidebar {
   setTopics(topics) {
     this.none.hidden = topics.length > 0;
     this.rows.clear();
-    fill(
-      this.displays,
-      topics.map((topic) => this.row(topic)),
-    );
+    fill(this.displays, topics.map((topic) => this.row(topic)));
   }
 
   /** @param {string[]} types */
@@ -64,24 +54,22 @@ export class Sidebar {
 
   /** @param {Topic} topic */
   row(topic) {
-    const { owner } = this;
+    const { world } = this;
     const kind = KINDS[topic.kind];
-    const tick = element("input", { type: "checkbox", onchange: () => owner.show(topic, tick.checked) });
-    tick.checked = owner.isShown(topic);
+    const checked = world.isShown(topic);
+    const tick = element("input", { type: "checkbox", checked, onchange: () => world.show(topic, tick.checked) });
     const status = element("small");
-    const color = kind?.hasColor
-      ? element("input", {
-          type: "color",
-          "aria-label": `Colour of ${topic.topic}`,
-          oninput: (/** @type {Event} */ event) => owner.paint(topic, /** @type {HTMLInputElement} */ (event.target).value),
-        })
-      : null;
-    if (color) color.value = owner.color(topic);
+    const color = element("input", {
+      type: "color",
+      value: world.colorOf(topic),
+      "aria-label": `Colour of ${topic.topic}`,
+      oninput: () => world.paint(topic, color.value),
+    });
     const row = element(
       "li",
       { title: `${topic.topic}, ${topic.type}` },
       element("label", {}, tick, element("span", { class: "mono" }, topic.topic)),
-      color,
+      kind?.hasColor && color,
       status,
     );
     this.rows.set(topic.topic, { row, status });
@@ -107,14 +95,14 @@ export class Sidebar {
     bodies.forEach(({ name, pose }, index) => {
       let line = this.bodies.children[index];
       if (!line) {
-        const button = element("button", { type: "button", onclick: () => this.owner.look(button.dataset["name"] ?? "") });
-        line = element("li", {}, button, element("span", { class: "number" }));
+        const look = button("", () => this.world.camera?.lookAt(look.dataset["name"] ?? ""));
+        line = element("li", {}, look, element("span", { class: "number" }));
         this.bodies.append(line);
       }
-      const [button, text] = /** @type {[HTMLElement, HTMLElement]} */ ([...line.children]);
-      button.dataset["name"] = name;
-      set(button, "title", `Look at ${name}`);
-      write(button, name);
+      const [look, text] = /** @type {[HTMLElement, HTMLElement]} */ ([...line.children]);
+      look.dataset["name"] = name;
+      set(look, "title", `Look at ${name}`);
+      write(look, name);
       const [x, y, yaw] = [pose[0], pose[1], (heading(pose) * 180) / Math.PI];
       write(text, `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m, ${yaw.toFixed(0)}°`);
       line.setAttribute("data-pose", `${name} ${x.toFixed(4)} ${y.toFixed(4)} ${heading(pose).toFixed(4)}`);

@@ -1,9 +1,11 @@
 // The controls of a simulator: pause, step, reset and rate; and its time.
 
-import { button, element, fill, icon, iconButton, set, write } from "../../elements.js";
+import { button, element, fill, icon, iconButton, selection, set, write } from "../../elements.js";
 import { mistakeText } from "../../texts.js";
 
-const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"];
+const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"].map(
+  (rate) => /** @type {[string, string]} */ ([rate, rate === "0" ? "fastest" : `${rate} ×`]),
+);
 
 /** The toolbar's controls of simulators. */
 export class Simulator {
@@ -23,22 +25,10 @@ export class Simulator {
     this.pause = iconButton("pause", "Pause", () => this.toggle());
     this.step = button("Step", () => this.call("step", { steps: 24 }), { title: "Do 24 steps while paused" });
     this.reset = button("Reset", () => this.call("reset"), { title: "Start again" });
-    this.rate = element(
-      "select",
-      { "aria-label": "Rate of simulated time", title: "Rate of simulated time", onchange: () => this.call("set_rate", { rate: Number(this.rate.value) }) },
-      RATES.map((rate) => element("option", { value: rate }, rate === "0" ? "fastest" : `${rate} ×`)),
-    );
-    this.rate.value = "1";
+    this.rate = selection("Rate of simulated time", RATES, "1", (rate) => this.call("set_rate", { rate: Number(rate) }));
     this.clock = element("output", { class: "number", "aria-label": "Simulated time" });
-    this.element = element(
-      "div",
-      { class: "world-simulator", role: "group", "aria-label": "Simulator" },
-      this.pause,
-      this.step,
-      this.reset,
-      this.rate,
-      this.clock,
-    );
+    const about = { class: "world-simulator", role: "group", "aria-label": "Simulator" };
+    this.element = element("div", about, this.pause, this.step, this.reset, this.rate, this.clock);
     context.onChange(() => this.show());
   }
 
@@ -68,9 +58,7 @@ export class Simulator {
   show() {
     const may = this.context.canCommand;
     this.element.hidden = !this.nodes.length;
-    const label = this.isPaused ? "Resume" : "Pause";
-    set(this.pause, "aria-label", label);
-    set(this.pause, "title", label);
+    for (const name of ["aria-label", "title"]) set(this.pause, name, this.isPaused ? "Resume" : "Pause");
     fill(this.pause, icon(this.isPaused ? "play" : "pause"));
     this.pause.disabled = this.reset.disabled = this.rate.disabled = !may;
     this.step.disabled = !may || !this.isPaused;

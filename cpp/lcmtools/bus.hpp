@@ -1,0 +1,69 @@
+// The choice of the bus, as in lcmtools/settings. Include node.hpp instead.
+#pragma once
+
+#include <lcm/lcm.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "lcmtools/names.hpp"
+
+namespace lcmtools::detail {
+
+// Return "key: value" of the user's settings file, or "".
+inline std::string user_setting(const std::string& key) {
+  const char *config = std::getenv("XDG_CONFIG_HOME"), *home = std::getenv("HOME");
+  const std::string folder = config && *config ? config : std::string(home ? home : "") + "/.config";
+  std::ifstream file(folder + "/lcmtools/config.yaml");
+  for (std::string line; std::getline(file, line);) {
+    if (line.compare(0, key.size() + 1, key + ":") != 0) continue;
+    line = line.substr(key.size() + 1, line.find(" #") - key.size() - 1);
+    line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return names::is_in(c, " \t\r'\""); }), line.end());
+    return line;
+  }
+  return "";
+}
+
+inline std::string domain_url(const std::string& domain) {
+  const bool is_number = !domain.empty() && domain.size() < 4 && std::all_of(domain.begin(), domain.end(), names::is_digit);
+  if (!is_number || std::stoi(domain) > 232)
+    throw Error("'" + domain + "' is not a domain", "a domain is a number from 0 to 232");
+  return "udpm://239.255.76.67:" + std::to_string(7667 + std::stoi(domain)) + "?ttl=0";
+}
+
+// Return the bus: of the command line, else the environment, else the user's file, else the default.
+inline std::string choose_url(const Arguments& arguments) {
+  const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+  if (!arguments.lcm_url.empty()) return arguments.lcm_url;
+  if (!arguments.domain.empty()) return domain_url(arguments.domain);
+  if (const auto url = variable("LCM_DEFAULT_URL"); !url.empty()) return url;
+  if (const auto domain = variable("LCMTOOLS_DOMAIN"); !domain.empty()) return domain_url(domain);
+  if (const auto url = user_setting("lcm_url"); !url.empty()) return url;
+  const auto domain = user_setting("domain");
+  return domain_url(domain.empty() ? "0" : domain);
+}
+
+inline std::string default_namespace() {
+  const char* variable = std::getenv("LCMTOOLS_NAMESPACE");
+  return variable && *variable ? variable : user_setting("namespace");
+}
+
+inline lcm_t* open_bus(const std::string& url) {
+  static const std::vector<std::string> providers = {"udpm", "mpudpm", "tcpq", "memq", "file"};
+  const auto provider = url.substr(0, url.find("://"));
+  const std::string example = "write udpm://239.255.76.67:7667?ttl=0";
+  if (provider == "zenoh") throw Error(url + ": liblcm has no Zenoh", "lcmtools relay connects it with another bus");
+  if (std::find(providers.begin(), providers.end(), provider) == providers.end())
+    throw Error("LCM URL '" + url + "': no LCM provider '" + provider + "'", example);
+  const auto group = url.substr(std::min(url.size(), provider.size() + 3));
+  if (provider.find("udpm") != std::string::npos && !group.empty() && group[0] != '?' && group.find(':') == std::string::npos)
+    throw Error("LCM URL '" + url + "': the port is missing", example);
+  lcm_t* lcm = lcm_create(url.c_str());
+  if (!lcm) throw Error("cannot connect to " + url, "see lcmtools wtf");
+  return lcm;
+}
+
+}  // namespace lcmtools::detail

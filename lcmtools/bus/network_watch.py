@@ -1,0 +1,164 @@
+"""Membership that follows the network.
+
+A socket joins a multicast group on the interface that the route to it has at that moment, and hears
+nothing more once messages are sent over another one: a laptop that gets a cable, a network that
+goes away. Whenever the system's interfaces or routes change, the sockets join their groups again.
+On Linux the system reports changes (rtnetlink(7)); elsewhere there is a look once a second.
+
+On Linux a socket also joins on the loopback interface, over which messages go while there is no
+route at all (see ``multicast.send_to_group``).
+"""
+
+import contextlib
+import errno
+import os
+import socket
+import struct
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from weakref import WeakKeyDictionary
+
+from lcmtools.bus.kernel import IS_LINUX
+
+_NETLINK_ROUTE = 0
+_CHANGES = 0x1 | 0x10 | 0x40 | 0x80  # RTMGRP_LINK, _IPV4_IFADDR, _IPV4_ROUTE, _IPV4_RULE
+_PERIOD = 1.0  # [s] between looks where the system does not report changes
+LOOPBACK = 1  # number of Linux's loopback interface in every network namespace
+_TOLD: dict[bool, str] = {
+    True: "the network has changed: messages to {group} now go over {interface}",
+    False: "there is no route to {group}: messages reach only programs of this computer",
+}
+
+
+def route_interface(group: str) -> str:
+    """Return the interface of the route to a group; "" if there is none or it is unknown."""
+    best, found = (-1, 0), ""
+    try:
+        lines = Path("/proc/net/route").read_text().splitlines()[1:]
+    except OSError:
+        return ""
+    own = struct.unpack("=I", socket.inet_aton(group))[0]
+    for columns in map(str.split, lines):
+        with contextlib.suppress(ValueError, IndexError):
+            network, mask = int(columns[1], 16), int(columns[7], 16)
+            rank = mask.bit_count(), -int(columns[6])  # the longest prefix, the smallest metric
+            if own & mask == network and rank > best:
+                best, found = rank, columns[0]
+    return found
+
+
+def join(receiver: socket.socket, group: str) -> bool:
+    """Join a group on the interface of the route to it; return False if that is done already.
+
+    Raises:
+        OSError: There is no route.
+    """
+    membership = struct.pack("=4sl", socket.inet_aton(group), socket.INADDR_ANY)
+    try:
+        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+    except OSError as error:
+        if error.errno != errno.EADDRINUSE:
+            raise
+        return False
+    return True
+
+
+def join_loopback(receiver: socket.socket, group: str) -> None:
+    """Join a group on the loopback interface as well, on Linux."""
+    if IS_LINUX:
+        with contextlib.suppress(OSError):
+            membership = struct.pack("=4s4si", socket.inet_aton(group), b"", LOOPBACK)
+            receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+
+
+class NetworkWatch:
+    """The sockets of this process that are in multicast groups, and the thread that joins again."""
+
+    def __init__(self) -> None:
+        self._members: WeakKeyDictionary[socket.socket, str] = WeakKeyDictionary()
+        self._interfaces: dict[str, str] = {}  # of the routes to the groups
+        self._tell: list[Callable[[str], None]] = []
+        self._thread: threading.Thread | None = None
+
+    def follow(self, receiver: socket.socket, group: str) -> None:
+        """Let a socket that has joined a group join again, until it is closed or freed."""
+        self._members[receiver] = group
+        self._interfaces.setdefault(group, route_interface(group))
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="network watch", daemon=True)
+            with contextlib.suppress(RuntimeError):  # no more threads: then it is not followed
+                self._thread.start()
+
+    def tell(self, listener: Callable[[str], None]) -> None:
+        """Call a function with a sentence, on another thread, when a group's route changes."""
+        self._tell.append(listener)
+
+    def forget(self, listener: Callable[[str], None]) -> None:
+        """Undo ``tell``."""
+        with contextlib.suppress(ValueError):
+            self._tell.remove(listener)
+
+    def leave_to_parent(self) -> None:
+        """Begin again in a forked process, which has no such thread and needs none at first."""
+        self._members.clear()
+        self._interfaces.clear()
+        self._tell.clear()
+        self._thread = None
+
+    def look(self) -> None:
+        """Join again where the routes lead now."""
+        for receiver, group in tuple(self._members.items()):
+            with contextlib.suppress(OSError):  # no route now, or closed meanwhile
+                join(receiver, group)
+        for group, before in tuple(self._interfaces.items()):
+            now = route_interface(group)
+            if now != before:
+                self._interfaces[group] = now
+                text = _TOLD[bool(now)].format(group=group, interface=now)
+                for listener in tuple(self._tell):
+                    listener(text)
+
+    def _run(self) -> None:
+        changes = _changes()
+        self.look()  # for a change since the first socket joined
+        while True:
+            if changes is None:
+                time.sleep(_PERIOD)
+            else:
+                with contextlib.suppress(OSError):  # ENOBUFS: some reports are lost
+                    changes.recv(1 << 16)
+            self.look()
+
+
+def _changes() -> socket.socket | None:
+    """Return a socket that receives a report of each change; None if the system has none."""
+    if sys.platform != "linux":
+        return None
+    try:
+        changes = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_ROUTE)
+        changes.bind((0, _CHANGES))
+    except OSError:  # a sandbox without netlink
+        return None
+    return changes
+
+
+network_watch = NetworkWatch()
+"""The watch of this process."""
+
+
+def member(group: str) -> socket.socket:
+    """Return a socket that is in a group and follows the network, for sockets of liblcm.
+
+    On Linux, sockets receive what reaches the computer for any member (IP_MULTICAST_ALL, ip(7)).
+    """
+    joined = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    with contextlib.suppress(OSError):  # no route now
+        join(joined, group)
+    network_watch.follow(joined, group)
+    return joined
+
+
+os.register_at_fork(after_in_child=network_watch.leave_to_parent)

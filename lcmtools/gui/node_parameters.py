@@ -1,0 +1,30 @@
+"""Requests of pages for the parameters of nodes."""
+
+from typing import cast
+
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source, publishers_of
+from lcmtools.node.parameters import service_name
+from lcmtools.observe.reading.find import find_node
+from lcmtools.publish.parameter_report import record
+from lcmtools.publish.remote_parameters import exchange_parameters, require_parameters
+from lcmtools.types import lcmtools_msgs as msgs
+
+_TIMEOUT = 3.0  # [s]
+
+
+def read(source: Source, parameters: Parameters) -> Json:
+    """Return the parameters of ``node``, with values as YAML; see ``exchange_parameters``."""
+    return _exchange(source, parameters, {})
+
+
+def change(source: Source, parameters: Parameters) -> Json:
+    """Set a parameter by ``name`` to ``value`` (YAML); return all of the node's parameters."""
+    return _exchange(source, parameters, {parameters.text("name"): parameters.text("value")})
+
+
+def _exchange(source: Source, parameters: Parameters, texts: dict[str, str]) -> Json:
+    node = require_parameters(find_node(source.latest.graph, parameters.text("node"))).name
+    client = publishers_of(source).client(msgs.Parameters, service_name(node))
+    found = exchange_parameters(client, node, _TIMEOUT, texts)
+    return cast("Json", [{**record(node, one), "value": one.value} for one in found.values()])

@@ -1,0 +1,168 @@
+"""The stream of the tree of frames: each frame below its parent, its age, and who publishes it."""
+
+import threading
+from collections import defaultdict, deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from lcmtools.errors import DecodeError
+from lcmtools.graph.model import Graph
+from lcmtools.gui.drawings import transform_fault
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.messages.registry import type_name
+from lcmtools.observe.channels.activity import SILENT_AFTER
+from lcmtools.observe.reading.senders import SenderNames
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools.wire.packet import Packet, Sender
+
+_MOST_WAITING = 5000  # messages between two updates
+_MOST_LINKS = 5000
+
+
+@dataclass(slots=True)
+class Link:
+    """A frame in a parent, as one topic says it."""
+
+    topic: str
+    time: int  # of the last message [ns since 1970]
+    sender: Sender | None = None
+    count: int = 1  # of messages
+
+
+class Place(NamedTuple):
+    """The place of a frame in the tree."""
+
+    frame: str
+    depth: int
+    is_looped: bool  # no root leads to it: it is in a loop, or below one
+
+
+Links = Mapping[str, Mapping[str, Link]]  # by child and parent
+
+
+def current_parents(links: Links) -> dict[str, list[str]]:
+    """Return the parents of each frame, the latest first; old ones only if there are no others."""
+    found = {}
+    for child, parents in links.items():
+        latest = max(link.time for link in parents.values())
+        present = [one for one, link in parents.items() if latest - link.time < SILENT_AFTER]
+        found[child] = sorted(present, key=lambda one: -parents[one].time)
+    return found
+
+
+def ordered(parents: Mapping[str, Sequence[str]]) -> Iterator[Place]:
+    """Yield each frame below its parent; a loop begins with its first frame."""
+    children = defaultdict(list)
+    for child in sorted(parents, reverse=True):
+        children[parents[child][0]].append(child)
+    roots = sorted(children.keys() - parents.keys())
+    seen = set[str]()
+    for start in (*roots, *sorted(parents)):
+        waiting = [(start, 0)]
+        while waiting:
+            frame, depth = waiting.pop()
+            if frame not in seen:
+                seen.add(frame)
+                yield Place(frame, depth, start in parents)
+                waiting += [(child, depth + 1) for child in children.get(frame, ())]
+
+
+def loop_of(frame: str, parents: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the frames of the loop that a frame is in, from it to itself; none without one."""
+    path = [frame]
+    while path[-1] in parents:
+        path.append(parents[path[-1]][0])
+        if path[-1] == frame:
+            return path
+        if len(path) > len(parents) + 1:  # a loop above it
+            break
+    return []
+
+
+class FrameTree(PageStream):
+    """The frames of all topics of tf2_msgs/TFMessage as a tree.
+
+    Lines are a frame, its depth, its age [s], publisher and topic, and what is wrong with it.
+    """
+
+    period = 0.5
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._lock = threading.Lock()
+        self._waiting = deque[Packet](maxlen=_MOST_WAITING)
+        self._followed: set[str] = set()
+        self._links: dict[str, dict[str, Link]] = defaultdict(dict)
+        self._names = SenderNames()
+        self._mistake = ""
+
+    def update(self) -> Update:
+        """Return the present tree."""
+        latest = self.source.latest
+        for row in latest.rows:
+            if type_name(TFMessage) in row.types and row.channel not in self._followed:
+                self._followed.add(row.channel)
+                self.until_closed(self.source.follow(row.channel, self._receive))
+        with self._lock:
+            packets, self._waiting = self._waiting, deque(maxlen=_MOST_WAITING)
+        for packet in packets:
+            self._add(packet)
+        senders = {link.sender for links in self._links.values() for link in links.values()}
+        self._names.update(senders, latest.graph.nodes)
+        parents = current_parents(self._links)
+        lines = list(ordered(parents))
+        roots = [one.frame for one in lines if not one.depth]
+        about = f"{len(roots)} trees that nothing connects: {', '.join(roots)}" if roots[1:] else ""
+        return Update({"about": about, "lines": [self._line(one, parents) for one in lines]})
+
+    def problem(self) -> str:
+        """Return which transform is ignored, or that there is none."""
+        none = "" if self._followed else "no topic has transforms (tf2_msgs/TFMessage)"
+        return self._mistake or none
+
+    def _receive(self, packet: Packet) -> None:
+        with self._lock:
+            self._waiting.append(packet)
+
+    def _add(self, packet: Packet) -> None:
+        try:
+            message = self.source.decode(packet)
+        except DecodeError as error:
+            self._mistake = f"{packet.channel}: {error}"
+            return
+        for one in message.transforms if isinstance(message, TFMessage) else ():
+            child, parent = one.child_frame_id, one.header.frame_id
+            if fault := transform_fault(one):
+                self._mistake = f"{packet.channel}: {fault}"
+            elif link := self._links[child].get(parent):
+                link.topic, link.time, link.sender = packet.channel, packet.time, packet.sender
+                link.count += 1
+            elif len(self._links) < _MOST_LINKS:
+                self._links[child][parent] = Link(packet.channel, packet.time, packet.sender)
+
+    def _line(self, place: Place, parents: Mapping[str, Sequence[str]]) -> Json:
+        frame, depth, is_looped = place
+        if frame not in parents:
+            return [frame, depth, None, "", "", ""]
+        graph, (parent, *others) = self.source.latest.graph, parents[frame]
+        link = self._links[frame][parent]
+        age = max(0, graph.time - link.time)
+        faults = [f"also in {one}, by {self._name(self._links[frame][one])}" for one in others]
+        if is_looped and (loop := loop_of(frame, parents)):
+            faults.append(f"a loop: {' in '.join(loop)}")
+        if _is_old(link, age, graph):
+            faults.append("old")
+        return [frame, depth, round(age / 1e9, 1), self._name(link), link.topic, "; ".join(faults)]
+
+    def _name(self, link: Link) -> str:
+        known = self.source.latest.row(link.topic).senders
+        return self._names.name(link.sender) if link.sender or not known else ", ".join(known)
+
+
+def _is_old(link: Link, age: int, graph: Graph) -> bool:
+    """Return whether a frame that was published repeatedly no longer is."""
+    return link.count > 1 and age > SILENT_AFTER and not graph.topic(link.topic).is_latched

@@ -1,0 +1,137 @@
+"""Building nodes in C++ with CMake: those of a package, or that of one source.
+
+Belongs here: running CMake, and what is said if a program is missing or a build fails. Must not
+know the command line.
+"""
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.messages.registry import packages
+from lcmtools.packages.cpp import cpp_folder, find_liblcm
+from lcmtools.packages.cpp_nodes import PROJECT, cpp_sources, included, source_text, wrong_include
+from lcmtools.packages.create import cmake_entry, cmake_text
+from lcmtools.packages.programs import built_program
+from lcmtools.packages.runnable_nodes import Runnable
+
+_NEEDED = {"cmake": "cmake", "c++": "g++", "make": "make"}
+"""The programs that building needs, and the packages of Debian and Ubuntu that have them."""
+_ERRORS = (
+    re.compile(r"CMake Error at (?:.*/)?([^/\n]+:\d+).*\n\s*(\S.*)"),
+    re.compile(r"([^/\n]+:\d+):\d+: (?:fatal )?error: (.*)"),
+    re.compile(r"(undefined reference to .*|cannot find -l.*)"),
+)
+"""Lines of CMake, of the compiler and of the linker: the place, and what is wrong there."""
+
+
+def has_cpp(folder: Path) -> bool:
+    """Return whether a package's folder has nodes in C++."""
+    return (folder / PROJECT).is_file()
+
+
+def build_cpp(folder: Path) -> None:
+    """Configure and compile a package, in its folder build; what is printed goes to stderr.
+
+    Raises:
+        MissingExtra: There is no CMake, no compiler, or no liblcm.
+        LcmtoolsError: CMake or the compiler fails.
+    """
+    _build(folder, folder.name)
+
+
+@contextlib.contextmanager
+def built_source(source: Path) -> Iterator[Path]:
+    """Build the node of a source, and nothing else; yield its program. Nothing is printed.
+
+    It is built in the package whose CMakeLists.txt declares it. If there is none, the program and
+    its package are temporary, with the types that the source and the headers beside it include.
+
+    Raises:
+        MissingExtra: There is no CMake, no compiler, or no liblcm.
+        LcmtoolsError: CMake or the compiler fails; the error has the first one of theirs.
+    """
+    source = source.resolve()
+    for folder in source.parents:
+        for node in (name for name, file in cpp_sources(folder).items() if file == source):
+            _build(folder, source.name, node)
+            yield built_program(Runnable(folder.name, node, "", folder))
+            return
+    with tempfile.TemporaryDirectory(prefix="lcmtools-cpp-") as own:
+        text = "\n".join(map(source_text, (source, *sorted(source.parent.glob("*.h*")))))
+        types = included(text, packages()) or ["std_msgs"]
+        entry = cmake_entry("program", f'"{source}"', types)
+        Path(own, PROJECT).write_text(cmake_text("program") + entry, "utf-8")
+        _build(Path(own), source.name, "program")
+        yield Path(own, "build", "program").rename(Path(own, source.stem))
+
+
+def _build(folder: Path, name: str, node: str = "") -> None:
+    """Build a package, or only one of its nodes, which prints nothing; ``name`` is for errors."""
+    for program, package in _NEEDED.items():
+        if shutil.which(program) is None:
+            what = f"{name} cannot be built: '{program}' is not installed"
+            raise MissingExtra(what, f"type: sudo apt install {package}")
+    find_liblcm()
+    build = folder / "build"
+    options = [f"-DCMAKE_PREFIX_PATH={cpp_folder()}", f"-DLCMTOOLS_PROGRAM={_own_program()}"]
+    source = ["-S", str(folder), "-B", str(build), "-DCMAKE_BUILD_TYPE=RelWithDebInfo"]
+    target = ["--target", node] if node else []
+    configure = ["cmake", "--log-level=WARNING", *source, *options]
+    for command in (configure, ["cmake", "--build", str(build), *target]):
+        code, printed = _quietly(command) if node else _shown(command)
+        if code:
+            is_include = not node or "No such file" in printed
+            hint = wrong_include(folder, packages()) if is_include else ""
+            hint = hint or _first_error(printed) or "correct the first error above, and build again"
+            raise LcmtoolsError(f"{name} was not built", hint)
+
+
+def _own_program() -> str:
+    program = Path(sysconfig.get_path("scripts")) / "lcmtools"
+    return str(program) if program.is_file() else shutil.which("lcmtools") or ""
+
+
+def _shown(command: list[str]) -> tuple[int, str]:
+    import subprocess
+
+    done = subprocess.run(command, stdout=sys.stderr.fileno(), check=False)  # noqa: S603 - CMake
+    return done.returncode, ""
+
+
+def _quietly(command: list[str]) -> tuple[int, str]:
+    """Run a command in English; return its code and output. Its processes end with this one's."""
+    import subprocess
+
+    with subprocess.Popen(  # noqa: S603 - CMake
+        command,
+        env={**os.environ, "LC_ALL": "C.UTF-8"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        text=True,
+        errors="replace",
+    ) as process:
+        try:
+            printed, _ = process.communicate()
+        except BaseException:  # Ctrl-C, too
+            os.killpg(process.pid, signal.SIGTERM)
+            raise
+    return process.returncode, printed
+
+
+def _first_error(printed: str) -> str:
+    """Return the first error that CMake, the compiler or the linker has printed, in one line."""
+    for pattern in _ERRORS:
+        if found := pattern.search(printed):
+            return ": ".join(filter(None, found.groups()))
+    return printed.strip().rpartition("\n")[2]

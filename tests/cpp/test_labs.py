@@ -1,0 +1,178 @@
+"""The labs in C++: skeletons compile, and the model answers pass the checks of their labs."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.command import Result
+from fixtures.programs import Program
+from fixtures.says import assert_says
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.labs import skeletons
+from lcmtools.packages import cpp
+from lcmtools.packages.cmake import built_source
+from lcmtools.packages.cpp import compiler_flags
+
+Cli = Callable[..., Result]
+ROOT = Path(__file__).parents[2]
+LABS = ROOT / "labs"
+CHECKS = {
+    "kinect_viewer": ("pioneer", "viewer"),
+    "moving_robot": ("dolly", "mover"),
+    "pioneer_manual_controller": ("pioneer", "teleop"),
+    "simple_controller": ("husky", "controller"),
+}
+TYPES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
+
+
+@pytest.fixture(scope="module")
+def compile_program(
+    compiler: str, lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., Path]:
+    """``compile_program(source, flag...)``: compiles it; warnings are errors."""
+    folder = tmp_path_factory.mktemp("labs")
+    generate = [lcmtools_path, "msg", "generate", "--lang", "cpp", str(folder / "types"), *TYPES]
+    subprocess.run(generate, capture_output=True, check=True)
+
+    def make(source: Path, *flags: str) -> Path:
+        program = folder / source.stem
+        words = ["-O0", "-Wall", "-Wextra", "-Werror", *flags, str(source), f"-I{folder / 'types'}"]
+        command = [compiler, *words, *compiler_flags(), "-o", str(program)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return program
+
+    return make
+
+
+def answer(name: str) -> Path:
+    (path,) = LABS.glob(f"*/cpp/{name}.cpp")
+    return path
+
+
+@pytest.mark.parametrize("name", skeletons.CPP_NAMES)
+def test_a_skeleton_compiles_as_it_is(name: str, compile_program: Callable[..., Path]) -> None:
+    source = Path(skeletons.__file__).with_name(f"{name}.cpp")
+    compile_program(source, "-fsyntax-only")
+
+
+@pytest.mark.parametrize("page", ["coming-from-ros1.md", "coming-from-ros2.md"])
+def test_what_a_page_writes_in_place_of_ros_compiles(
+    page: str, compile_program: Callable[..., Path]
+) -> None:
+    part = (ROOT / "docs" / page).read_text().partition("cpp\n\n[Nodes in C++]")[2]
+    named = re.findall(
+        r"lcmtools::\w+|create_\w+|declare_\w+|\w+/\w+\.hpp", part.partition("##")[0]
+    )
+    source = Path(__file__).parent / "programs" / "as_in_ros.cpp"
+    known = f"{source.read_text()} std_msgs/String.hpp rclcpp/rclcpp.hpp msg/twist.hpp"
+    assert len(named) > 5
+    assert [word for word in named if word not in known] == []
+    compile_program(source, "-fsyntax-only")
+
+
+@pytest.mark.usefixtures("quiet_network")
+@pytest.mark.parametrize("name", CHECKS)
+def test_a_model_answer_passes_its_check(
+    name: str, compile_program: Callable[..., Path], cli: Cli
+) -> None:
+    program = compile_program(answer(name))
+    lab, option = CHECKS[name]
+    checked = cli("lab", "check", lab, f"--{option}", str(program))
+    assert checked.code == 0, checked
+
+
+@pytest.mark.usefixtures("quiet_network")
+def test_the_sources_of_a_class_are_built_and_checked(
+    compiler: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the packages of the submissions, or alone; one that does not compile fails alone."""
+    assert compiler
+    shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    create = ("rover", "--cpp", "--node", "moving_robot", "--msg", "Count", "--deps")
+    assert cli("pkg", "create", *create, "geometry_msgs").code == 0
+    mover = answer("moving_robot").read_text()
+    Path("rover/src/moving_robot.cpp").write_text(f"#include <rover/Count.hpp>\n{mover}")
+    with Path("rover/CMakeLists.txt").open("a") as project:
+        project.write("add_executable(unfinished src/unfinished.cpp)\n")
+    Path("rover/src/unfinished.cpp").write_text("int main() { unfinished")
+    Path("class/anna b").mkdir(parents=True)
+    Path("rover").rename("class/rover")
+    Path("class/anna b/my moving_robot.cpp").write_text(mover)
+    wrong = mover.replace("timer_callback", "timr_callback", 1)
+    Path("class/cy.cpp").write_text(wrong)
+    result = cli("lab", "check", "dolly", "--programs", "class", "--json")
+    rows = {one["submission"]: one["rows"] for one in json.loads(result.out)}
+    assert [(name, all(row["ok"] for row in found)) for name, found in rows.items()] == [
+        ("anna b", True),
+        ("cy.cpp", False),
+        ("rover", True),
+    ]
+    (row,) = rows["cy.cpp"]
+    assert row["what"] == "can be built"
+    line = wrong[: wrong.index("timr_callback")].count("\n") + 1
+    assert_says(row["hint"], f"cy.cpp was not built; cy.cpp:{line}: ", "timr_callback")
+
+
+@pytest.mark.parametrize("missing", ["c++", "cmake", "make", "liblcm"])
+def test_what_is_missing_to_build_a_program_is_said_in_its_row(
+    missing: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "moving_robot.cpp"
+    source.write_text("int main() {}")
+    monkeypatch.setattr(shutil, "which", lambda name: None if name == missing else f"/bin/{name}")
+    monkeypatch.setattr(cpp, "find_spec", lambda _: None)
+    monkeypatch.setattr(cpp, "_pkg_config_flags", lambda _: ())
+    result = cli("lab", "check", "dolly", "--mover", str(source))
+    assert result.code == 1
+    assert_says(result.out, "can be built", missing, "sudo apt install ", "0 of 1")
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("int main() { return x; }", "a.cpp:1: .x. was not declared"),
+        ('#include "no.hpp"\nint main() {}', "a.cpp:1: no.hpp: No such file"),
+        ("#include <ros/ros.h>\nint main() {}", "as in ROS; here it is <lcmtools/node.hpp>"),
+        ("void f(); int main() { f(); }", "undefined reference to .f"),
+        ("int f() {}", "undefined reference to .main"),
+        ("#error \xe5\nint main() {}", "a.cpp:1: #error"),
+    ],
+)
+def test_a_source_that_is_not_built_tells_the_first_error(
+    text: str, error: str, compiler: str, tmp_path: Path
+) -> None:
+    assert compiler
+    shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
+    source = tmp_path / "a.cpp"
+    source.write_text(text, "latin-1")
+    with (
+        pytest.raises(LcmtoolsError, match=f"a.cpp was not built; .*{error}"),
+        built_source(source),
+    ):
+        pass
+
+
+def test_the_talker_is_heard_by_the_listener(
+    compile_program: Callable[..., Path],
+    cli: Cli,
+    start: Callable[..., Program],
+    bus_url: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    programs: dict[str, Any] = {
+        name: compile_program(answer(name)) for name in ("listener", "talker")
+    }
+    listener = start(str(programs["listener"]))
+    start(str(programs["talker"]), "__name:=mine")
+    assert "[/listener]: I heard: [hello world " in listener.wait_for("I heard")
+    assert cli("node", "list").out == "/listener\n/mine\n"

@@ -1,0 +1,236 @@
+"""The real bus: what goes over it, and that its sharp edges are covered."""
+
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bus.kernel import IS_LINUX, SUBSCRIBED, marked_sockets
+from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.udp_bus import UdpBus
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError, InvalidName
+
+WaitUntil = Callable[..., None]
+
+
+def test_a_message_arrives_with_the_time_it_came(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil
+) -> None:
+    heard: list[tuple[bytes, int]] = []
+    other.subscribe("/chatter", lambda payload, arrival: heard.append((payload, arrival)))
+    before = time.time_ns()
+    bus.publish("/chatter", b"hello")
+    wait_until(lambda: heard)
+    payload, arrival = heard[0]
+    assert payload == b"hello"
+    assert before <= arrival <= time.time_ns()
+
+
+def test_messages_arrive_in_order(bus: UdpBus, other: UdpBus, wait_until: WaitUntil) -> None:
+    heard: list[int] = []
+    other.subscribe("n", lambda payload, _: heard.append(int(payload)))
+    for number in range(200):
+        bus.publish("n", b"%d" % number)
+    wait_until(lambda: len(heard) == 200)
+    assert heard == list(range(200))
+
+
+def test_a_bus_hears_itself(bus: UdpBus, wait_until: WaitUntil) -> None:
+    heard: list[bytes] = []
+    bus.subscribe("a", lambda payload, _: heard.append(payload))
+    bus.publish("a", b"x")
+    wait_until(lambda: heard == [b"x"])
+
+
+@pytest.mark.parametrize(
+    ("channel", "decoys"),
+    [
+        ("/a.b+", ["/aXb+", "/a.bb", "/a.b", "/a.b+c", "x/a.b+"]),
+        ("A|B", ["A", "B", "AXX", "YB"]),
+        (".*", ["a", ".", "..", "*"]),
+        ("^a$", ["a"]),
+        ("a\\b", ["a", "ab", "a\\\\b"]),
+        ("(?i)a", ["A", "a"]),
+        ("[ab]{2}", ["ab", "aa"]),
+        ("a b\tc#d", ["abc", "ab c"]),
+        ("été ☃", ["ete", "été"]),
+        ("C" * 63, ["C" * 62]),
+    ],
+)
+def test_every_character_of_a_channel_is_literal(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil, channel: str, decoys: list[str]
+) -> None:
+    heard: list[bytes] = []
+    end = threading.Event()
+    other.subscribe(channel, lambda payload, _: heard.append(payload))
+    other.subscribe("END", lambda _payload, _time: end.set())
+    for decoy in decoys:
+        bus.publish(decoy, b"decoy")
+    bus.publish(channel, b"meant")
+    bus.publish("END", b"")
+    wait_until(end.is_set)
+    assert heard == [b"meant"]
+
+
+def test_several_handlers_of_one_channel_hear_each_message_once(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil
+) -> None:
+    heard: list[str] = []
+
+    def one(_payload: bytes, _time: int) -> None:
+        heard.append("one")
+
+    other.subscribe("a", one)
+    other.subscribe("a", lambda _payload, _time: heard.append("two"))
+    bus.publish("a", b"")
+    wait_until(lambda: len(heard) == 2)
+    other.unsubscribe("a", one)
+    bus.publish("a", b"")
+    wait_until(lambda: len(heard) == 3)
+    assert heard == ["one", "two", "two"]
+
+
+def test_an_unsubscribed_channel_is_heard_no_more_until_subscribed_again(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil
+) -> None:
+    heard: list[bytes] = []
+    end: list[bytes] = []
+
+    def handler(payload: bytes, _time: int) -> None:
+        heard.append(payload)
+
+    other.subscribe("END", lambda payload, _: end.append(payload))
+    other.subscribe("a", handler)
+    other.unsubscribe("a", handler)
+    other.unsubscribe("a", handler)
+    bus.publish("a", b"1")
+    bus.publish("END", b"")
+    wait_until(lambda: end)
+    other.subscribe("a", handler)
+    bus.publish("a", b"2")
+    wait_until(lambda: heard)
+    assert heard == [b"2"]
+
+
+def test_handlers_may_subscribe_and_unsubscribe(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil
+) -> None:
+    heard: list[str] = []
+
+    def late(_payload: bytes, _time: int) -> None:
+        heard.append("late")
+
+    def once(_payload: bytes, _time: int) -> None:
+        heard.append("once")
+        other.subscribe("b", late)
+        other.unsubscribe("a", once)
+
+    other.subscribe("a", once)
+    bus.publish("a", b"")
+    bus.publish("a", b"")
+    wait_until(lambda: "once" in heard)
+    bus.publish("b", b"")
+    wait_until(lambda: "late" in heard)
+    assert heard == ["once", "late"]
+
+
+@pytest.mark.parametrize("channel", ["", "a" * 64, "é" * 32, "a\0b"])
+def test_a_channel_that_lcm_cannot_carry_is_refused(bus: UdpBus, channel: str) -> None:
+    with pytest.raises(InvalidName):
+        bus.subscribe(channel, lambda _payload, _time: None)
+    for payload in (b"", bytes(200_000)):
+        with pytest.raises(InvalidName):
+            bus.publish(channel, payload)
+
+
+def test_a_channel_that_is_not_utf8_is_sent_by_udp_only_and_not_heard(
+    bus: UdpBus, wait_until: WaitUntil
+) -> None:
+    with pytest.raises(InvalidName, match="UTF-8"):
+        bus.subscribe("\udcff", lambda _payload, _time: None)
+    with Tap(bus.url, whole=True) as tap:
+        bus.publish("\udcff", b"x")
+        wait_until(lambda: any(one.channel == "\udcff" for one in tap.receive(0.1)))
+    memory = LcmBus(parse_url("memq://"))
+    with pytest.raises(InvalidName, match="UTF-8"):
+        memory.publish("\udcff", b"")
+    memory.close()
+    heard: list[bytes] = []
+    bus.subscribe("a", lambda payload, _: heard.append(payload))
+    bus.publish("a", b"x")
+    wait_until(lambda: heard)
+
+
+def test_a_closed_bus_refuses_messages_and_subscriptions(bus_url: str) -> None:
+    bus = UdpBus(parse_url(bus_url))
+    bus.close()
+    with pytest.raises(BusError, match="closed"):
+        bus.publish("a", b"")
+    with pytest.raises(BusError, match="closed"):
+        bus.subscribe("a", lambda _payload, _time: None)
+    bus.unsubscribe("a", lambda _payload, _time: None)
+
+
+def test_closing_ends_the_threads_and_frees_the_descriptors(bus_url: str) -> None:
+    def descriptors() -> int:
+        return len(list(Path("/proc/self/fd").iterdir()))
+
+    UdpBus(parse_url(bus_url)).close()
+    threads, files = threading.active_count(), descriptors()
+    for _ in range(10):
+        bus = UdpBus(parse_url(bus_url))
+        bus.subscribe("a", lambda _payload, _time: None)
+        bus.publish("a", bytes(130_000))
+        bus.close()
+    assert threading.active_count() == threads
+    assert descriptors() == files
+
+
+def test_a_bus_within_the_process_works_without_a_network(wait_until: WaitUntil) -> None:
+    bus = LcmBus(parse_url("memq://"))
+    heard: list[bytes] = []
+    bus.subscribe("a.b", lambda payload, _: heard.append(payload))
+    bus.publish("aXb", b"decoy")
+    bus.publish("a.b", b"x")
+    bus.publish("a.b", bytes(1_000_000))
+    wait_until(lambda: len(heard) == 2)
+    assert heard == [b"x", bytes(1_000_000)]
+    assert bus.ports == []
+    bus.close()
+
+
+def test_the_kernel_drops_what_a_bus_does_not_subscribe(
+    bus: UdpBus, other: UdpBus, bus_url: str, wait_until: WaitUntil
+) -> None:
+    heard: list[bytes] = []
+
+    def dropped() -> list[int]:
+        found = marked_sockets(SUBSCRIBED) & listening_sockets(parse_url(bus_url))
+        return [row.drops for row in udp_sockets() if row.inode in found]
+
+    assert dropped() == []
+    other.subscribe("a", lambda payload, _: heard.append(payload))
+    other.subscribe("end", lambda payload, _: heard.append(payload))
+    assert dropped() == ([0] if IS_LINUX else [])
+    for channel in ("a", "ab", "b", "end"):
+        bus.publish(channel, channel.encode())
+    wait_until(lambda: heard == [b"a", b"end"])
+    assert dropped() == ([2] if IS_LINUX else [])
+
+
+@pytest.mark.parametrize("channel", ["/robot{}/odometry", "scan_{}", "{}"])
+def test_a_bus_with_many_channels_hears_them_all(
+    bus: UdpBus, other: UdpBus, wait_until: WaitUntil, channel: str
+) -> None:
+    heard: list[int] = []
+    for number in range(150):
+        other.subscribe(channel.format(number), lambda payload, _: heard.append(int(payload)))
+    for number in range(150):
+        bus.publish(channel.format(number), b"%d" % number)
+    wait_until(lambda: heard == list(range(150)))

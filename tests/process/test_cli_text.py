@@ -1,0 +1,66 @@
+"""Text in any language and in any locale: as it is for people, UTF-8 for programs."""
+
+import json
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import lcm
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import String
+
+TEXT = "Hellö 你 \x1b[2J\u202e"
+ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> str:
+    """A log with one text, on /a."""
+    message = String()
+    message.data = TEXT
+    path = tmp_path / "text.lcmlog"
+    writer = lcm.EventLog(str(path), "w", overwrite=True)
+    writer.write_event(1_000_000, "/a", encode(message))
+    writer.close()
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"LC_ALL": "C.UTF-8"},
+        {"LC_ALL": "C"},
+        ASCII,
+        {"PYTHONIOENCODING": "latin-1"},
+        {"PYTHONIOENCODING": "utf-16"},
+        {"PYTHONIOENCODING": "ascii:strict"},
+    ],
+)
+def test_a_pipe_gets_utf_8_in_any_locale(
+    environment: dict[str, str], log: str, lcmtools_path: str
+) -> None:
+    def echoed(*options: str) -> str:
+        command = [lcmtools_path, "echo", "-b", log, "/a", *options]
+        done = subprocess.run(
+            command, env=os.environ | environment, stdout=subprocess.PIPE, check=True
+        )
+        return done.stdout.decode()
+
+    assert json.loads(echoed("--json")) == {"data": TEXT}
+    assert echoed() == 'data: "Hellö 你 \\e[2J\\u202E"\n---\n'
+
+
+@pytest.mark.parametrize(
+    ("environment", "shown"),
+    [
+        ({"LC_ALL": "C.UTF-8"}, 'data: "Hellö 你 \\e[2J\\u202E"'),
+        (ASCII, 'data: "Hell\\xf6 \\u4f60 \\e[2J\\u202E"'),
+    ],
+)
+def test_a_terminal_gets_what_it_can_show(
+    environment: dict[str, str], shown: str, log: str, on_terminal: Callable[..., str]
+) -> None:
+    assert on_terminal("echo", "-b", log, "/a", **environment).splitlines()[0] == shown

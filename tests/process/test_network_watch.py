@@ -1,0 +1,118 @@
+"""Programs hear each other whatever happens to the computer's interfaces and routes."""
+
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.types.std_msgs import UInt32
+
+pytestmark = pytest.mark.usefixtures("bare_network")
+
+Ip = Callable[..., None]
+Start = Callable[..., Any]
+
+_URL = "udpm://239.255.76.67:7667?ttl=0"
+_COUNTS = """
+import itertools, lcmtools
+from lcmtools.types.std_msgs import UInt32
+
+lcmtools.init()
+node = lcmtools.Node("counter")
+publisher, numbers = node.create_publisher(UInt32, "/count", 10), itertools.count()
+node.create_timer(0.01, lambda: publisher.publish(UInt32(next(numbers))))
+lcmtools.spin(node)
+"""
+_TALK = ("pub", "/chatter", "std_msgs/String", "data: hello", "-r", "20")
+
+
+@pytest.fixture
+def laptop(ip: Ip) -> Ip:
+    """``ip``, on a laptop with Wi-Fi (v0), and a socket for a cable (w0) that is not plugged in."""
+    ip("link", "set", "lo", "up")
+    for name, number in (("v", 0), ("w", 1)):
+        ip("link", "add", f"{name}0", "type", "veth", "peer", "name", f"{name}1")
+        ip("addr", "add", f"10.0.{number}.1/24", "dev", f"{name}0")
+        ip("link", "set", f"{name}1", "up")
+    _connect(ip, "v0", 600)
+    return ip
+
+
+def _connect(ip: Ip, interface: str, metric: int) -> None:
+    gateway = {"v0": "10.0.0.2", "w0": "10.0.1.2"}[interface]
+    ip("link", "set", interface, "up")
+    ip("route", "add", "default", "via", gateway, "dev", interface, "metric", str(metric))
+
+
+def _plug_in(ip: Ip) -> None:
+    _connect(ip, "w0", 100)
+
+
+def _plug_in_and_go_away(ip: Ip) -> None:
+    _connect(ip, "w0", 1000)
+    ip("link", "set", "v0", "down")
+
+
+def _lose_everything(ip: Ip) -> None:
+    ip("link", "set", "v0", "down")
+
+
+def _replace(ip: Ip) -> None:
+    _lose_everything(ip)
+    ip("link", "del", "v0")
+    _connect(ip, "w0", 600)
+
+
+CHANGES = [_plug_in, _plug_in_and_go_away, _lose_everything, _replace]
+
+
+@pytest.mark.parametrize(
+    ("url", "change"),
+    [*((_URL, change) for change in CHANGES), (f"mp{_URL}", _plug_in)],  # liblcm sends no other way
+)
+def test_programs_go_on_hearing_each_other(
+    laptop: Ip, start: Start, lcmtools_path: str, url: str, change: Callable[[Ip], None]
+) -> None:
+    talker = start(lcmtools_path, *_TALK, LCM_DEFAULT_URL=url)
+    listener = start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=url)
+    echo = start(lcmtools_path, "echo", "/chatter", LCM_DEFAULT_URL=url)
+    for program in (listener, echo):
+        program.wait_for("hello")
+    change(laptop)
+    for program in (listener, echo):
+        program.wait_for("239.255.76.67")  # the line that tells the change
+        for _ in range(5):
+            program.wait_for("hello")
+    talker.end()
+
+
+def test_a_recorder_counts_what_a_change_has_cost(
+    laptop: Ip,
+    start: Start,
+    lcmtools_path: str,
+    tmp_path: Path,
+    wait_until: Callable[..., None],
+) -> None:
+    script, log = tmp_path / "count.py", tmp_path / "drive.lcm"
+    script.write_text(_COUNTS)
+    start(sys.executable, str(script), LCM_DEFAULT_URL=_URL)
+    record = ("bag", "record", "/count", "-o", str(log))
+    recorder = start(lcmtools_path, *record, LCM_DEFAULT_URL=_URL)
+    echo = start(lcmtools_path, "echo", "/count", LCM_DEFAULT_URL=_URL)
+    echo.wait_for("data")
+    wait_until(lambda: log.exists() and log.stat().st_size > 0)
+    _replace(laptop)
+    echo.wait_for("239.255.76.67")
+    for _ in range(20):
+        echo.wait_for("data")
+    recorder.send_signal(signal.SIGINT)
+    assert recorder.wait() in (0, 130), recorder.output
+    with LogFile(log) as file:
+        packets = [packet for packet in file.packets() if packet.channel == "/count"]
+    numbers = [UInt32.decode(packet.payload).data for packet in packets]
+    assert len(numbers) > 20
+    assert (numbers[-1] - numbers[0] + 1 > len(numbers)) == ("; lost" in recorder.output)

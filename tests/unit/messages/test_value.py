@@ -1,0 +1,263 @@
+"""Messages are values: repr, ==, keyword arguments, copies and pickles, for every shipped type."""
+
+import copy
+import math
+import pickle
+import subprocess
+import sys
+from array import array
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lcmtools.message_value import MessageValue
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.fields import fields, visible_fields
+from lcmtools.messages.registry import Message, message_class
+from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
+from lcmtools.types.fingerprints import FINGERPRINTS
+from lcmtools.types.geometry_msgs import Point, Pose2D, PoseArray, Quaternion, Twist, Vector3
+from lcmtools.types.nav_msgs import OccupancyGrid
+from lcmtools.types.sensor_msgs import CameraInfo, Image, JointState, LaserScan
+from lcmtools.types.std_msgs import Empty, Float64, Header, String, Time
+
+NAMES = {
+    name: getattr(package, name)
+    for package in (geometry_msgs, sensor_msgs, std_msgs)
+    for name in vars(package)
+}
+SHIPPED = sorted(FINGERPRINTS)
+
+
+def value_class(name: str) -> Any:
+    return message_class(name)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_type_is_a_value(name: str) -> None:
+    cls = value_class(name)
+    message = cls()
+    assert message == cls()
+    assert not message != cls()  # noqa: SIM202 - the other operator
+    assert decode(cls, encode(message)) == message == cls.decode(message.encode())
+    assert repr(message).startswith(f"{cls.__name__}(")
+    assert all(f"{field.name}=" in repr(message) for field in visible_fields(cls))
+    for again in (
+        copy.copy(message),
+        copy.deepcopy(message),
+        *(pickle.loads(pickle.dumps(message, protocol)) for protocol in range(6)),  # noqa: S301 - ours
+    ):
+        assert again == message
+        assert again is not message
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_type_takes_its_fields_by_name_and_in_order(name: str) -> None:
+    cls = value_class(name)
+    marks = {field: object() for field in cls.__slots__}
+    made = cls(**marks)
+    assert {field: getattr(made, field) for field in marks} == marks
+    in_order = [field.name for field in visible_fields(cls)]
+    placed = cls(*range(len(in_order)))
+    assert [getattr(placed, field) for field in in_order] == list(range(len(in_order)))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_an_unknown_field_is_a_type_error_that_names_the_fields(name: str) -> None:
+    cls = value_class(name)
+    names = [field.name for field in (*visible_fields(cls), *fields(cls)) if field]
+    known = f"has the fields {', '.join(dict.fromkeys(names))}" if names else "has no fields"
+    with pytest.raises(TypeError) as raised:
+        cls(no_such_field=1)
+    assert str(raised.value).startswith(
+        f"{cls.__name__} {known}; {cls.__name__}() got an unexpected keyword argument"
+    )
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_new_messages_share_nothing(name: str) -> None:
+    one, other = value_class(name)(), value_class(name)()
+    for field in fields(type(one)):
+        value = getattr(one, field.attribute)
+        if field.message_class or isinstance(value, list):
+            assert value is not getattr(other, field.attribute)
+
+
+@pytest.mark.parametrize(
+    ("message", "text"),
+    [
+        (Empty(), "Empty()"),
+        (String(data="it's"), 'String(data="it\'s")'),
+        (Vector3(x=1.0), "Vector3(x=1.0, y=0.0, z=0.0)"),
+        (
+            Twist(angular=Vector3(z=-0.5)),
+            "Twist(linear=Vector3(x=0.0, y=0.0, z=0.0), angular=Vector3(x=0.0, y=0.0, z=-0.5))",
+        ),
+        (
+            JointState(name=["left"], position=np.array([1.5])),
+            (
+                "JointState(header=Header(seq=0, stamp=Time(sec=0, nsec=0), frame_id=''),"
+                " name=['left'], position=[1.5], velocity=[], effort=[])"
+            ),
+        ),
+        (Float64(data=np.float64(0.5)), "Float64(data=0.5)"),
+        (String(data="a" * 203), f"String(data='{'a' * 200}'... 3 more)"),
+    ],
+)
+def test_repr_names_type_and_fields(message: object, text: str) -> None:
+    assert repr(message) == text
+
+
+@pytest.mark.parametrize(
+    ("message", "part"),
+    [
+        (CameraInfo(K=range(9)), "K=range(0, 9)"),  # a wrong value is shown as it is
+        (CameraInfo(K=[0.5] * 9), f"K=[{'0.5, ' * 8}... 1 more]"),
+        (LaserScan(ranges=tuple(range(360))), "ranges=[0, 1, 2, 3, 4, 5, 6, 7, ... 352 more]"),
+        (LaserScan(ranges=np.arange(360)), "ranges=[0, 1, 2, 3, 4, 5, 6, 7, ... 352 more]"),
+        (LaserScan(ranges=array("f", [1.5])), "ranges=[1.5]"),
+        (Image(data=b"abc"), "data=b'abc'"),
+        (Image(data=bytes(900_000)), "data=<900000 bytes>"),
+        (Image(data=np.zeros(900_000, np.uint8)), "data=[0, 0, 0, 0, 0, 0, 0, 0, ... 899992 more]"),
+        (Image(data=memoryview(b"abc")), "data=[97, 98, 99]"),
+    ],
+)
+def test_repr_cuts_long_arrays(message: object, part: str) -> None:
+    assert part in repr(message)
+
+
+def test_repr_of_a_short_message_makes_it_anew() -> None:
+    for message in (
+        PoseArray(header=Header(frame_id="map"), poses=[geometry_msgs.Pose()]),
+        Quaternion(w=1.0),
+        sensor_msgs.Joy(axes=[0.5], buttons=[1, 0]),
+    ):
+        assert eval(repr(message), dict(NAMES)) == message  # noqa: S307 - ours
+
+
+def test_a_message_within_itself_has_a_repr() -> None:
+    message = Twist()
+    message.linear = message  # type: ignore[assignment] # a mistake
+    assert repr(message).startswith("Twist(linear=...")
+
+
+def test_received_messages_equal_those_that_were_sent() -> None:
+    scan = LaserScan(ranges=[1.5, math.inf], intensities=(2.0,))
+    received = decode(LaserScan, encode(scan))
+    assert received == LaserScan.decode(encode(scan)) == scan
+    assert received.ranges_length == 2
+    received.ranges[0] = 2.5  # type: ignore[index] # an array
+    assert received != scan
+
+
+NUMBERS = [[1, 2, 3], (1, 2, 3), array("b", [1, 2, 3]), np.array([1, 2, 3], np.int8)]
+
+
+@pytest.mark.parametrize("one", [*NUMBERS, np.array([1, 2, 3.0]), np.array([1, 2, 3], ">i4")])
+@pytest.mark.parametrize("other", NUMBERS)
+def test_arrays_are_equal_if_their_elements_are(one: Any, other: Any) -> None:
+    assert OccupancyGrid(data=one) == OccupancyGrid(data=other)
+    for changed in (one[:2], [1, 2, 4], [], [1, 2, 3, 4], None, "123", 5):
+        assert OccupancyGrid(data=changed) != OccupancyGrid(data=other)
+        assert OccupancyGrid(data=other) != OccupancyGrid(data=changed)
+
+
+@pytest.mark.parametrize(
+    "data", [b"ab", bytearray(b"ab"), memoryview(b"ab"), [97, 98], np.array([97, 98], np.uint8)]
+)
+def test_bytes_are_equal_in_any_form(data: Any) -> None:
+    assert Image(data=data) == Image(data=b"ab")
+    assert Image(data=b"ab") == Image(data=data)
+    assert Image(data=data) != Image(data=b"ac")
+    assert Image(data=data) != Image()
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (Point(), Vector3()),  # the same on the wire
+        (Point(), (0.0, 0.0, 0.0)),
+        (Point(), None),
+        (Point(x=1), Point(x=2)),
+        (String(data="a"), String(data="b")),
+        (Twist(linear=Vector3(x=1)), Twist()),
+        (Twist(linear=None), Twist(linear=5)),  # type: ignore[arg-type] # a mistake
+        (PoseArray(poses=[geometry_msgs.Pose()]), PoseArray()),
+        (Pose2D(x=math.nan), Pose2D(x=float("nan"))),
+    ],
+)
+def test_others_are_not_equal(one: object, other: object) -> None:
+    assert one != other
+    assert other != one
+
+
+def test_nan_equals_itself_as_in_pythons_lists() -> None:
+    message = Pose2D(x=math.nan)
+    assert message == message  # noqa: PLR0124 - for its NaN
+    assert message == copy.copy(message)
+    assert [math.nan] == [math.nan]  # what is meant
+
+
+def test_numbers_of_numpy_count_as_those_of_python() -> None:
+    assert Time(sec=np.int32(3)) == Time(sec=3)
+    assert Float64(data=np.float64(0.5)) == Float64(data=0.5)
+    assert (Float64(data=np.float64(0.5)) == Float64(data=1)) is False
+
+
+def test_a_message_has_no_hash() -> None:
+    with pytest.raises(TypeError, match="unhashable type: 'Twist'"):
+        hash(Twist())
+
+
+def test_a_copy_shares_the_nested_messages_and_a_deep_copy_nothing() -> None:
+    scan = decode(LaserScan, encode(LaserScan(ranges=[1, 2])))
+    shallow, deep = copy.copy(scan), copy.deepcopy(scan)
+    scan.header.frame_id, scan.ranges[0] = "laser", 5  # type: ignore[index] # an array
+    assert (shallow.header.frame_id, shallow.ranges[0]) == ("laser", 5)
+    assert (deep.header.frame_id, deep.ranges[0]) == ("", 1)
+
+
+def test_a_derived_class_is_pickled_by_its_own_name() -> None:
+    message = Derived(data="a")
+    again = pickle.loads(pickle.dumps(message))  # noqa: S301 - ours
+    assert type(again) is Derived
+    assert again == message
+    assert again != String(data="a")
+
+
+class Derived(String):
+    """A class of a user's."""
+
+
+def test_classes_of_lcm_gen_itself_compare_within_ours(odd: ModuleType) -> None:
+    nothing, other = odd.Nothing(), odd.Nothing()
+    assert nothing != other  # they are not changed
+    one = Twist(linear=nothing, angular=[nothing])  # type: ignore[arg-type] # any message will do
+    assert one == Twist(linear=other, angular=nothing) or one.angular != nothing
+    assert Twist(linear=nothing) == Twist(linear=other)  # type: ignore[arg-type] # likewise
+    assert not isinstance(nothing, MessageValue)
+
+
+def test_importing_types_stays_light() -> None:
+    program = """
+import sys
+before = set(sys.modules)
+import lcmtools.types.geometry_msgs
+new = set(sys.modules) - before
+print(*sorted(name for name in new if name.startswith("lcmtools.") and ".types" not in name))
+print(*sorted({"inspect", "dataclasses", "ast", "numpy"} & new))
+"""
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", program], check=True, capture_output=True, text=True
+    )
+    assert done.stdout == "lcmtools.message_value\n\n"
+
+
+def _check_protocol(cls: type[Message]) -> Message:
+    return cls(data="a")  # a type checker accepts fields of a class that it does not know
+
+
+def test_a_class_that_is_found_by_name_takes_fields() -> None:
+    assert _check_protocol(message_class("std_msgs/String")) == String(data="a")
