@@ -1,5 +1,6 @@
 """Publishers that fall silent or become slow, and programs that only look as if they had."""
 
+import re
 import signal
 import time
 from typing import Any
@@ -185,8 +186,10 @@ while True:
 def test_a_slow_clock_that_seldom_ticks(world: Any) -> None:
     clock = world.script(_CLOCK, ready="runs")
     for _ in range(2):
-        (found,) = world.look("--rule", "slow-simulator")
-        assert "passes at 0.33 of real time" in found.text
+        # the first look hears at least one tick, and a tick may be sent or arrive late
+        (found,) = world.look("--rule", "slow-simulator", wait="1s")
+        ratio = re.search(r"passes at (\S+) of real time", found.text)
+        assert ratio and 0.28 < float(ratio[1]) < 0.39
         assert f"(pid {clock.pid})" in found.items[0]
 
 
