@@ -180,11 +180,12 @@ export default class ImagePanel {
     const { waiting } = this;
     this.waiting = null;
     try {
-      const isFirst = !this.picture;
-      if (waiting) {
-        this.picture?.bitmap?.close();
-        this.picture = await readPicture(waiting.header, waiting.payload);
-        if (isFirst) this.viewport.view.fit();
+      const picture = waiting && (await readPicture(waiting.header, waiting.payload));
+      if (picture?.header.topic === this.topic) {
+        const before = this.picture;
+        this.picture = picture;
+        before?.bitmap?.close();
+        if (!before) this.viewport.view.fit();
         this.context.showProblem(this, "");
       }
     } catch (error) {
