@@ -45,6 +45,8 @@ DISPLAYS: list[tuple[type[Any], dict[str, Any], str]] = [
     (Marker, {**CUBE, "pose": {"position": AWAY}}, "0 markers, 1 not drawn: their places"),
     (Marker, {**CUBE, "type": 99}, "1 not drawn: their types are unknown"),
     (Marker, {**CUBE, "type": -1}, "1 not drawn: their types are unknown"),
+    (Marker, {**CUBE, "scale": {}}, "1 not drawn: their scale is 0"),
+    (Marker, {**CUBE, "type": 0, "scale": {"x": 1}}, "1 not drawn: their scale is 0"),
     (Marker, {**CUBE, "color": {"r": 1}}, "1 not drawn: their color.a is 0"),
     (Marker, {**CUBE, "header": {}}, "its frame_id is empty"),
     (Marker, {**CUBE, "type": 10}, "1 not drawn: files that messages name are not read"),
@@ -142,7 +144,9 @@ def test_a_damaged_jpeg_file_after_a_good_one_stops_nothing(
             bus.publish("/camera", encode(made(CompressedImage, {"format": "jpeg", "data": data})))
             page.get_by_text(f"{width} \N{MULTIPLICATION SIGN} 10").wait_for(timeout=10_000)
             notice = page.get_by_text("the image cannot be read")
-            notice.wait_for(state="hidden" if data == jpeg.getvalue() else "visible", timeout=10_000)
+            notice.wait_for(
+                state="hidden" if data == jpeg.getvalue() else "visible", timeout=10_000
+            )
 
 
 def test_an_image_panel_says_what_is_wrong_and_shows_the_next_image(
