@@ -18,6 +18,7 @@ from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
 from lcmtools.escapes import ESCAPES
+from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import (
@@ -126,6 +127,15 @@ class Registry:
         if found := find(name, self.type_names(), "type"):
             hint = f"{found} is a message: lcmtools msg show {found}"
         raise UnknownType(f"unknown service type '{name}'", hint)
+
+    def enum_names(self) -> list[str]:
+        """Return the names of all enums, sorted; lcmtools ships none."""
+        return sorted({name for source in self._all() for name in source.enums})
+
+    def enum_class(self, name: str) -> type[EnumValue]:
+        """Return the class of an enum, one of ``enum_names``."""
+        source = next(one for one in self._all() if name in one.enums)
+        return cast("type[EnumValue]", _load(source.prefix, name))
 
     def candidates(self, fingerprint: int, channel: str = "") -> list[str]:
         """Return the names of the types with this fingerprint (equal fields), likeliest first.

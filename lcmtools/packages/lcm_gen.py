@@ -13,6 +13,7 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.cpp_enums import enum_header
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -108,6 +109,8 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
                 problem = run_lcm_gen([translated if is_ros else file], options)
                 if problem:
                     raise problem.error()
+                if language == "cpp" and b"enum" in file.read_bytes():
+                    _write_enums(file, Path(name), scratch)
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
@@ -116,6 +119,16 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
         where = error.filename or folder
         raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
     return [folder / path for path in made]
+
+
+def _write_enums(file: Path, root: Path, folder: Path) -> None:
+    """Write the C++ of a file's enums into a folder, beside that of lcm-gen."""
+    run_lcm_gen([file], ["--python", "--python-no-init", "--ppath", str(root / "python")])
+    for module in (root / "python").rglob("*.py"):
+        path = module.relative_to(root / "python").with_suffix(".hpp")
+        if text := enum_header([*path.parent.parts], path.stem, module.read_text("utf-8")):
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(text, "utf-8")
 
 
 def _copy(source: Path, target: Path) -> None:

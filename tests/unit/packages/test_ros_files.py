@@ -283,6 +283,22 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     assert "std::vector< double > values;" in made[0].read_text()
 
 
+def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
+    write: Write, types_of: Types, tmp_path: Path
+) -> None:
+    text = "package a.b; enum Gear { LOW = 0, BACK = -1 } struct Shift { Gear gear; }"
+    folder = write({"e.lcm": text, "f.lcm": "enum Bare { ONE = 1 }"})
+    made = generate_code([folder / "e.lcm", folder / "f.lcm"], "cpp", tmp_path / "generated")
+    names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
+    assert names == ["Bare.hpp", "a/b/Gear.hpp", "a/b/Shift.hpp"]
+    header = made[1].read_text()
+    assert_says(
+        header, "namespace a {\nnamespace b {", "enum Value : int32_t { LOW = 0, BACK = -1 }"
+    )
+    number = registry(types_of(folder)).enum_class("a.b/Gear").__hash_number__
+    assert f"return {number:#x};" in header
+
+
 @pytest.mark.usefixtures("small_files")
 def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
     write: Write, tmp_path: Path
