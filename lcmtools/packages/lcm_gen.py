@@ -28,6 +28,18 @@ LANGUAGES = tuple(_OPTIONS)
 _FUNCTION = re.compile(r"(?:(?<=fp->v == )|(?<== \{ p, ))(\w+::getHash)")
 _CAST = r"reinterpret_cast<decltype(__lcm_hash_ptr::v)>(\1)"  # v is a void* in liblcm 1.3.1
 
+_CPP_KEYWORDS = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
+    constexpr const_cast continue decltype default delete do double dynamic_cast else enum explicit
+    export extern false float for friend goto if inline int long mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public register reinterpret_cast return short
+    signed sizeof static static_assert static_cast struct switch template this thread_local throw
+    true try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor
+    xor_eq
+"""
+_CPP_KEYWORD = re.compile(rf"this->({'|'.join(_CPP_KEYWORDS.split())})\b")
+"""A field in lcm-gen's C++ that no compiler takes."""
+
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
 _HINTS = {
@@ -138,7 +150,10 @@ def _copy(source: Path, target: Path) -> None:
     elif source.suffix == ".py":
         write_whole(target, as_portable_values(source.read_text("utf-8")))
     elif source.suffix == ".hpp":
-        write_whole(target, _FUNCTION.sub(_CAST, source.read_text("utf-8")))
+        text = source.read_text("utf-8")
+        if word := _CPP_KEYWORD.search(text):  # only programs that include it are concerned
+            text = f"#error the field '{word[1]}' is a keyword of C++: give it another name\n"
+        write_whole(target, _FUNCTION.sub(_CAST, text))
     else:
         write_whole(target, source.read_bytes())
 

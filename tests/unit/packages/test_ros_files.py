@@ -299,6 +299,18 @@ def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
     assert f"return {number:#x};" in header
 
 
+def test_a_field_that_is_a_keyword_of_cpp_is_named_where_its_type_is_included(
+    write: Write, tmp_path: Path
+) -> None:
+    folder = write(
+        {"p/msg/A.msg": "string class\n", "p/msg/B.msg": "string classes\nbool is_new\n"}
+    )
+    files = [folder / "p/msg/A.msg", folder / "p/msg/B.msg"]
+    bad, good = generate_code(files, "cpp", tmp_path / "generated")
+    assert bad.read_text().startswith("#error the field 'class' is a keyword of C++")
+    assert "#error" not in good.read_text()
+
+
 @pytest.mark.usefixtures("small_files")
 def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
     write: Write, tmp_path: Path
