@@ -371,6 +371,16 @@ def service_name(name: str) -> str:
     return default_registry().service_name(name)
 
 
+def enum_names() -> list[str]:
+    """Return the names of all enums; see ``Registry.enum_names``."""
+    return default_registry().enum_names()
+
+
+def enum_class(name: str) -> type[EnumValue]:
+    """Return the class of an enum; see ``Registry.enum_class``."""
+    return default_registry().enum_class(name)
+
+
 def candidates(fingerprint: int, channel: str = "") -> list[str]:
     """Return the names of the types with this unsigned fingerprint; see ``Registry.candidates``."""
     return default_registry().candidates(fingerprint, channel)

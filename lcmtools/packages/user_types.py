@@ -21,6 +21,8 @@ from lcmtools.messages.registry import (
     Message,
     ServiceType,
     default_registry,
+    enum_class,
+    enum_names,
     fingerprint,
     message_class,
     packages,
@@ -195,14 +197,19 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     """
     own = default_registry().files()
     names: set[str] = set()
+    enums = set() if words else {*enum_names()}
     for word in words or own:
-        _add_parts([word] if word in own else _named(word), names)
-    if not names:
+        held = {one for one in enum_names() if word in (one, one.rpartition("/")[0])}
+        enums |= held
+        if not held or word in packages():
+            _add_parts([word] if word in own else _named(word), names)
+    if not names and not enums:
         raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
     shipped = shipped_folder()
     kinds = [part.type for name in names for part in fields(message_class(name))]
-    enums = {Path(kind.cls.__file__) for kind in kinds if isinstance(kind, EnumType)}
-    return sorted(enums | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+    classes = [kind.cls for kind in kinds if isinstance(kind, EnumType)]
+    files = {Path(cls.__file__) for cls in (*classes, *map(enum_class, enums))}
+    return sorted(files | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
 def source_file(kind: type[Message]) -> str:
@@ -246,8 +253,7 @@ def package_messages(
         try:
             if named in service_names():
                 return service_class(named)
-            is_enum = named in default_registry().enum_names()
-            return default_registry().enum_class(named) if is_enum else message_class(named)
+            return enum_class(named) if named in enum_names() else message_class(named)
         except UnknownType as error:
             raise AttributeError(str(error)) from None
 
@@ -256,7 +262,7 @@ def package_messages(
 
 def python_names_in(package: str) -> list[str]:
     """Return the messages, services and enums of a package by their names in Python."""
-    names = (*type_names(), *service_names(), *default_registry().enum_names())
+    names = (*type_names(), *service_names(), *enum_names())
     known = (one.rpartition("/") for one in names)
     return [python_name(short) for of, _, short in known if of == package]
 
