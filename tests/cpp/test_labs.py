@@ -166,13 +166,13 @@ def test_a_source_is_built_with_its_parts(compiler: str, tmp_path: Path) -> None
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
     texts = {
-        "a b.cpp": '#include "lib/gain.hpp"\nint main() { return gain() - 2; }',
-        "lib/gain.hpp": '#include <std_msgs/Int32.hpp>\n#include "deep.h"\nint gain();',
-        "lib/gain.cpp": '#include "gain.hpp"\nint gain() { return deep() + std_msgs::Int32{}.data; }',
+        "a b.cpp": '#include "lib/pid.hpp"\nint main() { return pid(); }',
+        "lib/pid.hpp": '#include <std_msgs/Int32.hpp>\n#include "deep.h"\nint pid();',
+        "lib/pid.cpp": '#include "pid.hpp"\nint pid() { return deep() - std_msgs::Int32{2}.data; }',
         "lib/deep.h": "int deep();",
         "lib/deep.cc": '#include "deep.h"\n#include "more.cpp"\nint deep() { return more; }',
         "lib/more.cpp": "int more = 2;",
-        "unfinished.cpp": "int gain( {",
+        "unfinished.cpp": "int pid( {",
     }
     for name, text in texts.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
