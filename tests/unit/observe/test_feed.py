@@ -175,13 +175,15 @@ def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
 def test_a_follower_begins_with_the_last_of_several_messages(
     wait_until: Callable[..., None],
 ) -> None:
-    now, taken = time.time_ns(), list[Packet]()
-    sent = [[Packet("A", bytes([number]), now + number) for number in range(3)]]
-    monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: sent.pop() if sent else []))
-    feed = Feed(monitor, ChannelSelection(), keeps_last=True)
+    taken: list[Packet] = []
+    sent = ([Packet("A", bytes([number]), time.time_ns())] for number in range(3))
+    monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: next(sent, []) if first else []))
+    feed, first = Feed(monitor, ChannelSelection(), keeps_last=True), list[Snapshot]()
+    feed.on_snapshot = lambda: first.append(feed.latest)
     feed.start()
     try:
-        wait_until(lambda: feed.latest.row("A").rate)
+        wait_until(lambda: feed.latest.row("A").messages == 3)
+        assert feed.latest.row("A").rate
         feed.follow("A", taken.append)
     finally:
         feed.stop()
