@@ -1,8 +1,9 @@
 """Building the graph from packets, and from records of nodes that no longer answer."""
 
 import sys
-from collections.abc import Iterable, Iterator
-from itertools import islice
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain, islice
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -155,7 +156,10 @@ class GraphBuilder:
         traffic = tuple(self._traffic_seen())
         if not self._is_log:
             traffic += tuple(islice(_observed(announced), MOST_FLOWS))
-        known = [x if x.has_details else _with_observed_topics(x, traffic) for x in announced]
+        sent: dict[Sender | None, list[Traffic]] = defaultdict(list)
+        for seen in traffic:
+            sent[seen.sender].append(seen)
+        known = [x if x.has_details else _with_observed_topics(x, sent) for x in announced]
         nodes = sorted(known + silent, key=lambda node: (node.name, node.start_time))
         return Graph(tuple(nodes), traffic, now)
 
@@ -222,14 +226,13 @@ class GraphBuilder:
             yield Traffic(channel, sender, one.fingerprints, *numbers, one.types)
 
 
-def _with_observed_topics(node: Node, traffic: Iterable[Traffic]) -> Node:
+def _with_observed_topics(node: Node, sent: Mapping[Sender | None, Iterable[Traffic]]) -> Node:
     """Return a node whose endpoints are unknown, with those that its messages show."""
-    own, ends = node.senders(), []
-    for seen in traffic:
-        if seen.sender in own:
-            end = Endpoint(seen.channel, Role.PUBLISHER, fingerprints=seen.fingerprints)
-            last = seen.last_time
-            ends.append(end._replace(messages=seen.messages, bytes=seen.bytes, last_time=last))
+    ends = []
+    for seen in chain.from_iterable(sent.get(one, ()) for one in node.senders()):
+        end = Endpoint(seen.channel, Role.PUBLISHER, fingerprints=seen.fingerprints)
+        last = seen.last_time
+        ends.append(end._replace(messages=seen.messages, bytes=seen.bytes, last_time=last))
     return node._replace(endpoints=tuple(ends))
 
 

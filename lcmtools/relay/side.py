@@ -127,7 +127,7 @@ class Side:
 
     def full_line(self, now: float) -> tuple[FullLine, ...]:
         """Return the line to this bus, if it takes less than it gets; ``now`` is monotonic [s]."""
-        queue, of_end = self.queue, self.end.dropped_of
+        queue, of_end = self.queue, dict(self.end.dropped_of)  # may grow meanwhile
         dropped = dict(queue.dropped_of)
         for channel, number in of_end.items():
             dropped[channel] = dropped.get(channel, 0) + number
