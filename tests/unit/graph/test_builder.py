@@ -1,6 +1,6 @@
 """The graph grows out of packets: announcements, traffic, silence, goodbyes and records."""
 
-import time
+from time import thread_time
 
 import pytest
 
@@ -205,9 +205,9 @@ def _snapshot_seconds(*, has_details: bool) -> float:
         _announce(builder, node, sender=Sender("10.0.0.1", port))
     for port in range(4000):
         builder.add(Packet(f"/c{port}", bytes(8), 0, Sender("10.0.0.1", port)))
-    start = time.thread_time()
+    start = thread_time()
     builder.snapshot(0)
-    return time.thread_time() - start
+    return thread_time() - start
 
 
 def test_every_port_of_a_node_is_a_known_sender() -> None:
