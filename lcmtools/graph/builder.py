@@ -70,10 +70,12 @@ class GraphBuilder:
 
     def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
-        self._types = None
         if packet.channel not in TALK_CHANNELS:
             self._count_of(packet).add(packet)
+            if packet.type_name:
+                self._types = None
         elif packet.channel == NODE_CHANNEL:
+            self._types = None
             announcement = decode_announcement(packet.payload)
             if announcement is not None:
                 self._announced(announcement, packet)
@@ -82,19 +84,20 @@ class GraphBuilder:
 
     def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
         """Learn from packets; return those of the nodes' own protocol."""
-        self._types = None
         talk: list[Packet] = []
         channel, sender, count = None, None, None
         for packet in packets:
-            if count and packet[0] is channel and packet[3] is sender:  # the usual case in a stream
-                count.add(packet)
-            elif packet.channel in TALK_CHANNELS:
+            is_next = count and packet[0] is channel and packet[3] is sender  # usual in a stream
+            if not is_next and packet.channel in TALK_CHANNELS:
                 self.add(packet)
                 talk.append(packet)
-            else:
+                continue
+            if not count or not is_next:
                 channel, sender = packet[0], packet[3]
                 count = self._count_of(packet)
-                count.add(packet)
+            count.add(packet)
+            if packet[7]:  # its type is attached
+                self._types = None
         return talk
 
     def add_head(self, head: Head, packet: Packet) -> None:
@@ -129,6 +132,7 @@ class GraphBuilder:
 
     def forget(self, identifier: str) -> None:
         """Drop a node by its id."""
+        self._types = None
         self._nodes.pop(identifier, None)
         self._recorded.pop(identifier, None)
 
@@ -191,6 +195,7 @@ class GraphBuilder:
             traffic.drop_oldest()
         while len(nodes) > _MOST_SILENT and nodes.oldest().last_announced < since:
             nodes.drop_oldest()
+            self._types = None
 
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node
