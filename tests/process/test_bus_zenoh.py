@@ -27,6 +27,28 @@ from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
 
 WaitUntil = Callable[..., None]
+# The handler runs while the session, which hears itself, holds its lock.
+_PUBLISHES_IN_A_HANDLER = """
+import os, signal, sys
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.zenoh.observer import ZenohObserver
+observer, handled = ZenohObserver(parse_url(os.environ["LCM_DEFAULT_URL"])), []
+def handle(*_):
+    if len(handled) < 5:
+        handled.append(observer.send("/signal", bytes(8)))
+def trace(frame, event, _):
+    if frame.f_code.co_name == "_arrive" and event == "line" and "arrived" in frame.f_locals:
+        signal.raise_signal(signal.SIGALRM)
+    return trace
+signal.signal(signal.SIGALRM, handle)
+sys.settrace(trace)
+observer.send("/a", bytes(8))
+sys.settrace(None)
+found = []
+while len(found) < 6:
+    found += observer.receive(1.0)
+observer.close()
+"""
 
 
 @pytest.fixture
@@ -177,6 +199,13 @@ def test_a_session_that_does_not_close_is_left(
     closing.start()
     closing.join(6.0)
     assert not closing.is_alive()
+
+
+def test_a_signal_handler_may_publish_while_a_message_arrives(
+    bus_url: str, start_python: Callable[..., Any]
+) -> None:
+    program = start_python(_PUBLISHES_IN_A_HANDLER)
+    assert program.wait() == 0, program.output
 
 
 def test_no_thread_sends_when_a_session_has_closed(

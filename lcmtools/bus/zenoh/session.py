@@ -72,7 +72,8 @@ class ZenohSession:
         self.dropped = 0  # messages that came late, or the oldest if they were not received in time
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._bytes = 0
-        self._counting = threading.Lock()  # for Zenoh's threads, one for each connection
+        # For Zenoh's threads, one for each connection, and signal handlers that publish to this one.
+        self._counting = threading.RLock()
         self._answers = 0  # pending requests
         self._answered: set[str] = set()  # the sessions that answered the last one
         self._retained = Retained()
