@@ -13,8 +13,8 @@
  * A thread announces the program once a second on its own lcm_t (docs/protocol.md). Requests of
  * lcmtools are handled by the program's lcm_handle; a program that only publishes does not call that, and
  * is announced four times a second instead, and lcmtools node kill does not reach it. It is announced
- * as ended by lcmtools_announcer_destroy, exit, and SIGINT, SIGTERM and SIGHUP unless the program had a
- * handler of its own for them when the announcer was made.
+ * as ended by lcmtools_announcer_destroy, exit, and SIGINT, SIGTERM, SIGHUP and SIGPIPE unless the program
+ * had a handler of its own for them when the announcer was made.
  */
 #ifndef LCMTOOLS_H
 #define LCMTOOLS_H
@@ -403,9 +403,9 @@ static inline void lcmtools_describe_process(lcmtools_announcer *self)
 /* Take over the signals that would end the program at once. */
 static inline void lcmtools_take_signals(int wakeup)
 {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
     lcmtools_wakeup = wakeup;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 4; ++i) {
         struct sigaction before, action;
         memset(&action, 0, sizeof action);
         action.sa_handler = lcmtools_on_signal;

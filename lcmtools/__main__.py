@@ -6,6 +6,7 @@ start. A shell's request for completion is answered without the command line.
 
 import gc
 import os
+import signal
 import sys
 
 _NEW_OBJECTS = 100_000
@@ -28,6 +29,8 @@ def run() -> None:
     gc.set_threshold(_NEW_OBJECTS)
     sys.unraisablehook = _end_if_interrupted
     try:
+        # launch starts its nodes with SIGINT blocked: an earlier one arrives now
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         if "_LCMTOOLS_COMPLETE" in os.environ:
             from lcmtools.cli.completion.answer import run as answer
 

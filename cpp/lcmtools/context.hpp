@@ -434,8 +434,8 @@ inline void shutdown() {
 
 // Connect this program to the bus: the first thing a node's program does. Names (__ns:=, a:=b),
 // parameters (_gain:=2.0) and the bus (--lcm-url, --domain) are taken from the command line; the
-// remaining arguments are returned. Unless `handle_signals` is false, SIGINT, SIGTERM and SIGHUP make
-// spin return and ok() false.
+// remaining arguments are returned. Unless `handle_signals` is false, SIGINT, SIGTERM, SIGHUP and
+// SIGPIPE (as in `./node | head`) make spin return and ok() false.
 inline std::vector<std::string> init(int argc, const char* const* argv, bool handle_signals = true) {
   auto& process = detail::process();
   if (!process.on_terminate) process.on_terminate = std::set_terminate(detail::on_terminate);
@@ -452,11 +452,12 @@ inline std::vector<std::string> init(int argc, const char* const* argv, bool han
       process.context->notices.push_back("'" + word + "' names nothing; write from:=to without spaces");
   }
   detail::signals.wakeup = process.context->wakeup();
-  for (int number : {SIGINT, SIGTERM, SIGHUP}) {
+  for (int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
     struct sigaction action = {}, before = {};
     action.sa_handler = detail::lcmtools_on_signal;
     ::sigaction(number, nullptr, &before);
-    if (!handle_signals || (number == SIGHUP && before.sa_handler == SIG_IGN)) continue;
+    const bool may_be_ignored = number == SIGHUP || number == SIGPIPE;
+    if (!handle_signals || (may_be_ignored && before.sa_handler == SIG_IGN)) continue;
     ::sigaction(number, &action, nullptr);
     process.handlers.emplace_back(number, before);
   }

@@ -35,6 +35,7 @@ class LcmBus(ReceivingBus):
             url, self._subscribe_all, lambda text, _trouble: self.on_outage(text)
         )
         self._send = self._connection.publish
+        self._unsubscribes = url.provider != "mpudpm"  # see bus/liblcm
         self._longest = _CHECK_PERIOD if url.provider == "tcpq" else None
         self._start(is_lendable=url.provider in _LENDABLE)
 
@@ -44,10 +45,13 @@ class LcmBus(ReceivingBus):
         self._connection.leave_to_parent()
 
     def _begin(self, channel: str) -> None:
-        if instance := self._connection.instance:  # else it follows once the connection is back
+        instance = self._connection.instance  # None: it follows once the connection is back
+        if instance and channel not in self._subscriptions:
             self._subscribe_channel(instance, channel)
 
     def _end(self, channel: str) -> None:
+        if not self._unsubscribes:
+            return
         subscription = self._subscriptions.pop(channel, None)
         if subscription and (instance := self._connection.instance):
             with self._connection.using:

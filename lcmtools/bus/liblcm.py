@@ -7,6 +7,9 @@ The binding's pitfalls, and how each is avoided:
 - ``subscribe`` freezes the whole process for ten seconds if multicast does not work (mpudpm), and
   then returns None: the bus is checked first (``lcmtools.bus.preflight``).
 - ``handle_timeout`` crashes with file descriptors of 1024 and above: these are refused first.
+- On mpudpm, its thread may read once more from a socket that was just closed, and so from whatever
+  gets the same descriptor next: the first thing to get one after the self-test is a socket that
+  never blocks (``network_watch.member``), and channels are not unsubscribed.
 - ``handle`` turns Ctrl-C into OSError: the caller waits in ``select`` instead.
 - A tcpq connection that breaks is closed by the first thread that notices, and its subscriptions
   are lost: ``Connection`` makes a new instance and subscribes again.

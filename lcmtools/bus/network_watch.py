@@ -155,6 +155,7 @@ def member(group: str) -> socket.socket:
     On Linux, sockets receive what reaches the computer for any member (IP_MULTICAST_ALL, ip(7)).
     """
     joined = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    joined.settimeout(0.0)  # never blocks: liblcm's thread may read from it, see bus/liblcm
     with contextlib.suppress(OSError):  # no route now
         join(joined, group)
     network_watch.follow(joined, group)

@@ -126,6 +126,9 @@ class ReceivingBus(ABC):
                 has_received = self._wait_for_messages(wakeup, timeout)
                 if has_received and not self._right.is_lendable:
                     self.on_received()
+            except OSError:
+                if not self._closed:  # else a signal handler has closed it while this received
+                    raise
             finally:
                 self._right.leave()
 
@@ -226,7 +229,11 @@ class ReceivingBus(ABC):
                 with self._right:
                     if self._closed:  # the wake-up may have been meant for the previous thread
                         break
-                    self._receive_on_own_thread()
+                    try:
+                        self._receive_on_own_thread()
+                    except OSError:
+                        if not self._closed:  # else closing did not wait any longer for this turn
+                            raise
         self._serve_requests()  # requests made while it closed
 
     def _receive_on_own_thread(self) -> None:

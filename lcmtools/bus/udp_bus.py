@@ -156,7 +156,9 @@ class UdpBus(ReceivingBus):
     def _drain(self) -> int:
         """Handle all that waits with few calls, for each of which this thread may have to wait."""
         total, count = 0, BATCH
-        while count >= BATCH and total < _MOST_AT_ONCE and self._requests.empty():
+        while (
+            count >= BATCH and total < _MOST_AT_ONCE and not self._closed and self._requests.empty()
+        ):
             count = 0
             for data, sender, arrived, _ in self._sockets.datagrams(self._only, BATCH):
                 self._take(data, sender[:2], arrived)

@@ -13,6 +13,7 @@ from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.ros_words.commands import (
     COMMANDS,
+    LANGUAGES,
     NO_BUILD,
     NOT_MESSAGES,
     OPTIONS,
@@ -25,7 +26,8 @@ from lcmtools.ros_words.nodes import PACKAGES
 def _create_package(words: Sequence[str]) -> list[str]:
     """Translate catkin_create_pkg NAME roscpp rospy std_msgs; keep dependencies with messages.
 
-    Options of ros2 pkg create, too: --build-type ament_python, --node-name drive.
+    Options of ros2 pkg create, too: --build-type ament_python, --node-name drive. The package is in
+    C++ if that is the only language named.
     """
     from lcmtools.messages.registry import packages
 
@@ -35,6 +37,8 @@ def _create_package(words: Sequence[str]) -> list[str]:
     if unknown := [word for word in others if word not in (*known, *NOT_MESSAGES)]:
         write_note(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
     named = [word for word in (name, folder) if word]
+    languages = {LANGUAGES.get(word.rpartition("=")[2]) for word in words} - {None}
+    kept += ["--cpp"] if languages == {"C++"} else []
     return ["pkg", "create", *named, *kept, *(["--deps", *known] if known else [])]
 
 

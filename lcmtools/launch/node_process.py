@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from lcmtools.launch.executables import startable
+from lcmtools.launch.executables import RUN, startable
 from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
@@ -94,6 +94,8 @@ class NodeProcess:
             plan.directory,
             takes_input=plan.takes_input,
             takes_terminal=plan.takes_terminal,
+            # else Ctrl-C while Python itself starts would print a traceback
+            holds_interrupts=tuple(plan.command[: len(RUN)]) == RUN,
         )
         self.due = math.inf
         self.child = ChildProcess(start, guard, timeouts)

@@ -87,7 +87,7 @@ def _set_time(message: Message, value: Value, times: list[SetTime]) -> bool:
 def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[SetTime]) -> None:
     cls, seen = type(message), set()
     for key, value in values.items():
-        field = _field_named(cls, key, value)
+        field = _field_named(cls, str(key), value)  # a dict may have any keys
         if field in seen:
             raise Misfit(f"'{field.name}' is given twice, once as '{key}'")
         seen.add(field)

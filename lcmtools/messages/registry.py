@@ -18,6 +18,7 @@ from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
 from lcmtools.escapes import ESCAPES
+from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import (
@@ -126,6 +127,15 @@ class Registry:
         if found := find(name, self.type_names(), "type"):
             hint = f"{found} is a message: lcmtools msg show {found}"
         raise UnknownType(f"unknown service type '{name}'", hint)
+
+    def enum_names(self) -> list[str]:
+        """Return the names of all enums, sorted; lcmtools ships none."""
+        return sorted({name for source in self._all() for name in source.enums})
+
+    def enum_class(self, name: str) -> type[EnumValue]:
+        """Return the class of an enum, one of ``enum_names``."""
+        source = next(one for one in self._all() if name in one.enums)
+        return cast("type[EnumValue]", _load(source.prefix, name))
 
     def candidates(self, fingerprint: int, channel: str = "") -> list[str]:
         """Return the names of the types with this fingerprint (equal fields), likeliest first.
@@ -359,6 +369,16 @@ def service_class(name: str) -> type[ServiceType]:
 def service_name(name: str) -> str:
     """Return a service's full name; see ``Registry.service_name``."""
     return default_registry().service_name(name)
+
+
+def enum_names() -> list[str]:
+    """Return the names of all enums; see ``Registry.enum_names``."""
+    return default_registry().enum_names()
+
+
+def enum_class(name: str) -> type[EnumValue]:
+    """Return the class of an enum; see ``Registry.enum_class``."""
+    return default_registry().enum_class(name)
 
 
 def candidates(fingerprint: int, channel: str = "") -> list[str]:

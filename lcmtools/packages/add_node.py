@@ -11,7 +11,7 @@ from lcmtools.errors import InvalidName, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import read_text, write_whole
 from lcmtools.messages.registry import packages
 from lcmtools.messages.type_source import shown
-from lcmtools.packages.cpp_nodes import PROJECT, included
+from lcmtools.packages.cpp_nodes import PROJECT, included, parts_of, source_text
 from lcmtools.packages.create import (
     NewPackage,
     check_node_name,
@@ -70,8 +70,11 @@ def add_cpp_node(
     text = text or node_text(_new(package, name, is_cpp=True))
     project = package.folder / PROJECT
     before = read_text(project) if project.exists() else cmake_text(package.name)
-    types = included(text, packages()) or _dependencies(package) or ["std_msgs"]
-    entry = cmake_entry(name, str(file.relative_to(package.folder)), types)
+    parts = [one for one in parts_of(file) if one.is_relative_to(package.folder)]
+    whole = "\n".join([text, *map(source_text, parts[1:])])
+    types = included(whole, packages()) or _dependencies(package) or ["std_msgs"]
+    sources = " ".join(str(one.relative_to(package.folder)) for one in parts)
+    entry = cmake_entry(name, sources, types)
     gap = "\n" if "add_executable" in before else ""
     texts = {} if is_declared else {project: f"{before.rstrip()}\n{gap}{entry}"}
     return _written(texts, file, text, replace=replace)

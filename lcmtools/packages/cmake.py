@@ -18,7 +18,14 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.messages.registry import packages
 from lcmtools.packages.cpp import cpp_folder, find_liblcm
-from lcmtools.packages.cpp_nodes import PROJECT, cpp_sources, included, source_text, wrong_include
+from lcmtools.packages.cpp_nodes import (
+    PROJECT,
+    cpp_sources,
+    included,
+    parts_of,
+    source_text,
+    wrong_include,
+)
 from lcmtools.packages.create import cmake_entry, cmake_text
 from lcmtools.packages.programs import built_program
 from lcmtools.packages.runnable_nodes import Runnable
@@ -53,7 +60,7 @@ def built_source(source: Path) -> Iterator[Path]:
     """Build the node of a source, and nothing else; yield its program. Nothing is printed.
 
     It is built in the package whose CMakeLists.txt declares it. If there is none, the program and
-    its package are temporary, with the types that the source and the headers beside it include.
+    its package are temporary, with the source's parts and the types that these include.
 
     Raises:
         MissingExtra: There is no CMake, no compiler, or no liblcm.
@@ -66,9 +73,9 @@ def built_source(source: Path) -> Iterator[Path]:
             yield built_program(Runnable(folder.name, node, "", folder))
             return
     with tempfile.TemporaryDirectory(prefix="lcmtools-cpp-") as own:
-        text = "\n".join(map(source_text, (source, *sorted(source.parent.glob("*.h*")))))
-        types = included(text, packages()) or ["std_msgs"]
-        entry = cmake_entry("program", f'"{source}"', types)
+        parts = parts_of(source)
+        types = included("\n".join(map(source_text, parts)), packages()) or ["std_msgs"]
+        entry = cmake_entry("program", " ".join(f'"{one}"' for one in parts), types)
         Path(own, PROJECT).write_text(cmake_text("program") + entry, "utf-8")
         _build(Path(own), source.name, "program")
         yield Path(own, "build", "program").rename(Path(own, source.stem))

@@ -3,6 +3,7 @@
 Belongs here: reading that file, and what the text of a source tells. Must not know how CMake runs.
 """
 
+import os
 import re
 from collections.abc import Collection
 from pathlib import Path
@@ -22,6 +23,7 @@ _GENERATE = re.compile(r"\blcmtools_generate\s*\(\s*([\w.-]+)([^)]*)\)", re.IGNO
 _INCLUDE = re.compile(
     r'^\s*#\s*include\s*[<"]((\w+)/(?:(?:msg|srv)/)?(\w+)\.h(?:pp)?)[>"]', re.MULTILINE
 )
+_OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"\n]+)"', re.MULTILINE)
 _FIRST_COMMENT = re.compile(r"\s*(?://+|/\*+)[\s*]*(.*)")
 
 
@@ -64,6 +66,22 @@ def included(text: str, known: Collection[str]) -> list[str]:
     The files may have their names in ROS.
     """
     return list(dict.fromkeys(name for _, name, _ in _INCLUDE.findall(text) if name in known))
+
+
+def parts_of(source: Path) -> list[Path]:
+    """Return the files of a node: its main source, the headers that these include, their sources.
+
+    The source of ``pid.hpp`` is ``pid.cpp`` beside it.
+    """
+    files = [source]
+    for file in files:  # grows meanwhile
+        names = _OWN_INCLUDE.findall(source_text(file))
+        for header in (Path(os.path.normpath(file.parent / name)) for name in names):
+            sources = (header.with_suffix(suffix) for suffix in SUFFIXES)
+            parts = [header, *(one for one in sources if not has_cpp_main(one))]
+            if not is_cpp(header):  # which is not compiled for itself
+                files += [one for one in parts if one.is_file() and one not in files]
+    return files
 
 
 def undeclared_sources(folder: Path) -> list[Path]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.cpp_enums import enum_header
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -26,6 +27,18 @@ LANGUAGES = tuple(_OPTIONS)
 
 _FUNCTION = re.compile(r"(?:(?<=fp->v == )|(?<== \{ p, ))(\w+::getHash)")
 _CAST = r"reinterpret_cast<decltype(__lcm_hash_ptr::v)>(\1)"  # v is a void* in liblcm 1.3.1
+
+_CPP_KEYWORDS = """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
+    constexpr const_cast continue decltype default delete do double dynamic_cast else enum explicit
+    export extern false float for friend goto if inline int long mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public register reinterpret_cast return short
+    signed sizeof static static_assert static_cast struct switch template this thread_local throw
+    true try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor
+    xor_eq
+"""
+_CPP_KEYWORD = re.compile(rf"this->({'|'.join(_CPP_KEYWORDS.split())})\b")
+"""A field in lcm-gen's C++ that no compiler takes."""
 
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
@@ -108,6 +121,8 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
                 problem = run_lcm_gen([translated if is_ros else file], options)
                 if problem:
                     raise problem.error()
+                if language == "cpp" and b"enum" in file.read_bytes():
+                    _write_enums(file, Path(name), scratch)
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
@@ -118,6 +133,16 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
     return [folder / path for path in made]
 
 
+def _write_enums(file: Path, root: Path, folder: Path) -> None:
+    """Write the C++ of a file's enums into a folder, beside that of lcm-gen."""
+    run_lcm_gen([file], ["--python", "--python-no-init", "--ppath", str(root / "python")])
+    for module in (root / "python").rglob("*.py"):
+        path = module.relative_to(root / "python").with_suffix(".hpp")
+        if text := enum_header([*path.parent.parts], path.stem, module.read_text("utf-8")):
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(text, "utf-8")
+
+
 def _copy(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     if source.name == "__init__.py" and target.exists():
@@ -125,7 +150,10 @@ def _copy(source: Path, target: Path) -> None:
     elif source.suffix == ".py":
         write_whole(target, as_portable_values(source.read_text("utf-8")))
     elif source.suffix == ".hpp":
-        write_whole(target, _FUNCTION.sub(_CAST, source.read_text("utf-8")))
+        text = source.read_text("utf-8")
+        if word := _CPP_KEYWORD.search(text):  # only programs that include it are concerned
+            text = f"#error the field '{word[1]}' is a keyword of C++: give it another name\n"
+        write_whole(target, _FUNCTION.sub(_CAST, text))
     else:
         write_whole(target, source.read_bytes())
 

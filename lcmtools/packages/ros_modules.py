@@ -6,10 +6,10 @@ A module of the user's own, with code, takes precedence. Must not know which typ
 
 import sys
 from collections.abc import Sequence
-from functools import cached_property
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 
 _PARTS = ("msg", "srv")
@@ -41,13 +41,22 @@ class _TypePackages(MetaPathFinder, Loader):
 
     def __init__(self, starts: Sequence[Path]) -> None:
         self._starts = starts
+        self._names: dict[str, str] | None = None
+        self._one_at_a_time = RLock()
 
-    @cached_property
+    @property
     def names(self) -> dict[str, str]:
         """The packages of types, and those above them, by their names in Python.
 
         Finding them reads the user's type files.
         """
+        with self._one_at_a_time:
+            if self._names is None:
+                self._names = {}  # finding installed packages asks this finder, too
+                self._names = self._find_names()
+            return self._names
+
+    def _find_names(self) -> dict[str, str]:
         from lcmtools.messages.python_names import python_path
         from lcmtools.messages.registry import shipped_types
         from lcmtools.packages.user_types import user_types
@@ -57,7 +66,7 @@ class _TypePackages(MetaPathFinder, Loader):
             user_types().add_start(start)
         found = {name.rpartition("/")[0] for name in shipped_types().fingerprints}
         found |= {package.name for package in workspace(*self._starts).packages}
-        found |= user_types().near_packages()
+        found |= user_types().declared_packages()
         above = {name[:end] for name in found for end, one in enumerate(name) if one == "."}
         return {python_path(name): name for name in found | above}
 

@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, cast
 
 from lcmtools.errors import LcmtoolsError, UnknownType
 from lcmtools.folders import read_text
-from lcmtools.messages.enums import EnumType
+from lcmtools.messages.enums import EnumType, EnumValue
 from lcmtools.messages.fields import fields
 from lcmtools.messages.python_names import python_name
 from lcmtools.messages.registry import (
     Message,
     ServiceType,
     default_registry,
+    enum_class,
+    enum_names,
     fingerprint,
     message_class,
     packages,
@@ -131,11 +133,11 @@ class UserTypes:
         """All folders, installed packages last."""
         return [*self.near_folders(), *installed_folders()]
 
-    def near_packages(self) -> set[str]:
-        """Return the packages that the near files declare; compiles none, a file may be wrong."""
+    def declared_packages(self) -> set[str]:
+        """Return the packages that the files declare; compiles none, a file may be wrong."""
         from lcmtools.packages.generated import declared_packages
 
-        files, _ = read_folders(self.near_folders())
+        files, _ = read_folders(self.far_folders())
         return {package for file in files for package in declared_packages(file)}
 
     def add_start(self, folder: Path) -> None:
@@ -195,14 +197,19 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     """
     own = default_registry().files()
     names: set[str] = set()
+    enums = set() if words else {*enum_names()}
     for word in words or own:
-        _add_parts([word] if word in own else _named(word), names)
-    if not names:
+        held = {one for one in enum_names() if word in (one, one.rpartition("/")[0])}
+        enums |= held
+        if not held or word in packages():
+            _add_parts([word] if word in own else _named(word), names)
+    if not names and not enums:
         raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
     shipped = shipped_folder()
     kinds = [part.type for name in names for part in fields(message_class(name))]
-    enums = {Path(kind.cls.__file__) for kind in kinds if isinstance(kind, EnumType)}
-    return sorted(enums | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+    classes = [kind.cls for kind in kinds if isinstance(kind, EnumType)]
+    files = {Path(cls.__file__) for cls in (*classes, *map(enum_class, enums))}
+    return sorted(files | {Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
 def source_file(kind: type[Message]) -> str:
@@ -220,7 +227,7 @@ def source_text(kind: type[Message]) -> str:
 
 def package_messages(
     module: str, *places: str | Path
-) -> Callable[[str], type[Message | ServiceType] | list[str]]:
+) -> Callable[[str], type[Message | ServiceType | EnumValue] | list[str]]:
     """Return the ``__getattr__`` of air_lab0/msg, for ``from air_lab0.msg import Stat``.
 
     In air_lab0/srv it returns services: ``from air_lab0.srv import Drive``, ``Drive.Request``.
@@ -232,7 +239,7 @@ def package_messages(
     """
     package = module.rpartition(".")[0] or module
 
-    def find(name: str) -> type[Message | ServiceType] | list[str]:
+    def find(name: str) -> type[Message | ServiceType | EnumValue] | list[str]:
         if name.startswith("_") and name != "__all__":
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         for place in map(Path, places):
@@ -244,7 +251,9 @@ def package_messages(
         is_spelled = python_name(own) == name and f"{package}/{name}" not in type_names()
         named = f"{package}/{own if is_spelled else name}"
         try:
-            return service_class(named) if named in service_names() else message_class(named)
+            if named in service_names():
+                return service_class(named)
+            return enum_class(named) if named in enum_names() else message_class(named)
         except UnknownType as error:
             raise AttributeError(str(error)) from None
 
@@ -252,8 +261,9 @@ def package_messages(
 
 
 def python_names_in(package: str) -> list[str]:
-    """Return the messages and services of a package by their names in Python."""
-    known = (one.rpartition("/") for one in (*type_names(), *service_names()))
+    """Return the messages, services and enums of a package by their names in Python."""
+    names = (*type_names(), *service_names(), *enum_names())
+    known = (one.rpartition("/") for one in names)
     return [python_name(short) for of, _, short in known if of == package]
 
 

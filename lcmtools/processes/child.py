@@ -56,6 +56,7 @@ class Start:
     takes_terminal: bool = False  # standard output and error are this process's
     output: Path | None = None  # a file for everything it prints; None to read its lines
     most_bytes: int = 0  # size limit of each file that it writes; 0 for none
+    holds_interrupts: bool = False  # it begins with SIGINT blocked, and unblocks it itself
 
 
 class ChildProcess:
@@ -203,8 +204,13 @@ class ChildProcess:
                 stdout, stderr = _screen(stdin), stdout
                 command = (*_WITH_TERMINAL, os.ttyname(stdin), *command)
             try:
-                streams = stdin, stdout, stderr
-                popen = self._guard.start(command, start.environment, start.directory, streams)
+                popen = self._guard.start(
+                    command,
+                    start.environment,
+                    start.directory,
+                    (stdin, stdout, stderr),
+                    holds_interrupts=start.holds_interrupts,
+                )
             except OSError:
                 self._close_keyboard()
                 raise

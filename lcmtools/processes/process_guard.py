@@ -2,9 +2,10 @@
 
 import contextlib
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from threading import Lock
 from typing import IO, TypeAlias
@@ -47,11 +48,16 @@ class ProcessGuard:
         environment: Mapping[str, str],
         directory: str,
         streams: tuple[Stream, Stream, Stream],
+        *,
+        holds_interrupts: bool = False,
     ) -> "subprocess.Popen[bytes]":
-        """Start a process in its own session and group, with these streams; OSError on failure."""
+        """Start a process in its own session and group, with these streams; OSError on failure.
+
+        One that ``holds_interrupts`` begins with SIGINT blocked.
+        """
         stdin, stdout, stderr = streams
         group = 0
-        with self._lock:
+        with self._lock, _interrupts_blocked() if holds_interrupts else contextlib.nullcontext():
             self._tell("+")  # this process may be killed between the start and its report
             try:
                 popen = subprocess.Popen(  # noqa: S603 - the user's own program
@@ -76,3 +82,13 @@ class ProcessGuard:
     def _tell(self, text: str) -> None:
         with contextlib.suppress(OSError, ValueError):  # the reaper was killed, or has ended
             os.write(self._pipe.fileno(), text.encode())
+
+
+@contextlib.contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Block SIGINT in this thread, and in the processes that it starts meanwhile."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -151,7 +151,7 @@ OPTIONS: Mapping[str, str] = {
     "bag record --regex": "TOPIC may be a pattern in quotes: '/husky*/**'",
     "bag record --repeat-latched": "each file of --split begins with what is latched",
     "bag record --size": _SPLIT,
-    "pkg create --build-type": "a package needs no build: leave it out",
+    "pkg create --build-type": "--cpp creates one in C++; for one in Python, leave it out",
     "pkg create --node-name": "--node names the node",
     "launch -p": "LCM has no master; --lcm-url and --domain choose the bus",
     "launch --required": "required is a key of a node in the file",
@@ -162,6 +162,11 @@ PREFIXES = ("ament", "catkin", "colcon", "gz", "ros", "rqt", "rviz", "tf2_")
 """The beginnings of programs' names."""
 NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 """Dependencies that have no messages."""
+LANGUAGES: Mapping[str, str] = {
+    **dict.fromkeys(("roscpp", "rclcpp", "ament_cmake"), "C++"),
+    **dict.fromkeys(("rospy", "rclpy", "ament_python", "ament_cmake_python"), "Python"),
+}
+"""Dependencies and build types that tell a package's language."""
 PACKAGE_OPTIONS: Mapping[str, str] = {
     **dict.fromkeys(("--license", "-l"), "--license"),
     "--node-name": "--node",

@@ -66,7 +66,7 @@ DOLLY = [
     ("ros2 run my_package moving_robot", "run my_package moving_robot"),
     ("ros2 topic list", "topic list"),
     ("ros2 pkg create --build-type ament_cmake my_package --dependencies rclcpp geometry_msgs",
-     "pkg create my_package --deps geometry_msgs"),
+     "pkg create my_package --cpp --deps geometry_msgs"),
     ("colcon build --packages-select my_package", "pkg build my_package"),
     ("gazebo", "lcmtools gui world shows the robots"),
 ]  # fmt: skip
@@ -74,6 +74,8 @@ SIBLINGS = [
     ("catkin_create_pkg -l MIT -a Me --rosdistro=noetic a rospy", "pkg create a --license MIT"),
     ("ros2 pkg create --build-type=ament_python --node-name drive --license MIT a",
      "pkg create a --node drive --license MIT"),
+    ("ros2 pkg create a --build-type=ament_cmake", "pkg create a --cpp"),
+    ("catkin_create_pkg a std_msgs rospy roscpp", "pkg create a --deps std_msgs"),
     ("ros2 pkg create a --destination-directory src", "pkg create a src"),
     ("catkin list", "pkg list"),
     ("catkin locate air_lab0", "pkg find air_lab0"),

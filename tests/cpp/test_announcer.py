@@ -82,7 +82,7 @@ def test_its_announcement_has_the_bytes_of_python(
     )
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE])
 def test_a_signal_ends_it_with_a_goodbye(
     number: int, announce: Callable[..., Program], cli: Cli
 ) -> None:

@@ -161,6 +161,26 @@ def test_a_source_that_is_not_built_tells_the_first_error(
         pass
 
 
+def test_a_source_is_built_with_its_parts(compiler: str, tmp_path: Path) -> None:
+    """Of files beside it, those that it includes; others may be unfinished."""
+    assert compiler
+    shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
+    texts = {
+        "a b.cpp": '#include "lib/pid.hpp"\nint main() { return pid(); }',
+        "lib/pid.hpp": '#include <std_msgs/Int32.hpp>\n#include "deep.h"\nint pid();',
+        "lib/pid.cpp": '#include "pid.hpp"\nint pid() { return deep() - std_msgs::Int32{2}.data; }',
+        "lib/deep.h": "int deep();",
+        "lib/deep.cc": '#include "deep.h"\n#include "more.cpp"\nint deep() { return more; }',
+        "lib/more.cpp": "int more = 2;",
+        "unfinished.cpp": "int pid( {",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    with built_source(tmp_path / "a b.cpp") as program:
+        assert subprocess.run([program], check=False).returncode == 0
+
+
 def test_the_talker_is_heard_by_the_listener(
     compile_program: Callable[..., Path],
     cli: Cli,

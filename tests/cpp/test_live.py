@@ -317,7 +317,7 @@ def test_simulated_time_is_that_of_the_clock(
     wait_until(lambda: "messages: 2," in cli("info", "PLAIN").out)  # one for each jump
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE])
 def test_a_signal_ends_it_with_a_goodbye(
     number: int, everything: Callable[..., Program], cli: Cli
 ) -> None:

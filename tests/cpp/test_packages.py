@@ -17,13 +17,19 @@ RELAY = """\
 #include <lcmtools/node.hpp>
 #include <rover/Count.hpp>
 #include <rover/Mark.hpp>
+#include <rover/Shift.hpp>
 
 int main(int argc, char** argv) {
   lcmtools::init(argc, argv);
   lcmtools::Node node("relay");
   auto marks = node.create_publisher<rover::Mark>("marks", 10);
+  auto shifts = node.create_publisher<rover::Shift>("shifts", 10);
   node.create_subscription<rover::Count>("count", 10, [&](const rover::Count& count) {
     marks->publish(rover::Mark{"a mark", count.count + 7});
+  });
+  node.create_subscription<rover::Shift>("wishes", 10, [&](rover::Shift wish) {
+    if (wish.gear == rover::Gear::HIGH) wish.all[1] = rover::Gear::BACK;
+    shifts->publish(wish);
   });
   lcmtools::spin(node);
 }
@@ -31,10 +37,17 @@ int main(int argc, char** argv) {
 READER = """\
 import lcmtools
 
+from rover.msg import Gear, Shift
+
 def main(args=None):
     lcmtools.init(args)
     node = lcmtools.Node("reader")
     say = node.get_logger().info
+    wishes = node.create_publisher(Shift, "wishes", 10)
+    wish = Shift(gear=Gear.HIGH)
+    node.create_timer(0.5, lambda: wishes.publish(wish))
+    back = lambda shift: say(f"{shift.gear} {Gear(shift.all[1])!r}")
+    node.create_subscription(Shift, "shifts", back, 1)
     kind = lcmtools.message_class("rover/Mark")
     node.create_subscription(kind, "marks", lambda mark: say(f"{mark.text} {mark.number}"), 1)
     lcmtools.spin(node)
@@ -89,6 +102,10 @@ def test_nodes_of_both_languages_share_a_package_and_its_messages(
     assert cli("pkg", "create", "rover", "--node", "driver", "--msg", "Count").code == 0
     (space / "rover" / "msg").mkdir()
     (space / "rover" / "msg" / "Mark.msg").write_text("string text\nint32 number\n")
+    (space / "rover" / "msg" / "Shift.lcm").write_text(
+        "package rover;\nenum Gear { LOW = 0, HIGH = 3, BACK = -1 }\n"
+        "struct Shift { Gear gear; Gear all[2]; }\n"
+    )
     (space / "rover" / "src" / "relay.cpp").write_text(RELAY)
     (space / "rover" / "rover" / "reader.py").write_text(READER)
     assert cli("pkg", "add-node", "relay.cpp").code == 0
@@ -100,6 +117,7 @@ def test_nodes_of_both_languages_share_a_package_and_its_messages(
     assert build.wait(200) == 0, build.output
     launch = start(lcmtools_path, "launch", "both.yaml")
     launch.wait_for("[/reader]: a mark 7")
+    launch.wait_for("[/reader]: HIGH BACK")
     assert_says(cli("node", "info", "/relay").out, "/marks [rover/Mark]", "/count [rover/Count]")
 
 

@@ -1,6 +1,8 @@
 """The real bus under traffic, used and closed from many threads at once."""
 
 import itertools
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -46,6 +48,33 @@ def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(
     assert next(heard) > 0
 
 
+_COME_AND_GO = """
+import os
+from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.liblcm import Connection
+from lcmtools.bus.url import parse_url
+url = parse_url("mpudpm://239.255.76.67:7667?ttl=0")
+for _ in range(100):
+    Connection(url, lambda _: None, print).close()
+for _ in range(60):
+    bus = LcmBus(url)
+    bus.subscribe("A", print)
+    sockets = os.listdir("/proc/self/fd")
+    for _ in range(3):
+        bus.unsubscribe("A", print)
+        assert os.listdir("/proc/self/fd") == sockets
+        bus.subscribe("A", print)
+    bus.close()
+"""
+
+
+@pytest.mark.usefixtures("private_network")
+def test_buses_of_many_ports_come_and_go() -> None:
+    # a closed descriptor that liblcm's thread still reads from hung one of ten
+    command = [sys.executable, "-c", _COME_AND_GO]
+    subprocess.run(command, check=True, timeout=100)
+
+
 @pytest.mark.usefixtures("private_network")
 def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -> None:
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
@@ -69,7 +98,7 @@ def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -
         for _ in range(5):
             receiver.subscribe("other", handle)
             receiver.unsubscribe("other", handle)
-        assert time.monotonic() - before < 2.0
+        assert time.monotonic() - before < 8.0
     finally:
         stop.set()
         flooder.join()
@@ -105,7 +134,7 @@ def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
         bus.close()
         for user in users:
             user.result(timeout=60)
-    assert time.monotonic() - before < 2.0
+    assert time.monotonic() - before < 8.0
 
 
 def _repeat(act: Callable[[], object]) -> None:

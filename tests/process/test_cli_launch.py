@@ -118,6 +118,23 @@ def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
     assert cli("node", "list").out == ""
 
 
+_INTERRUPTED_START = """
+import os, signal, sys
+if sys.orig_argv[2:3] == ["run"]:
+    os.kill(os.getpid(), signal.SIGINT)
+"""
+
+
+def test_a_node_that_is_interrupted_while_python_starts_prints_no_traceback(
+    launched: Launched, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sitecustomize.py").write_text(_INTERRUPTED_START)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    done = launched("nodes: [{run: talker}]\n")
+    assert "Traceback" not in done.output
+    assert any("died with exit code 130" in line for line in done.lines)
+
+
 def test_nohup_lets_a_launch_go_on(
     start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
 ) -> None:

@@ -184,6 +184,15 @@ def test_code_is_generated_for_the_enums_too(tmp_path: Path, cli: Callable[..., 
     assert str(tmp_path / "rover_mode_t.h") in made
 
 
+@pytest.mark.parametrize("words", [["rover/mode_t"], ["rover"], []])
+def test_an_enum_is_generated_if_it_its_package_or_all_types_are_meant(
+    words: list[str], tmp_path: Path, cli: Callable[..., Any]
+) -> None:
+    made = cli("msg", "generate", "--lang", "cpp", str(tmp_path), *words).out.split()
+    assert str(tmp_path / "rover/mode_t.hpp") in made
+    assert (str(tmp_path / "rover/state_t.hpp") in made) is (words != ["rover/mode_t"])
+
+
 def test_another_version_of_a_type_may_have_an_enum_of_elsewhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -116,7 +116,8 @@ def check(
     It runs at ``rate`` simulated seconds per second (None: a suitable one), for at most
     ``time_limit`` [s] of real time. ``show`` is called with each result at once.
 
-    A source in C++ is built first. If that fails, this is the only row.
+    A source in C++ is built first, which the time limit does not count: it is the computer's. If
+    that fails, this is the only row.
 
     Raises:
         UsageError: The program cannot be started.

@@ -53,7 +53,7 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 )
 @option("--jobs", type=whole_number(1), help="Programs of a class to check at a time.", metavar="N")
 @option("--rate", type=rate, help="Multiple of real time (else 4, and 1 to confirm failures).")
-@option("--time-limit", type=duration, help="Limit of real time for each program.")
+@option("--time-limit", type=duration, help="Limit of real time for each program, once built.")
 @option("--plot", type=_FILE, help="Draw velocities and the path: .png, .svg, .pdf.")
 @option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")

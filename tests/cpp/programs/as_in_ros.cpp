@@ -2,7 +2,6 @@
 #include <lcmtools/node.hpp>
 
 #include <functional>
-#include <thread>
 
 #include <geometry_msgs/Twist.hpp>
 #include <sensor_msgs/JointState.hpp>
@@ -71,10 +70,11 @@ int main(int argc, char** argv) {
   auto s = n.create_subscription<geometry_msgs::Twist>("t", 10, hear);
   double gain = n.declare_parameter("gain", 1.0);
   n.create_timer(500ms, [] {});
+  lcmtools::Rate r(10);
   while (lcmtools::ok() && gain > 1.0) {
     p->publish(geometry_msgs::Twist{});
     lcmtools::spin_some(n);
-    std::this_thread::sleep_for(100ms);
+    r.sleep();
   }
   lcmtools::spin(std::make_shared<Turner>());
   lcmtools::shutdown();

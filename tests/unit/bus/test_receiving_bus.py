@@ -156,3 +156,18 @@ def test_a_bus_of_a_parent_refuses_requests() -> None:
     bus.leave_to_parent()
     with raises_saying(BusError, "bus", "parent process"):
         bus.on_receiver(lambda: None)
+
+
+def test_a_signal_handler_may_close_the_bus_while_it_receives(
+    bus: PipeBus, never: WakeupEvent, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_most: int) -> int:
+        (descriptor, _), _ = bus.ends
+        bus.close()
+        return len(os.read(descriptor, 1))
+
+    bus.wait(never, 0.0)  # the thread that waits receives from now on
+    monkeypatch.setattr(bus, "_receive", interrupted)
+    bus.send(1)
+    bus.wait(never, _LONG)
+    assert bus.ends == []

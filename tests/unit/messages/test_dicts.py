@@ -103,6 +103,11 @@ def test_length_fields_are_set() -> None:
             "geometry_msgs/Twist has no field 'liner' (fields: linear, angular); did you mean",
         ),
         (
+            lambda: lcmtools.from_dict(Twist, {"linear": {1: 2.0}}),  # type: ignore[dict-item] # a mistake
+            ValueMismatch,
+            "linear.1: geometry_msgs/Vector3 has no field '1' (fields: x, y, z)",
+        ),
+        (
             lambda: lcmtools.from_dict(Twist, {"linear": {"x": "fast"}}),
             ValueMismatch,
             "linear.x: expected a number, got 'fast'",

@@ -17,6 +17,7 @@ from lcmtools.packages.cpp_nodes import (
     cpp_sources,
     cpp_summary,
     included,
+    parts_of,
     undeclared_sources,
     wrong_include,
 )
@@ -165,6 +166,30 @@ def test_a_new_node_in_cpp_gets_a_source_and_its_lines(package: Package) -> None
     assert project.read_text() == f"{text}\n{entry.replace('look', 'see')}"
     create(NewPackage("other", "look", dependencies=("nav_msgs",), is_cpp=True), Path("other"))
     assert Path("other/CMakeLists.txt").read_text() == text.replace("lab", "other")
+
+
+def test_the_parts_of_a_source_are_declared_with_it(package: Package) -> None:
+    texts = {
+        "look.cpp": f'#include "pid.hpp"\n  # include "own/eye.h"\n#include <own/not.hpp>\n{MAIN}',
+        "pid.hpp": '#include "missing.hpp"\n#include "text.cpp"',
+        "pid.cc": '#include "pid.hpp"\n#include <std_msgs/String.hpp>',
+        "text.cpp": "int text;",
+        "own/eye.h": '#include "../look.hpp"',
+        "look.hpp": '#include "pid.hpp"',
+        "own/eye.cpp": MAIN,  # a program of its own
+        "unfinished.cpp": "int x = ;",
+    }
+    source = package.folder / "src" / "look.cpp"
+    for name, text in texts.items():
+        (source.parent / name).parent.mkdir(exist_ok=True)
+        (source.parent / name).write_text(text)
+    names = ["look.cpp", "pid.hpp", "pid.cc", "own/eye.h", "look.hpp"]
+    assert [one.relative_to(source.parent).as_posix() for one in parts_of(source)] == names
+    add_cpp_node(package, "look", source)
+    declared = (package.folder / "CMakeLists.txt").read_text()
+    assert f"add_executable(look {' '.join(f'src/{name}' for name in names)})" in declared
+    assert "lcmtools_generate(look nav_msgs std_msgs)" in declared
+    assert cpp_sources(package.folder) == {"look": source}
 
 
 def test_a_source_that_is_there_is_only_declared(package: Package) -> None:

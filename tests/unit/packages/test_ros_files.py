@@ -283,6 +283,34 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     assert "std::vector< double > values;" in made[0].read_text()
 
 
+def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
+    write: Write, types_of: Types, tmp_path: Path
+) -> None:
+    text = "package a.b; enum Gear { LOW = 0, BACK = -1 } struct Shift { Gear gear; }"
+    folder = write({"e.lcm": text, "f.lcm": "enum Bare { ONE = 1 }"})
+    made = generate_code([folder / "e.lcm", folder / "f.lcm"], "cpp", tmp_path / "generated")
+    names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
+    assert names == ["Bare.hpp", "a/b/Gear.hpp", "a/b/Shift.hpp"]
+    header = made[1].read_text()
+    assert_says(
+        header, "namespace a {\nnamespace b {", "enum Value : int32_t { LOW = 0, BACK = -1 }"
+    )
+    number = registry(types_of(folder)).enum_class("a.b/Gear").__hash_number__
+    assert f"return {number:#x};" in header
+
+
+def test_a_field_that_is_a_keyword_of_cpp_is_named_where_its_type_is_included(
+    write: Write, tmp_path: Path
+) -> None:
+    folder = write(
+        {"p/msg/A.msg": "string class\n", "p/msg/B.msg": "string classes\nbool is_new\n"}
+    )
+    files = [folder / "p/msg/A.msg", folder / "p/msg/B.msg"]
+    bad, good = generate_code(files, "cpp", tmp_path / "generated")
+    assert bad.read_text().startswith("#error the field 'class' is a keyword of C++")
+    assert "#error" not in good.read_text()
+
+
 @pytest.mark.usefixtures("small_files")
 def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
     write: Write, tmp_path: Path

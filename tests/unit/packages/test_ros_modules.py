@@ -24,15 +24,22 @@ FILES = {
     "types/survey/srv/Goto.srv": "float64 x\n---\nbool ok",
     "types/wrong.lcm": "package wrong; struct Wrong { double x }",
     "types/real.lcm": "package real; struct Real { double x; }",
+    "types/gear.lcm": "package rover;enum Gear { LOW = 0, HIGH = 3 }",
     "types/bare.lcm": "package bare; struct Bare { double x; }",
     "code/real/__init__.py": "own = 1",
     "code/real/msg.py": "own = 2",
     "code/bare/__init__.py": "own = 3",
     "code/mixed/msg/code.py": "own = 4",
     "types/mixed.lcm": "package mixed; struct Mixed { double x; }",
+    "code/lab.dist-info/METADATA": "Name: lab\nVersion: 1\n",
+    "code/lab.dist-info/entry_points.txt": "[lcmtools.messages]\nlab = lab\nlost = lost.msg\n",
+    "code/lab/__init__.py": "own = 5",
+    "code/lab/msg/Stat.msg": "float64 x",
+    "code/lab/more.lcm": "package lab_types; struct More { double x; }",
 }
 
 MODULES = {"rover", "fleet", "lambda_", "survey", "wrong", "real", "bare", "mixed", "nav_msgs"}
+MODULES |= {"lab", "lab_types"}
 
 
 @pytest.fixture(autouse=True)
@@ -74,10 +81,18 @@ def _modules(
         ("from mixed.msg import Mixed", "Mixed", "mixed/Mixed"),
         ("from nav_msgs.msg import Path", "Path", "nav_msgs/Path"),
         ("from nav_msgs import Path", "Path", "nav_msgs/Path"),
+        ("from lab.msg import Stat", "Stat", "lab/Stat"),  # an installed package
+        ("from lab_types import More", "More", "lab_types/More"),
     ],
 )
 def test_types_are_imported(statement: str, name: str, kind: str) -> None:
     assert _run(f"{statement}\nfound = {name}") is message_class(kind)
+
+
+def test_an_enum_is_imported_with_its_values() -> None:
+    assert _run("from rover.msg import Gear\nfound = Gear.HIGH + 1") == 4
+    assert _run("from rover import Gear\nfound = Gear(3)") == "HIGH"
+    assert _run("from rover.msg import *\nfound = Gear.LOW") == 0
 
 
 def test_a_service_is_the_one_that_its_name_means() -> None:
@@ -87,7 +102,8 @@ def test_a_service_is_the_one_that_its_name_means() -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "value"), [("real", 1), ("real.msg", 2), ("bare", 3), ("mixed.msg.code", 4)]
+    ("module", "value"),
+    [("real", 1), ("real.msg", 2), ("bare", 3), ("mixed.msg.code", 4), ("lab", 5)],
 )
 def test_a_python_package_of_that_name_takes_precedence(module: str, value: int) -> None:
     assert importlib.import_module(module).own == value
@@ -102,7 +118,10 @@ def test_a_python_package_of_that_name_takes_precedence(module: str, value: int)
             "from rover.msg import Stats",
             "cannot import name 'Stats' from 'rover.msg': did you mean",
         ),
-        ("from rover.srv import Stop", "'rover.srv': it has Go_Request, Go_Response, Status, Go"),
+        (
+            "from rover.srv import Stop",
+            "'rover.srv': it has Go_Request, Go_Response, Status, Go, Gear",
+        ),
         ("from rover import Stats", "cannot import name 'Stats' from 'rover': did you mean Status"),
         ("import rover.stuff", "cannot import name 'stuff' from 'rover': it has msg, srv, Go_Req"),
         ("from fleet import hand", "cannot import name 'hand' from 'fleet': it has msg, srv"),
