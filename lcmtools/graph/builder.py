@@ -87,12 +87,11 @@ class GraphBuilder:
         talk: list[Packet] = []
         channel, sender, count = None, None, None
         for packet in packets:
-            is_next = count and packet[0] is channel and packet[3] is sender  # usual in a stream
-            if not is_next and packet.channel in TALK_CHANNELS:
-                self.add(packet)
-                talk.append(packet)
-                continue
-            if not count or not is_next:
+            if not (count and packet[0] is channel and packet[3] is sender):  # rare in a stream
+                if packet.channel in TALK_CHANNELS:
+                    self.add(packet)
+                    talk.append(packet)
+                    continue
                 channel, sender = packet[0], packet[3]
                 count = self._count_of(packet)
             count.add(packet)

@@ -201,8 +201,9 @@ def test_a_session_that_does_not_close_is_left(
     assert not closing.is_alive()
 
 
+@pytest.mark.usefixtures("bus_url")
 def test_a_signal_handler_may_publish_while_a_message_arrives(
-    bus_url: str, start_python: Callable[..., Any]
+    start_python: Callable[..., Any],
 ) -> None:
     program = start_python(_PUBLISHES_IN_A_HANDLER)
     assert program.wait() == 0, program.output

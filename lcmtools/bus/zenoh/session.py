@@ -72,7 +72,7 @@ class ZenohSession:
         self.dropped = 0  # messages that came late, or the oldest if they were not received in time
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._bytes = 0
-        # For Zenoh's threads, one for each connection, and signal handlers that publish to this one.
+        # For Zenoh's threads, one for each connection, and signal handlers that publish.
         self._counting = threading.RLock()
         self._answers = 0  # pending requests
         self._answered: set[str] = set()  # the sessions that answered the last one
