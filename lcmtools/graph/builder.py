@@ -20,7 +20,7 @@ MOST_FINGERPRINTS = 4
 """A sender with this many fingerprints on a channel does not send LCM types; no more are kept."""
 MOST_FLOWS, MOST_NODES = 4000, 2000
 """Channels of a live bus, counted for each sender, and nodes: no more are known."""
-_MOST_NODE_BYTES = 4 << 20  # of the announcements of the known nodes
+_MOST_NODE_BYTES = 2 << 20  # of the announcements of the known nodes, which take five times that
 _MOST_SILENT, _SILENT_AFTER = 500, 60_000_000_000
 """While more than this number are known, those silent for this time [ns] are forgotten."""
 _OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})

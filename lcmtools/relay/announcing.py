@@ -22,7 +22,7 @@ from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.wire.packet import Sender
 
 _MOST_STEPS = 16
-_MOST_NODE_BYTES = 4 << 20  # of the announcements that are kept
+_MOST_NODE_BYTES = 2 << 20  # of the announcements that are kept
 _RECENT = 10_000_000_000  # [ns] since its last message that a program is told of
 _YOUNG = 100_000_000  # [ns] after its first one
 _OF_SERVICES = (Role.SERVICE, Role.CLIENT)
