@@ -7,6 +7,7 @@ Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure
 times come in as arguments.
 """
 
+import math
 import sys
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -19,6 +20,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.streams.base import Update
 from lcmtools.messages.registry import Message, type_name
+from lcmtools.observe.channels.activity import SILENT_AFTER
 from lcmtools.types.geometry_msgs import (
     Point,
     Pose,
@@ -36,6 +38,7 @@ from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 
 _LARGEST = 1e30  # a number beyond this is no place, and no float32
+_SILENT_GAPS = 3  # times without a message are silence, if longer than SILENT_AFTER
 _FIELD_BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 8: 8}  # by PointField's datatype
 
 
@@ -58,15 +61,36 @@ class WorldDrawing(NamedTuple):
     convert: Callable[[Message], Update]  # returns what the page's drawing of this kind reads
 
 
+class Heard:
+    """The times at which something came [ns]; old if it came repeatedly, and no longer does."""
+
+    def __init__(self, time: int) -> None:
+        self.time = time
+        self._count, self._gap = 1, 0
+
+    def again(self, time: int) -> None:
+        """Take the next time."""
+        self._gap, self.time = time - self.time, time
+        self._count += 1
+
+    def is_old(self, now: int, *, is_once: bool = False) -> bool:
+        """Return whether it should have come again by a time [ns]; ``is_once`` if it came once."""
+        if self._count == 1:
+            return is_once
+        return now - self.time > max(SILENT_AFTER, _SILENT_GAPS * self._gap)
+
+
 class Poses:
     """Frames, each with its parent and its latest pose in it."""
 
     def __init__(self) -> None:
-        self._stamp = 0.0
+        self._stamp, self._time = 0.0, 0
         self._frames: dict[str, tuple[str, list[float]]] = {}
+        self.heard: dict[str, Heard] = {}
 
-    def add(self, message: TFMessage) -> str:
-        """Add the frames of a message; return which are ignored and why, else ""."""
+    def add(self, message: TFMessage, time: int) -> str:
+        """Add the frames of a message [ns]; return which are ignored and why, else ""."""
+        self._time = time
         ignored = ""
         for one in message.transforms:
             if fault := transform_fault(one):
@@ -75,15 +99,20 @@ class Poses:
             stamp = one.header.stamp
             self._stamp = stamp.sec + stamp.nsec / NANOSECONDS
             place, turn = one.transform.translation, one.transform.rotation
-            self._frames[one.child_frame_id] = (one.header.frame_id, _pose(place, turn))
+            child = one.child_frame_id
+            self._frames[child] = (one.header.frame_id, _pose(place, turn))
+            if child in self.heard:
+                self.heard[child].again(time)
+            else:
+                self.heard[child] = Heard(time)
         return ignored
 
-    def drawing(self, time: float) -> Update:
-        """Return all frames at a time [s]: pairs of names, and the poses as float32."""
+    def drawing(self, old: Sequence[str]) -> Update:
+        """Return all frames: pairs of names, which are old, and the poses as float32."""
         names: list[Json] = [[parent, child] for child, (parent, _) in self._frames.items()]
         numbers = (number for _, pose in self._frames.values() for number in pose)
-        about: dict[str, Json] = {"kind": "frames", "time": time, "stamp": self._stamp}
-        return Update({**about, "frames": names}, floats(numbers))
+        about: dict[str, Json] = {"kind": "frames", "time": self._time / 1e9, "stamp": self._stamp}
+        return Update({**about, "frames": names, "old": old}, floats(numbers))
 
 
 def transform_fault(one: TransformStamped) -> str:
@@ -159,7 +188,14 @@ def _finite(frame: str, places: Iterable[Sequence[float]]) -> Update:
 
 
 def _pose(place: Point | Vector3, turn: Quaternion) -> list[float]:
-    return [place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w]
+    """Return a pose with a rotation of length 1; like rviz, read an all-zero one as none."""
+    rotation = [turn.x, turn.y, turn.z, turn.w]
+    length = math.hypot(*rotation)
+    if length == 0:
+        rotation[3] = 1.0
+    elif length < math.inf:
+        rotation = [number / length for number in rotation]
+    return [place.x, place.y, place.z, *rotation]
 
 
 def _of(pose: Pose) -> list[float]:
@@ -205,6 +241,7 @@ def _cloud(cloud: PointCloud2) -> Update:
         if field.offset < 0 or end > cloud.point_step:
             what = f"the field '{field.name}' ends at byte {end} of a point"
             raise Malformed(f"{what}, which has {cloud.point_step}")
+    _check_size(cloud.width, cloud.height)
     row = cloud.width * cloud.point_step
     if cloud.height > 1 and cloud.row_step < row:
         raise Malformed(f"row_step is {cloud.row_step}, but a row has {row} bytes")
@@ -222,6 +259,11 @@ def _cloud(cloud: PointCloud2) -> Update:
         "fields": [[field.name, field.offset, field.datatype] for field in cloud.fields],
     }
     return Update(about, bytes(cloud.data))
+
+
+def _check_size(width: int, height: int) -> None:
+    if min(width, height) < 0:
+        raise Malformed(f"its size is {width} x {height}")
 
 
 def _plain_cloud(cloud: PointCloud) -> Update:
@@ -262,6 +304,7 @@ def _path(path: Path) -> Update:
 
 def _grid(grid: OccupancyGrid) -> Update:
     """Return the cells as int8: -1 for unknown, 0 to 100 for the probability of occupancy [%]."""
+    _check_size(grid.info.width, grid.info.height)
     if grid.info.width * grid.info.height != len(grid.data):
         size = f"{grid.info.width} x {grid.info.height} cells"
         raise Malformed(f"it should have {size}, but data has {len(grid.data)}")

@@ -5,6 +5,7 @@ that a slow page sees less, while neither the bus nor the memory suffers.
 """
 
 import asyncio
+import math
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping
@@ -58,6 +59,7 @@ class BrowserPage:
             **dict.fromkeys(("ask", "do"), self._answer),
             "open": self._open_stream,
             "close": self._close_stream,
+            "took": self._take,
             **dict.fromkeys(("drive", "release", "stop"), self._steer),
         }
         self._refusals: dict[int, str] = {}
@@ -108,13 +110,13 @@ class BrowserPage:
         if stream_class(name).commands and (refusal := self._refusal(COMMAND)):
             self._send({"id": number, "problem": refusal})
             return
-        parameters = request.without("op", "id", "stream")
+        parameters, is_paced = request.without("op", "id", "stream", "paced"), request.flag("paced")
         if number not in self._open and len(self._open) >= _MOST_STREAMS:
             problem = "too much is shown on this page; close or hide some of it"
             self._send({"id": number, "problem": problem})
             return
         try:
-            opened = _Subscription(number, self._streams.open(name, parameters))
+            opened = _Subscription(number, self._streams.open(name, parameters), is_paced=is_paced)
         except LcmtoolsError as error:  # for example a mistyped value
             self._close_stream(request)
             self._send({"id": number, "problem": str(error)})
@@ -127,6 +129,12 @@ class BrowserPage:
     def _close_stream(self, request: PageRequest) -> None:
         if one := self._open.pop(request.id, None):
             self._streams.close(one.stream)
+
+    def _take(self, request: PageRequest) -> None:
+        """Let the next update of a stream follow, because the page has taken the last one."""
+        if one := self._open.get(request.id):
+            one.go_on()
+            self._wakes.set()
 
     def _steer(self, request: PageRequest) -> None:
         """Command a robot; if the command is ignored, tell its stream why."""
@@ -181,7 +189,7 @@ class BrowserPage:
             while frame := self._next_frame():
                 await self._socket.send(frame)
                 self._has_gone.set()
-            due = min((one.next_time for one in self._open.values()), default=self._next_state)
+            due = min([self._next_state, *(one.next_time for one in self._open.values())])
             pause = max(0.001, due - time.monotonic())
             # not wait_for(), which before Python 3.12 may miss the cancellation of this task
             timer = asyncio.get_running_loop().call_later(pause, self._wakes.set)
@@ -210,11 +218,14 @@ class BrowserPage:
 
 
 class _Subscription:
-    """A stream that a page has open, and which of its updates the page has been sent."""
+    """A stream that a page has open, and which of its updates the page has been sent.
 
-    def __init__(self, number: int, stream: OpenStream) -> None:
-        self.number, self.stream = number, stream
-        self.next_time = 0.0
+    If it is paced, each update waits until the page has taken the one before.
+    """
+
+    def __init__(self, number: int, stream: OpenStream, *, is_paced: bool = False) -> None:
+        self.number, self.stream, self.is_paced = number, stream, is_paced
+        self.next_time = self._due = 0.0
         self._seen = 0
         self._problem = ""
 
@@ -228,4 +239,11 @@ class _Subscription:
         if self.stream.version == self._seen or self.stream.latest is None:
             return None
         self._seen = self.stream.version
+        if self.is_paced:
+            self._due, self.next_time = self.next_time, math.inf
         return self.stream.latest.frame(self.number)
+
+    def go_on(self) -> None:
+        """Let the next update follow, after the stream's period."""
+        if self.next_time == math.inf:
+            self.next_time = self._due

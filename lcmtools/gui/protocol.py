@@ -4,6 +4,8 @@ A page sends JSON texts with an ``op``, and the server answers with the same ``i
 
     {"op": "open", "id": 7, "stream": "topics", ...}    updates follow until it is closed; with the
                                                         id of an open one: in place of that
+    {"op": "took", "id": 7}                             if it was opened with "paced": true, the
+                                                        next update follows only after this
     {"op": "close", "id": 7}
     {"op": "ask", "id": 9, "what": "type", ...}         one answer
     {"op": "do", "id": 11, "what": "publish", ...}      one answer; needs the right to command

@@ -150,5 +150,10 @@ def absence(source: Source, topic: str) -> str:
     if row.age is None:
         who = f"published by {', '.join(row.senders)}" if row.senders else "nothing publishes it"
         return f"no message of {topic} has come yet; {who}"
-    age = f"{row.age:.0f} s" if row.age < 100 else f"{row.age / 60:.0f} min"  # noqa: PLR2004
-    return f"{topic} is silent: the last message came {age} ago" if row.is_silent else ""
+    said = f"{topic} is silent: the last message came {age_text(row.age)} ago"
+    return said if row.is_silent else ""
+
+
+def age_text(age: float) -> str:
+    """Return an age [s] in seconds or minutes."""
+    return f"{age:.0f} s" if age < 100 else f"{age / 60:.0f} min"  # noqa: PLR2004

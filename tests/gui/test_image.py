@@ -1,5 +1,7 @@
 """Images show the pixels of the messages, with the depth under the pointer."""
 
+import json
+import re
 import struct
 import time
 import zlib
@@ -7,6 +9,7 @@ from array import array
 from collections.abc import Callable
 from contextlib import closing
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from fixtures.nodes import LiveNode
@@ -18,6 +21,8 @@ from lcmtools.observe.reading.received import messages
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from tests.gui.conftest import panel_address
 
+_MANY = 8  # images
+_IN_TRANSIT = 2  # images: one that is to be drawn, and one that was sent before
 _DEPTH = "/camera/depth/image_raw"
 
 
@@ -178,3 +183,34 @@ def test_a_broken_image_is_a_notice_until_a_good_one_comes(
     with page.expect_download() as download:
         page.get_by_role("button", name="Save as PNG").click()
     assert download.value.suggested_filename.startswith("broken_")
+
+
+def test_a_page_that_cannot_draw_gets_no_more_images_and_then_the_newest(
+    serve: Callable[..., tuple[Program, str]], page: Any, node: Node
+) -> None:
+    received: list[bytes] = []
+
+    def count(socket: Any) -> None:
+        socket.on("framereceived", lambda data: isinstance(data, bytes) and received.append(data))
+
+    page.on("websocket", count)
+    _, address = serve()
+    parts = [
+        {"panel": "image", "settings": {"topic": "/slow"}},
+        {"panel": "topics", "settings": {"topic": "/slow"}},
+    ]
+    page.goto(f"{address}#{quote(json.dumps({'split': 'row', 'parts': parts, 'sizes': [1, 1]}))}")
+    _show(page, node, "/slow", _image("mono8", 1, 1, b"a"))
+    page.evaluate("() => { window.held = []; window.requestAnimationFrame = (f) => held.push(f); }")
+    about = page.get_by_text(re.compile(r"^\d+ messages?,"))
+    already = int(about.inner_text().split()[0])
+    before, publisher = len(received), node.create_publisher(Image, "/slow")
+    for count in range(1, _MANY + 1):
+        publisher.publish(_image("mono8", 1 + count, 1, bytes(1 + count)))
+        page.get_by_text(f"{already + count} messages,").wait_for()
+    page.wait_for_function("() => held.length")
+    assert len(received) - before <= _IN_TRANSIT
+    page.evaluate(
+        "() => { window.requestAnimationFrame = (f) => setTimeout(f); held.forEach((f) => f()); }"
+    )
+    page.get_by_text(f"{1 + _MANY} \N{MULTIPLICATION SIGN} 1").wait_for()

@@ -1,11 +1,13 @@
 """Messages that cannot be shown: each display says what is wrong, and the others go on."""
 
+import io
 import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import pytest
 from fixtures.programs import Program
+from PIL import Image as Picture
 
 from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
@@ -43,6 +45,8 @@ DISPLAYS: list[tuple[type[Any], dict[str, Any], str]] = [
     (Marker, {**CUBE, "pose": {"position": AWAY}}, "0 markers, 1 not drawn: their places"),
     (Marker, {**CUBE, "type": 99}, "1 not drawn: their types are unknown"),
     (Marker, {**CUBE, "type": -1}, "1 not drawn: their types are unknown"),
+    (Marker, {**CUBE, "scale": {}}, "1 not drawn: their scale is 0"),
+    (Marker, {**CUBE, "type": 0, "scale": {"x": 1}}, "1 not drawn: their scale is 0"),
     (Marker, {**CUBE, "color": {"r": 1}}, "1 not drawn: their color.a is 0"),
     (Marker, {**CUBE, "header": {}}, "its frame_id is empty"),
     (Marker, {**CUBE, "type": 10}, "1 not drawn: files that messages name are not read"),
@@ -126,6 +130,23 @@ def test_each_display_of_the_world_says_what_is_wrong_and_the_others_go_on(
     page.wait_for_function(
         "n => document.querySelector('.world-stage canvas').dataset.frames > n", arg=before
     )
+
+
+def test_a_damaged_jpeg_file_after_a_good_one_stops_nothing(
+    window: Callable[..., str], bus: Bus, page: Any
+) -> None:
+    page.goto(window("image", "/camera"))
+    page.locator(".panel-body > *").wait_for()
+    for width in (20, 30):
+        jpeg = io.BytesIO()
+        Picture.new("RGB", (width, 10)).save(jpeg, "JPEG")
+        for data in (jpeg.getvalue(), jpeg.getvalue()[:200]):
+            bus.publish("/camera", encode(made(CompressedImage, {"format": "jpeg", "data": data})))
+            page.get_by_text(f"{width} \N{MULTIPLICATION SIGN} 10").wait_for(timeout=10_000)
+            notice = page.get_by_text("the image cannot be read")
+            notice.wait_for(
+                state="hidden" if data == jpeg.getvalue() else "visible", timeout=10_000
+            )
 
 
 def test_an_image_panel_says_what_is_wrong_and_shows_the_next_image(

@@ -304,13 +304,13 @@ def test_light_and_dark_are_chosen_and_kept(topics: Any) -> None:
 
 
 def test_a_narrow_screen_has_the_panels_below_each_other(topics: Any) -> None:
-    topics.set_viewport_size({"width": 380, "height": 780})
+    topics.set_viewport_size({"width": 360, "height": 780})
     row(topics, "/pose").click()
     topics.get_by_role("tree", name="Message of /pose").get_by_text("1.5").wait_for()
     boxes = [one.bounding_box() for one in topics.locator(".panel").all()]
     assert [round(box["x"]) for box in boxes] == [8, 8]
     assert boxes[0]["y"] + boxes[0]["height"] <= boxes[1]["y"]
-    assert topics.evaluate("() => document.documentElement.scrollWidth") <= 380
+    assert topics.evaluate("() => document.documentElement.scrollWidth") <= 360
 
 
 def test_a_panel_is_shown_when_its_styles_are_there(

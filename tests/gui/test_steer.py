@@ -349,6 +349,25 @@ def test_the_stop_button_stops_what_another_program_drives(
     stands(module_bus_url)
 
 
+def test_a_page_that_is_refused_does_not_say_that_it_drives(
+    serve: Callable[..., tuple[Program, str]], page: Any, browser: Any, module_bus_url: str
+) -> None:
+    address = serve("steer", TOPIC)[1]
+    page.goto(address)
+    other = browser.new_page()
+    other.goto(address)
+    hold_joystick(page)
+    moves(module_bus_url)
+    other.get_by_text("obeyed by").wait_for()
+    other.keyboard.down("s")
+    other.locator(".notice", has_text="another page is driving").wait_for()
+    other.get_by_text("Not driving").wait_for()
+    assert float(reading(other)) == 0
+    other.close()
+    page.mouse.up()
+    stands(module_bus_url)
+
+
 def test_who_may_only_watch_is_told_so(
     serve: Callable[..., tuple[Program, str]], page: Any
 ) -> None:

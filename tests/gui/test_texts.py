@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from fixtures.programs import Program
 
+_TEXTURE = 8192  # [px] that every WebGL 2 has, but for small devices
 TABLE = json.loads((Path(__file__).parents[1] / "fixtures" / "texts.json").read_text())
 
 
@@ -64,3 +65,17 @@ def test_a_trail_keeps_the_newest_steps_and_begins_anew_where_a_robot_was_put(
         4500,
     )
     assert found == [2500, 15000, pytest.approx(200), pytest.approx(450), 0]
+
+
+def test_a_long_text_in_the_world_is_no_wider_than_a_texture(
+    run: Callable[[str, object], Any],
+) -> None:
+    widths = run(
+        """async (texts) => {
+          const { label } = await import("/panels/world/shapes.js");
+          const look = { pose: [0, 0, 0, 0, 0, 0, 1], scale: [0, 0, 1], color: [1, 1, 1, 1] };
+          return texts.map((text) => label({ ...look, text }).material.map.image.width);
+        }""",
+        ["", "W", "W" * 20_000, "\N{ROBOT FACE}" * 20_000],
+    )
+    assert 0 < widths[0] < widths[1] < max(widths) <= _TEXTURE

@@ -4,6 +4,7 @@ import io
 import json
 import math
 import re
+import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
@@ -18,14 +19,17 @@ from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
+from lcmtools.messages.message_template import draft
 from lcmtools.observe.reading.received import messages
 from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry
 from lcmtools.types.sensor_msgs import PointCloud2, PointField
 from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools.types.visualization_msgs import Marker
 from tests.gui.conftest import panel_address
 
 _LONG = 40.0  # [s] for what comes
+_COLOURED = 80  # red less green, of 255
 _MOST = 900  # messages, thirty seconds of them
 WORLD = """\
 node: yard
@@ -248,6 +252,13 @@ def status(page: Any, topic: str, text: str) -> None:
     line.get_by_text(text).wait_for(timeout=1000 * _LONG)
 
 
+def until(is_true: Callable[[], bool]) -> None:
+    """Ask until it is true."""
+    deadline = time.monotonic() + _LONG
+    while not is_true():
+        assert time.monotonic() < deadline
+
+
 def frames_drawn(page: Any) -> int:
     return int(page.locator(".world-stage canvas").get_attribute("data-frames") or 0)
 
@@ -261,6 +272,14 @@ def cloud(kind: int, size: int) -> Any:
         field.name, field.offset, field.datatype, field.count = name, 8 * index, kind, 1
         found.fields.append(field)
     found.data, found.row_step = bytes(2 * size), 2 * size
+    return found
+
+
+def with_rgb(found: Any, kind: int) -> Any:
+    """A cloud of x, y and z as float64, with colours of a type."""
+    field = PointField()
+    field.name, field.offset, field.datatype, field.count = "rgb", 24, kind, 1
+    found.fields.append(field)
     return found
 
 
@@ -290,13 +309,14 @@ def test_malformed_messages_are_told_and_the_other_displays_go_on(
         "/large": large,
         "/short": cloud(PointField.FLOAT64, 8),
         "/doubles": cloud(PointField.FLOAT64, 24),
+        "/narrow_rgb": with_rgb(cloud(PointField.FLOAT64, 26), PointField.UINT16),
         "/integers": cloud(PointField.INT32, 24),
     }
     page.goto(server.wait_for("http://").split()[-1])
     page.locator(".world").wait_for()
     for topic, message in sent.items():
         bus.publish(topic, encode(message))
-    for topic in ("/doubles", "/integers", "/short"):
+    for topic in ("/doubles", "/integers", "/short", "/narrow_rgb"):
         page.locator(".world li", has=page.get_by_text(topic, exact=True)).locator(
             "input[type=checkbox]"
         ).check()
@@ -305,12 +325,43 @@ def test_malformed_messages_are_told_and_the_other_displays_go_on(
     status(page, "/short", "the field 'y' ends at byte 16 of a point, which has 8")
     status(page, "/integers", "not drawn: it has no x, y and z as float32 or float64")
     status(page, "/doubles", "points")
+    status(page, "/narrow_rgb", "points")
     status(page, "/large", "map")
     status(page, "/goal", "pose")
     before = frames_drawn(page)
     goal.pose.position.x = 1.0
     bus.publish("/goal", encode(goal))
     wait_for(page, "n => document.querySelector('canvas').dataset.frames > n", before)
+
+
+def test_a_frame_is_grey_once_its_publisher_is_gone_though_others_use_its_topic(
+    start: Callable[..., Program], lcmtools_path: str, bus_url: str, bus: Bus, page: Any
+) -> None:
+    server = start(lcmtools_path, "gui", "world", "--port", "0", "--no-open", "--lcm-url", bus_url)
+    camera = {"position": [0, -4, 2], "target": [0, 0, 0.5]}
+    page.goto(panel_address(server.wait_for("http://").split()[-1], "world", camera=camera))
+    box = {"header": {"frame_id": "gone"}, "type": 1, "scale": dict.fromkeys("xyz", 1)}
+    bus.publish("/box", encode(draft(Marker, {**box, "color": {"r": 1, "a": 1}}).message))
+    message = TFMessage()
+    for name in ("here", "gone"):
+        one = TransformStamped()
+        one.header.frame_id, one.child_frame_id, one.transform.rotation.w = "world", name, 1.0
+        message.transforms.append(one)
+
+    def red() -> float:
+        """How red the middle of the view is, while the transforms are sent."""
+        bus.publish("/tf", encode(message))
+        shot = page.locator(".world-stage canvas").screenshot()
+        image = Image.open(io.BytesIO(shot)).convert("RGB")
+        r, g, _ = image.getpixel((image.width // 2, image.height // 2))
+        return float(r - g)
+
+    page.locator(".world-displays li", has_text="/box").wait_for()
+    for _ in range(2):  # what is sent once stays as it is
+        until(lambda: red() > _COLOURED)
+    message.transforms.pop()
+    until(lambda: abs(red()) < _COLOURED / 4)
+    status(page, "/tf", "old: 1 of 2 frames, 'gone' for")
 
 
 def test_what_is_old_says_so_from_the_first_picture_on_and_nothing_is_drawn_while_nothing_moves(

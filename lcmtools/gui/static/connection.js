@@ -11,7 +11,8 @@ const SENDING = "publishing"; // the stream that makes the server send; only a p
  * @typedef {(data: any, payload?: ArrayBuffer) => void} OnData
  * @typedef {{id: number, stream: string, parameters: object, onData: OnData,
  *   onProblem: (text: string) => void}} Opened
- * @typedef {{id: number, change: (parameters: object) => void, close: () => void}} Stream
+ * @typedef {{id: number, change: (parameters: object) => void, took: () => void, close: () => void}} Stream
+ *   "took" lets the next update follow if the stream was opened with "paced"
  */
 
 /** The connection. It dispatches "change" when the link, the rights or the state has changed. */
@@ -149,6 +150,7 @@ export class Connection extends EventTarget {
         opened.parameters = changed;
         this.sendOpen(opened);
       },
+      took: () => this.send({ op: "took", id: opened.id }),
       close: () => {
         if (this.streams.delete(opened.id)) this.send({ op: "close", id: opened.id });
       },

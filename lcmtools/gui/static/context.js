@@ -60,7 +60,7 @@ export class Context {
       this.showProblem(key, "");
     };
     this.signal.addEventListener("abort", close);
-    return { id: opened.id, change: opened.change, close };
+    return { ...opened, close };
   }
 
   /**

@@ -3,12 +3,10 @@
 import threading
 from collections import defaultdict, deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from lcmtools.errors import DecodeError
-from lcmtools.graph.model import Graph
-from lcmtools.gui.drawings import transform_fault
+from lcmtools.gui.drawings import Heard, transform_fault
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
@@ -22,14 +20,12 @@ _MOST_WAITING = 5000  # messages between two updates
 _MOST_LINKS = 5000
 
 
-@dataclass(slots=True)
-class Link:
-    """A frame in a parent, as one topic says it."""
+class Link(Heard):
+    """A frame in a parent, as one topic says it, with the time of its last message."""
 
-    topic: str
-    time: int  # of the last message [ns since 1970]
-    sender: Sender | None = None
-    count: int = 1  # of messages
+    def __init__(self, topic: str, time: int, sender: Sender | None = None) -> None:
+        super().__init__(time)
+        self.topic, self.sender = topic, sender
 
 
 class Place(NamedTuple):
@@ -139,8 +135,8 @@ class FrameTree(PageStream):
             if fault := transform_fault(one):
                 self._mistake = f"{packet.channel}: {fault}"
             elif link := self._links[child].get(parent):
-                link.topic, link.time, link.sender = packet.channel, packet.time, packet.sender
-                link.count += 1
+                link.topic, link.sender = packet.channel, packet.sender
+                link.again(packet.time)
             elif len(self._links) < _MOST_LINKS:
                 self._links[child][parent] = Link(packet.channel, packet.time, packet.sender)
 
@@ -154,15 +150,10 @@ class FrameTree(PageStream):
         faults = [f"also in {one}, by {self._name(self._links[frame][one])}" for one in others]
         if is_looped and (loop := loop_of(frame, parents)):
             faults.append(f"a loop: {' in '.join(loop)}")
-        if _is_old(link, age, graph):
+        if link.is_old(graph.time) and not graph.topic(link.topic).is_latched:
             faults.append("old")
         return [frame, depth, round(age / 1e9, 1), self._name(link), link.topic, "; ".join(faults)]
 
     def _name(self, link: Link) -> str:
         known = self.source.latest.row(link.topic).senders
         return self._names.name(link.sender) if link.sender or not known else ", ".join(known)
-
-
-def _is_old(link: Link, age: int, graph: Graph) -> bool:
-    """Return whether a frame that was published repeatedly no longer is."""
-    return link.count > 1 and age > SILENT_AFTER and not graph.topic(link.topic).is_latched

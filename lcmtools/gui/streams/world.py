@@ -12,9 +12,10 @@ from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Graph
 from lcmtools.gui.drawings import DRAWINGS, Malformed, MarkerScene, Poses, drawing_kinds
 from lcmtools.gui.protocol import Json, Parameters
-from lcmtools.gui.source import Source, absence
+from lcmtools.gui.source import Source, absence, age_text
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
+from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.simulators import simulators
 from lcmtools.types.tf2_msgs import TFMessage
@@ -35,9 +36,10 @@ class Drawable(PageStream):
         """Return the current ones."""
         latest, kinds = self.source.latest, drawing_kinds()
         typed = [(row, row.types[0]) for row in latest.rows if row.types]
+        # frames have ages of their own, because several programs publish on one topic
         topics: list[Json] = [
             {"topic": row.channel, "type": name, "kind": kinds[name]}
-            | {"silence": _silence(row, latest.graph)}
+            | {"silence": None if kinds[name] == "frames" else _silence(row, latest.graph)}
             for row, name in typed
             if name in kinds
         ]
@@ -48,7 +50,8 @@ class Drawable(PageStream):
 
 def _silence(row: ChannelRow, graph: Graph) -> Json:
     """Return how long a topic has been silent [s] that was sent repeatedly; None if it is not."""
-    is_old = row.rate == 0 and row.messages > 1 and not graph.topic(row.channel).is_latched
+    is_repeated = row.messages > max(1, len(row.senders))
+    is_old = row.rate == 0 and is_repeated and not graph.topic(row.channel).is_latched
     return round(row.age) if is_old and row.age is not None else None
 
 
@@ -104,16 +107,38 @@ class Frames(_Messages):
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
         self._poses = Poses()
+        self._old: list[str] = []
+        self._seen: Snapshot | None = None
 
     def update(self) -> Update | None:
-        """Return all frames, if any messages came."""
-        time = 0
-        for packet, message in self.pop(TFMessage):
+        """Return all frames, if any messages came, or one has become old."""
+        found = self.pop(TFMessage)
+        for packet, message in found:
             assert isinstance(message, TFMessage), "it was taken as one"
-            if ignored := self._poses.add(message):
+            if ignored := self._poses.add(message, packet.time):
                 self._mistake = f"{self._topic}: {ignored}"
-            time = packet.time
-        return self._poses.drawing(time / 1e9) if time else None
+        before = self._old
+        if self.source.latest is not self._seen or (found and self._old):
+            self._seen = self.source.latest
+            self._old = self._old_frames(self._seen)
+        return self._poses.drawing(self._old) if found or self._old != before else None
+
+    def problem(self) -> str:
+        """Return also how old frames are that are no longer sent."""
+        if (problem := super().problem()) or not self._old:
+            return problem
+        name, heard = self._old[0], self._poses.heard
+        age = (self.source.latest.graph.time - heard[name].time) / 1e9
+        return f"old: {len(self._old)} of {len(heard)} frames, '{name}' for {age_text(age)}"
+
+    def _old_frames(self, latest: Snapshot) -> list[str]:
+        """Return the frames that are no longer sent; of one that came once, its topic tells it."""
+        graph, row = latest.graph, latest.row(self._topic)
+        if graph.topic(self._topic).is_latched:
+            return []
+        is_silent = _silence(row, graph) is not None
+        heard = self._poses.heard.items()
+        return [name for name, one in heard if one.is_old(graph.time, is_once=is_silent)]
 
 
 class Markers(_Messages):

@@ -151,8 +151,11 @@ class Feed:
             return self._following.add(channel, receive)
         last = self._last.get(channel)
         latest = self.latest
+        topic = latest.graph.topic(channel)
         if last is not None and (
-            latest.graph.topic(channel).is_latched or not latest.row(channel).rate
+            topic.is_latched
+            or not latest.row(channel).rate
+            or all(last.time >= seen.last_time for seen in topic.traffic)  # no other may follow
         ):
             receive(last)
         return self._following.add(channel, receive)

@@ -29,6 +29,8 @@ from lcmtools.types.std_msgs import String
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 
+HALF = math.sqrt(0.5)
+
 
 def on(topic: str) -> Parameters:
     return Parameters({"topic": topic})
@@ -154,6 +156,52 @@ def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(
     assert stream.problem() == ""
 
 
+@pytest.mark.parametrize(
+    ("sent", "now", "is_latched", "old"),
+    [
+        ({"a": [1, 2, 3], "b": [3, 9]}, 5.9, False, []),
+        ({"a": [1, 2, 3], "b": [3, 9]}, 9.0, False, ["a"]),  # others are sent on the same topic
+        ({"a": [1, 2, 3], "b": [3, 9]}, 9.0, True, []),
+        ({"a": [1], "b": [9]}, 60.0, False, []),
+        ({"a": [1, 11]}, 40.0, False, []),
+        ({"a": [1, 11]}, 42.0, False, ["a"]),  # three times ten seconds
+    ],
+)
+def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
+    *, sent: dict[str, list[float]], now: float, is_latched: bool, old: list[str]
+) -> None:
+    source = FakeSource()
+    stream = Frames(source, on("/tf"))
+    end = Endpoint("/tf", Role.PUBLISHER, types=("tf2_msgs/TFMessage",), latched=is_latched)
+    nodes = (Node("/n", "1", "here", 1, endpoints=(end,)),)
+    for time, child in sorted((time, child) for child, times in sent.items() for time in times):
+        source.put("/tf", transforms(("odom", child, 1)), time=time)
+        stream.update()
+    source.latest = Snapshot(graph=Graph(nodes=nodes, time=round(now * 1e9)))
+    update = stream.update()
+    assert (update.data["old"] if update else []) == old
+    if old:
+        assert_says(stream.problem(), "old: 1 of", "'a' for")
+        source.put("/tf", transforms(("odom", "a", 1)), time=now)
+        update = stream.update()
+        assert update is not None
+        assert update.data["old"] == []
+        assert "old" not in stream.problem()
+
+
+@pytest.mark.parametrize(("messages", "is_old"), [(2, False), (3, True)])
+def test_a_frame_that_has_come_once_is_as_old_as_its_topic(*, messages: int, is_old: bool) -> None:
+    source = FakeSource()  # a page that is opened late has the last message only
+    stream = Frames(source, on("/tf"))
+    source.put("/tf", transforms(("odom", "a", 1)), time=1.0)
+    stream.update()
+    senders = ("/one", "/other")  # that have sent one each, or more
+    row = ChannelRow("/tf", messages=messages, rate=0.0, age=16.0, senders=senders)
+    source.latest = Snapshot((row,), graph=Graph(time=17_000_000_000))
+    stream.update()
+    assert stream.problem() == ("old: 1 of 1 frames, 'a' for 16 s" if is_old else "")
+
+
 def two_points(**values: int) -> PointCloud2:
     """A cloud with one field, that is as described but for some values."""
     cloud, field = PointCloud2(), PointField()
@@ -179,9 +227,11 @@ def cells(width: int, height: int, resolution: float = 0.05) -> OccupancyGrid:
         (two_points(point_step=4), "ends at byte 8 of a point, which has 4"),
         (two_points(point_step=0), "which has 0"),
         (two_points(height=2, row_step=8), "row_step is 8, but a row has 16 bytes"),
+        (two_points(width=-2, height=-1), "its size is -2 x -1"),
         (two_points(width=3), "3 x 1 points need 24 bytes, but data has 16"),
         (cells(3, 2), ""),
         (cells(4, 2), "4 x 2 cells, but data has 6"),
+        (cells(-3, -2), "its size is -3 x -2"),
         (cells(1_000_000_000, 1_000_000_000), "but data has 6"),
         (cells(3, 2, 0.0), "not drawn: its resolution is 0 m"),
         (cells(3, 2, math.nan), "not drawn: its resolution is nan m"),
@@ -299,8 +349,8 @@ def odometry() -> Odometry:
     return message
 
 
-def goal() -> PoseStamped:
-    message = PoseStamped()
+def goal(**rotation: float) -> PoseStamped:
+    message: PoseStamped = draft(PoseStamped, {"pose": {"orientation": rotation}}).message
     message.pose.position.y = 3.0
     return message
 
@@ -315,17 +365,21 @@ def path() -> Path:
     ("message", "about", "payload"),
     [
         (odometry(), {"child": "base", "twist": [0, 0, 0, 0, 0, 0.5]}, None),
-        (goal(), {"frame": "", "pose": [0, 3, 0, 0, 0, 0, 0]}, None),
+        (goal(), {"frame": "", "pose": [0, 3, 0, 0, 0, 0, 1]}, None),
+        (goal(z=5.0, w=-5.0), {"pose": [0, 3, 0, 0, 0, HALF, -HALF]}, None),
+        (goal(x=1e-320), {"pose": [0, 3, 0, 1, 0, 0, 0]}, None),
+        (goal(x=1.7e308, y=1.7e308), {"pose": [0, 3, 0, 1.7e308, 1.7e308, 0, 0]}, None),
         (path(), {"frame": ""}, [0, 3, 0, 0, 3, 0]),
     ],
-    ids=["odometry", "pose", "path"],
+    ids=["odometry", "pose", "long", "short", "infinite", "path"],
 )
 def test_poses_are_seven_numbers(
     message: Message, about: dict[str, object], payload: list[float] | None
 ) -> None:
     update = DRAWINGS[type(message)].convert(message)
 
-    assert {name: update.data[name] for name in about} == about
+    for name, value in about.items():
+        assert update.data[name] == (pytest.approx(value) if name == "pose" else value)
     assert (update.payload and numbers(update)) == payload
 
 

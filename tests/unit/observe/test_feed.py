@@ -172,6 +172,22 @@ def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     assert found.row("A").rate is None
 
 
+def test_a_follower_begins_with_the_last_of_several_messages(
+    wait_until: Callable[..., None],
+) -> None:
+    now, taken = time.time_ns(), list[Packet]()
+    sent = [[Packet("A", bytes([number]), now + number) for number in range(3)]]
+    monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: sent.pop() if sent else []))
+    feed = Feed(monitor, ChannelSelection(), keeps_last=True)
+    feed.start()
+    try:
+        wait_until(lambda: feed.latest.row("A").rate)
+        feed.follow("A", taken.append)
+    finally:
+        feed.stop()
+    assert [packet.payload for packet in taken] == [bytes([2])]
+
+
 def test_a_new_channel_and_a_clear_do_not_wait_for_the_period(
     wait_until: Callable[..., None],
 ) -> None:

@@ -137,7 +137,7 @@ export default class ImagePanel {
     const step = Math.max(1, Math.floor(1 / this.viewport.view.scale));
     const room = this.viewport.room();
     this.pixels = width ? Math.ceil((width * height) / step ** 2) : room;
-    return { topic: this.topic, pixels: Math.max(1000, this.pixels), rate: this.rate };
+    return { topic: this.topic, pixels: Math.max(1000, this.pixels), rate: this.rate, paced: true };
   }
 
   askForPixels() {
@@ -164,27 +164,29 @@ export default class ImagePanel {
    * @param {ArrayBuffer} [payload]
    */
   receive(header, payload) {
-    if (header.topic !== this.topic) return; // sent before the topic was changed
+    if (header.topic !== this.topic) return this.stream.took(); // sent before the topic was changed
     this.arrivals.push({ count: header.count, time: header.time });
     const oldest = header.time - RATE_TIME;
     while (this.arrivals.length > 2 && (this.arrivals[0]?.time ?? 0) < oldest) this.arrivals.shift();
-    if (!payload || this.isPaused) return;
+    if (!payload || this.isPaused) return this.stream.took();
     this.waiting = { header, payload };
     if (!this.isReading) this.read();
   }
 
-  /** Decode only the newest image, with the next animation frame, so that a slow page keeps up. */
+  /** Decode an image with the next animation frame, and ask for the next one: a slow page keeps up. */
   async read() {
     this.isReading = true;
     await new Promise(requestAnimationFrame);
+    this.stream.took();
     const { waiting } = this;
     this.waiting = null;
     try {
-      const isFirst = !this.picture;
-      if (waiting) {
-        this.picture?.bitmap?.close();
-        this.picture = await readPicture(waiting.header, waiting.payload);
-        if (isFirst) this.viewport.view.fit();
+      const picture = waiting && (await readPicture(waiting.header, waiting.payload));
+      if (picture?.header.topic === this.topic) {
+        const before = this.picture;
+        this.picture = picture;
+        before?.bitmap?.close();
+        if (!before) this.viewport.view.fit();
         this.context.showProblem(this, "");
       }
     } catch (error) {

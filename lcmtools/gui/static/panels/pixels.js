@@ -3,7 +3,7 @@
 import { decodeGrey16 } from "./png.js";
 
 /**
- * @typedef {{id: number, encoding: string, frame: string, count: number, bytes: number,
+ * @typedef {{id: number, topic: string, encoding: string, frame: string, count: number, bytes: number,
  *   time: number, file?: string, kind?: "depth" | "grey" | "color", number?: "B" | "H" | "f",
  *   channels?: string, unit?: string, columns: number, rows: number, step: number,
  *   width: number, height: number}} Header

@@ -343,7 +343,8 @@ export default class Steer {
   show() {
     const obstacle = this.obstacle();
     const share = obstacle ? null : this.share();
-    const { forward, turn } = share ?? { forward: 0, turn: 0 };
+    const isDriving = Boolean(share) && !this.refusal;
+    const { forward, turn } = (isDriving && share) || { forward: 0, turn: 0 };
     write(this.speed, signed(forward * this.linear));
     write(this.rate, signed(turn * this.angular));
     this.knob.style.transform = `translate(${-turn * RIM}%, ${-forward * RIM}%)`;
@@ -354,12 +355,12 @@ export default class Steer {
     const others = this.state.others ?? [];
     const also = others.length && !obstacle ? `${others.join(", ")} commands ${this.topic} too` : "";
     this.context.showProblem(this, this.refusal || also);
-    write(this.status, obstacle || this.stateText(Boolean(share)));
+    write(this.status, obstacle || this.stateText(isDriving));
   }
 
-  /** @param {boolean} isHeld */
-  stateText(isHeld) {
+  /** @param {boolean} isDriving */
+  stateText(isDriving) {
     const who = this.state.listeners?.length ? this.state.listeners.join(", ") : "nobody that is known";
-    return `${isHeld ? "Driving" : "Not driving"}. ${this.state.type}, obeyed by ${who}.`;
+    return `${isDriving ? "Driving" : "Not driving"}. ${this.state.type}, obeyed by ${who}.`;
   }
 }

@@ -258,9 +258,9 @@ export default class World {
   }
 
   /**
-   * Add frames; return true if one of them moves.
+   * Add frames; return true if one of them moves or has become old.
    * @param {string} topic
-   * @param {{frames: [string, string][], stamp: number}} data
+   * @param {{frames: [string, string][], old: string[], stamp: number}} data
    * @param {ArrayBuffer | undefined} payload
    * @param {number} now
    */
@@ -274,7 +274,7 @@ export default class World {
     });
     this.simulator.updateTime(topic, data.stamp);
     if (this.frames.frames.size !== before) this.offerFrames();
-    return hasMoved;
+    return this.frames.setOld(topic, data.old) || hasMoved;
   }
 
   offerFrames() {

@@ -4,7 +4,7 @@ import * as THREE from "../../vendor/three/three.js";
 import { KINDS, LIFT } from "./drawings.js";
 import { dispose, matrixOf, setOld } from "./geometry.js";
 import { hasPlace } from "./numbers.js";
-import { MESH, TRIANGLES, bodyOf } from "./shapes.js";
+import { MESH, SOLIDS, TRIANGLES, bodyOf } from "./shapes.js";
 import { Trail } from "./trail.js";
 
 /**
@@ -105,6 +105,7 @@ export class Display {
       return { frame, group, ns };
     });
     const parts = [
+      [markers.filter(({ type, scale }) => SOLIDS.includes(type) && scale.filter(Boolean).length < 2), "their scale is 0"],
       [markers.filter(({ type }) => type === MESH), "files that messages name are not read"],
       [all.filter((one) => !hasPlace(one)), "their places are not finite"],
       [all.filter(({ type }) => type < 0 || type > TRIANGLES), "their types are unknown"],

@@ -11,6 +11,7 @@ import { litMaterial } from "./light.js";
 
 const FLOAT = 7; // of sensor_msgs/PointField
 const DOUBLE = 8;
+const PACKED = [5, 6, FLOAT]; // types of four bytes, for a packed colour
 const MOST_CELLS = 4096; // of a map's side; of a larger one every second, third ... cell is drawn
 const FAR = 6; // [m] distance beyond which all points have the same shade
 const MOST_POINTS = 400_000;
@@ -166,7 +167,7 @@ function readCloud(data, payload, chosen) {
   /** @param {string} name */
   const field = (name) => data.fields.find((/** @type {any[]} */ one) => one[0] === name);
   const [x, y, z] = ["x", "y", "z"].map((name) => reader(view, field(name), little));
-  const rgb = field("rgb") ?? field("rgba");
+  const rgb = [field("rgb"), field("rgba")].find((one) => one && PACKED.includes(one[2]));
   const total = Math.min(data.width * data.height, Math.floor(payload.byteLength / (data.pointStep || 1)));
   const step = Math.max(1, Math.ceil(total / MOST_POINTS));
   const places = new Float32Array(3 * Math.ceil(total / step));

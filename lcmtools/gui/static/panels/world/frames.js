@@ -8,7 +8,7 @@ const STILL = 1e-5; // [m], and of a quaternion: a robot at rest in a simulator 
 /**
  * @typedef {[number, number, number, number, number, number, number]} Pose position [m] and quaternion
  * @typedef {{time: number, pose: Pose}} Sample
- * @typedef {{name: string, parent: string, source: string, samples: Sample[]}} Frame
+ * @typedef {{name: string, parent: string, source: string, samples: Sample[], isOld?: boolean}} Frame
  */
 
 /** @type {Pose} */
@@ -50,11 +50,26 @@ export class Frames {
   }
 
   /**
-   * Return true if a frame's place is old: a topic that says it, or a parent's, has fallen silent.
+   * Return true if a frame's place is old: what says it, or a parent's, has fallen silent.
    * @param {string} name
    */
   isOld(name) {
-    return this.chain(name).some(({ source }) => this.silent.has(source));
+    return this.chain(name).some(({ source, isOld }) => isOld ?? this.silent.has(source));
+  }
+
+  /**
+   * Set which frames of a topic are old; return true if these are others than before.
+   * @param {string} topic
+   * @param {string[]} old
+   */
+  setOld(topic, old) {
+    let hasChanged = false;
+    for (const frame of this.frames.values()) {
+      if (frame.source !== topic) continue;
+      hasChanged ||= Boolean(frame.isOld) !== old.includes(frame.name);
+      frame.isOld = old.includes(frame.name);
+    }
+    return hasChanged;
   }
 
   /** Return a frame and its parents, up to the root's child. @param {string} name */

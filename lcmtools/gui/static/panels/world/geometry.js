@@ -72,7 +72,6 @@ function difference(a = [0, 0, 0], b = [0, 0, 0]) {
 /** @param {Pose} pose */
 export function matrixOf([x, y, z, qx, qy, qz, qw]) {
   const turn = new THREE.Quaternion(qx, qy, qz, qw);
-  if (turn.lengthSq() === 0) turn.w = 1; // like rviz, read an all-zero rotation as none
   return new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), turn.normalize(), UNIT);
 }
 

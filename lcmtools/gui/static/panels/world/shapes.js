@@ -24,8 +24,10 @@ const POINTS = 8;
 const TEXT = 9;
 export const MESH = 10; // from a file
 export const TRIANGLES = 11; // the last one
+export const SOLIDS = [ARROW, CUBE, SPHERE, CYLINDER, CUBE_LIST, SPHERE_LIST]; // which have no size without a scale
 const LARGE = 30; // [m]; longer and wider boxes are ground, which casts no shadow
 const ROUNDING = 0.012; // [m] of edges
+const LONGEST = 120; // characters of a text: a texture is no wider
 
 /** The cached shapes of markers, by type and size. */
 const known = new Map();
@@ -219,7 +221,8 @@ function ribbon({ type, scale, points }) {
 }
 
 /** @param {Pick<Marker, "pose" | "scale" | "text" | "color">} marker */
-export function label({ pose, scale, text, color }) {
+export function label({ pose, scale, text: whole, color }) {
+  const text = whole.length > LONGEST ? `${whole.slice(0, LONGEST)}…` : whole;
   const canvas = document.createElement("canvas");
   const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const font = "600 48px system-ui, sans-serif";
