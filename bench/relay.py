@@ -84,7 +84,7 @@ def receive(connection: Connection, url: str) -> None:
         if payload == _LAST:
             ends.append(True)
         else:
-            times.append(time.monotonic() - struct.unpack_from("d", payload)[0])
+            times.append(time.monotonic() - struct.unpack_from("8xd", payload)[0])
 
     instance = lcm.LCM(url)
     instance.subscribe("A", take).set_queue_capacity(0)
@@ -110,7 +110,7 @@ def _measure(way: Way) -> list[float]:
             before, begin = processor_time(pid) if pid else 0.0, time.monotonic()
             count = round(rate * seconds)
             for _ in every(1 / rate, seconds):
-                sender.publish("A", struct.pack("d", time.monotonic()).ljust(_BYTES))
+                sender.publish("A", struct.pack("8xd", time.monotonic()).ljust(_BYTES))
             spent = (processor_time(pid) - before if pid else 0.0) / (time.monotonic() - begin)
             time.sleep(0.3)
             sender.publish("A", _LAST)

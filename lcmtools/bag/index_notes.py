@@ -100,10 +100,8 @@ class IndexNotes:
         if announcement is None:
             return False
         size, node = len(packet.payload), announcement.node
-        if announcement.leaving:
-            named = node._replace(
-                sender=packet.sender, endpoints=(), errors=(), command="", path=()
-            )
+        if announcement.leaving and not node.path:  # else the packet's sender is a relay
+            named = node._replace(sender=packet.sender, endpoints=(), errors=(), command="")
             self._left.put(node.id, named, len(node.name) + len(node.host))
             self._next_lookup = 0.0
         if node.tool and not any(end.role is Role.PUBLISHER for end in node.endpoints):

@@ -28,7 +28,14 @@ from lcmtools.bus.kernel import (
     request_arrival,
 )
 from lcmtools.bus.multicast import receiving_socket
-from lcmtools.bus.socket_filter import FilterProgram, everything, nothing, short_only, wanted
+from lcmtools.bus.socket_filter import (
+    FilterProgram,
+    but_from,
+    everything,
+    nothing,
+    short_only,
+    wanted,
+)
 from lcmtools.bus.url import BusUrl
 from lcmtools.wire.datagram import FRAGMENT_MAX
 from lcmtools.wire.packet import Datagram, Sender
@@ -63,6 +70,8 @@ class GroupReceiver:
     """Number of the largest messages for which there should be room."""
     mark = SELECTIVE
     """The mark of sockets with filters."""
+    own_port = 0
+    """If not 0, nothing is received that this computer sends from this port, once it divides."""
     is_observer = True
     """If so, short messages have several sockets too, and fragments always have some of their own.
 
@@ -201,13 +210,15 @@ class GroupReceiver:
     def _attach_to_fragments(self) -> None:
         # in this order fragments may come twice, but never a whole message
         for share, receiver in reversed([*enumerate(self.all[len(self.short) :])]):
-            attach(receiver, self.fragment_program(share, self.shares))
-            mark(receiver, self.mark)
+            self._attach(receiver, self.fragment_program(share, self.shares))
 
     def _attach_to_shorts(self) -> None:
         for share, receiver in enumerate(self.short):
-            attach(receiver, self.short_program(share, len(self.short)))
-            mark(receiver, self.mark)
+            self._attach(receiver, self.short_program(share, len(self.short)))
+
+    def _attach(self, receiver: socket.socket, program: FilterProgram) -> None:
+        attach(receiver, but_from(self.own_port, program) if self.own_port else program)
+        mark(receiver, self.mark)
 
 
 def one_by_one(receiver: socket.socket, most: int) -> Iterator[Datagram]:

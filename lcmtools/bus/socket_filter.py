@@ -23,6 +23,8 @@ _JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
 
 _UDP_HEADER = 8  # bytes that a UDP socket's filter sees before the datagram
 _SOURCE_PORT = 0  # offset in it
+_PACKET_TYPE, _FROM_NETWORK = 0xFFFFF004, 2
+"""SKF_AD_PKTTYPE (linux/filter.h), and PACKET_MULTICAST (linux/if_packet.h): not looped back."""
 _SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAGIC_FRAGMENT))
 _SEQNO = _UDP_HEADER + 4
 _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
@@ -154,6 +156,18 @@ def short_only(share: int = 0, shares: int = 1) -> FilterProgram:
         _DROP if share else _ACCEPT,
         _DROP,
         _ACCEPT,
+    ]
+
+
+def but_from(port: int, program: FilterProgram) -> FilterProgram:
+    """Drop what this computer sends from a port; others' datagrams go on to a program."""
+    return [
+        Instruction(_LOAD_HALF, _SOURCE_PORT),
+        Instruction(_JUMP_EQUAL, port, 0, 3),
+        Instruction(_LOAD_WORD, _PACKET_TYPE),
+        Instruction(_JUMP_EQUAL, _FROM_NETWORK, 1, 0),
+        _DROP,
+        *program,
     ]
 
 

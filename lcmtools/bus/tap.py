@@ -56,6 +56,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         spread: Receive with several sockets if large messages would not fit into the buffer of one
             (see ``GroupReceiver``); for observers that need all of them.
         large_only: Read only messages that are fragmented (see ``pass_large``).
+        hears_itself: False if what it sends need not be received, with ``spread``; some may be.
 
     Attributes:
         longest_nap: The time [s] that messages of a stream may wait, to be read together.
@@ -76,13 +77,17 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         always_whole: tuple[str, ...] = (),
         spread: bool = False,
         large_only: bool = False,
+        hears_itself: bool = True,
     ) -> None:
         check_multicast(url)
         self._sockets = GroupReceiver(url)
+        self.sender = UdpSender(url)
+        if not hears_itself:
+            self.sender.bind()
+            self._sockets.own_port = self.sender.port
         self._is_spread = spread
         if spread:
             self._sockets.make_room(_AT_FIRST)
-        self.sender = UdpSender(url)
         self.longest_nap = 0.0 if whole else _NAP
         self._nap = _NAP
         self._wants_whole = whole or bool(always_whole)
@@ -132,10 +137,6 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def pass_large(self, up_to: int) -> None:
         """Pass only fragmented messages, up to a size [byte], where the system can filter."""
         attach(self._sockets.all[0], large_messages(up_to))
-
-    def bind(self) -> None:
-        """Bind the port that ``send`` sends from, before the first message."""
-        self.sender.bind()
 
     def drops(self) -> int | None:
         """Return the number of datagrams lost here because they were not read fast enough.

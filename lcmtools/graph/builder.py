@@ -1,8 +1,9 @@
 """Building the graph from packets, and from records of nodes that no longer answer."""
 
 import sys
-from collections.abc import Iterable, Iterator
-from itertools import islice
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain, islice
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -19,7 +20,7 @@ MOST_FINGERPRINTS = 4
 """A sender with this many fingerprints on a channel does not send LCM types; no more are kept."""
 MOST_FLOWS, MOST_NODES = 4000, 2000
 """Channels of a live bus, counted for each sender, and nodes: no more are known."""
-_MOST_NODE_BYTES = 4 << 20  # of the announcements of the known nodes
+_MOST_NODE_BYTES = 2 << 20  # of the announcements of the known nodes, which take five times that
 _MOST_SILENT, _SILENT_AFTER = 500, 60_000_000_000
 """While more than this number are known, those silent for this time [ns] are forgotten."""
 _OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})
@@ -69,10 +70,12 @@ class GraphBuilder:
 
     def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
-        self._types = None
         if packet.channel not in TALK_CHANNELS:
             self._count_of(packet).add(packet)
+            if packet.type_name:
+                self._types = None
         elif packet.channel == NODE_CHANNEL:
+            self._types = None
             announcement = decode_announcement(packet.payload)
             if announcement is not None:
                 self._announced(announcement, packet)
@@ -81,19 +84,19 @@ class GraphBuilder:
 
     def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
         """Learn from packets; return those of the nodes' own protocol."""
-        self._types = None
         talk: list[Packet] = []
         channel, sender, count = None, None, None
         for packet in packets:
-            if count and packet[0] is channel and packet[3] is sender:  # the usual case in a stream
-                count.add(packet)
-            elif packet.channel in TALK_CHANNELS:
-                self.add(packet)
-                talk.append(packet)
-            else:
+            if not (count and packet[0] is channel and packet[3] is sender):  # rare in a stream
+                if packet.channel in TALK_CHANNELS:
+                    self.add(packet)
+                    talk.append(packet)
+                    continue
                 channel, sender = packet[0], packet[3]
                 count = self._count_of(packet)
-                count.add(packet)
+            count.add(packet)
+            if packet[7]:  # its type is attached
+                self._types = None
         return talk
 
     def add_head(self, head: Head, packet: Packet) -> None:
@@ -128,6 +131,7 @@ class GraphBuilder:
 
     def forget(self, identifier: str) -> None:
         """Drop a node by its id."""
+        self._types = None
         self._nodes.pop(identifier, None)
         self._recorded.pop(identifier, None)
 
@@ -155,7 +159,10 @@ class GraphBuilder:
         traffic = tuple(self._traffic_seen())
         if not self._is_log:
             traffic += tuple(islice(_observed(announced), MOST_FLOWS))
-        known = [x if x.has_details else _with_observed_topics(x, traffic) for x in announced]
+        sent: dict[Sender | None, list[Traffic]] = defaultdict(list)
+        for seen in traffic:
+            sent[seen.sender].append(seen)
+        known = [x if x.has_details else _with_observed_topics(x, sent) for x in announced]
         nodes = sorted(known + silent, key=lambda node: (node.name, node.start_time))
         return Graph(tuple(nodes), traffic, now)
 
@@ -187,6 +194,7 @@ class GraphBuilder:
             traffic.drop_oldest()
         while len(nodes) > _MOST_SILENT and nodes.oldest().last_announced < since:
             nodes.drop_oldest()
+            self._types = None
 
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node
@@ -222,14 +230,13 @@ class GraphBuilder:
             yield Traffic(channel, sender, one.fingerprints, *numbers, one.types)
 
 
-def _with_observed_topics(node: Node, traffic: Iterable[Traffic]) -> Node:
+def _with_observed_topics(node: Node, sent: Mapping[Sender | None, Iterable[Traffic]]) -> Node:
     """Return a node whose endpoints are unknown, with those that its messages show."""
-    own, ends = node.senders(), []
-    for seen in traffic:
-        if seen.sender in own:
-            end = Endpoint(seen.channel, Role.PUBLISHER, fingerprints=seen.fingerprints)
-            last = seen.last_time
-            ends.append(end._replace(messages=seen.messages, bytes=seen.bytes, last_time=last))
+    ends = []
+    for seen in chain.from_iterable(sent.get(one, ()) for one in node.senders()):
+        end = Endpoint(seen.channel, Role.PUBLISHER, fingerprints=seen.fingerprints)
+        last = seen.last_time
+        ends.append(end._replace(messages=seen.messages, bytes=seen.bytes, last_time=last))
     return node._replace(endpoints=tuple(ends))
 
 

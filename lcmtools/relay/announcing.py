@@ -11,6 +11,8 @@ from functools import partial
 from itertools import chain
 from operator import attrgetter
 
+from lcmtools.bounded import BoundedDict
+from lcmtools.graph.builder import MOST_NODES
 from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, RelayStep, Role, Traffic
 from lcmtools.graph.protocol import MOST_OBSERVED, Announcement
 from lcmtools.messages.registry import candidates
@@ -20,6 +22,7 @@ from lcmtools.relay.rules import Direction, Reason, Route
 from lcmtools.wire.packet import Sender
 
 _MOST_STEPS = 16
+_MOST_NODE_BYTES = 2 << 20  # of the announcements that are kept
 _RECENT = 10_000_000_000  # [ns] since its last message that a program is told of
 _YOUNG = 100_000_000  # [ns] after its first one
 _OF_SERVICES = (Role.SERVICE, Role.CLIENT)
@@ -37,10 +40,10 @@ class Announced:
     ) -> None:
         self._step, self._onward, self._back = step, onward, back
         self._one_way = one_way
-        self._kept: dict[str, tuple[Announcement, int]] = {}
+        self._kept = BoundedDict[str, tuple[Announcement, int]](MOST_NODES, _MOST_NODE_BYTES)
 
-    def convert(self, announcement: Announcement, now: int) -> Announcement | None:
-        """Return an announcement as it must be passed on; None if it must not.
+    def convert(self, announcement: Announcement, size: int, now: int) -> Announcement | None:
+        """Return an announcement of a size [byte] as it must be passed on; None if it must not.
 
         ``now`` is the time of any monotonic clock [ns].
         """
@@ -67,7 +70,7 @@ class Announced:
         if announcement.leaving:
             self._kept.pop(node.id, None)
         else:
-            self._kept[node.id] = passed._replace(answers=0), now
+            self._kept.put(node.id, (passed._replace(answers=0), now), size)
         return passed
 
     def recent(self, now: int) -> list[Announcement]:
@@ -75,8 +78,9 @@ class Announced:
 
         Each tells how long it was kept, so that clocks can be compared by it.
         """
-        recent = ((one, now - time) for one, time in self._kept.values())
-        return [_kept_for(age, one) for one, age in recent if age <= STALE_AFTER]
+        while self._kept and now - self._kept.oldest()[1] > STALE_AFTER:
+            self._kept.drop_oldest()
+        return [_kept_for(now - time, one) for one, time in self._kept.values()]
 
     def forget(self) -> None:
         """Forget all, because another relay passes them on now."""

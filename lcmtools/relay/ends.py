@@ -68,9 +68,8 @@ class _UdpmEnd:  # an end at a multicast group
 
     def __init__(self, url: BusUrl) -> None:
         self._url = url
-        self._tap = Tap(url, whole=True, spread=True)
+        self._tap = Tap(url, whole=True, spread=True, hears_itself=False)
         self._tap.longest_nap = _NAP
-        self._tap.bind()
         self.ports: tuple[int, ...] = (self._tap.port,)
         self._own: set[Sender] = set()
         self.trouble = ""

@@ -85,6 +85,7 @@ class Relay(AbstractContextManager["Relay"]):
         for one, other in ((here, there), (there, here)):
             step, ways = RelayStep(identifier, node.name, one.bus), (one.direction, other.direction)
             self._announced.append(Announced(step, *ways, one_way=rules.one_way))
+        self._owes, self._rested = [False, False], [0.0, 0.0]  # answers to probes, and until when
         self._lock = threading.RLock()
         self._carries = False
         lines = (side.identifier for side in self._sides if not side.end.is_quick)
@@ -144,6 +145,8 @@ class Relay(AbstractContextManager["Relay"]):
                 self._report(now)
             self._decide(now)
             self._tell_observed(now)
+            for index in (0, 1):
+                self._answer_owed(index)
             for presence in self._presences:
                 presence.attend()
             return replace(self._known.own, ends=self._states())
@@ -223,7 +226,8 @@ class Relay(AbstractContextManager["Relay"]):
             side.forget_routes()
         if not self._carries or other.has(announcement.node.id):
             return
-        passed = self._announced[index].convert(announcement, time.monotonic_ns())
+        size, now = len(packet.payload), time.monotonic_ns()
+        passed = self._announced[index].convert(announcement, size, now)
         if passed is not None:
             other.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(passed))
 
@@ -236,12 +240,23 @@ class Relay(AbstractContextManager["Relay"]):
         probe = protocol.decode_probe(payload)
         if probe is None or not self._carries:
             return
-        side, announced = self._sides[index], self._announced[1 - index]
+        announced = self._announced[1 - index]
         if probe.target and (target := announced.target(probe.target)) is not None:
             again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
             self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
-        for announcement in () if probe.target else announced.recent(time.monotonic_ns()):
-            side.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(announcement))
+        if not probe.target:
+            self._owes[index] = True
+            self._answer_owed(index)
+
+    def _answer_owed(self, index: int) -> None:
+        """Announce the nodes of the other bus, if that is owed; no more than half of the time."""
+        if not self._owes[index] or time.monotonic() < self._rested[index]:
+            return
+        self._owes[index], began = False, time.thread_time()
+        for announcement in self._announced[1 - index].recent(time.monotonic_ns()):
+            payload = protocol.encode_announcement(announcement)
+            self._sides[index].talk(protocol.NODE_CHANNEL, payload)
+        self._rested[index] = time.monotonic() + time.thread_time() - began
 
     def _payload(self, side: Side) -> bytes:
         return encode_report(Knowledge(side.identifier, self._known.links()))

@@ -30,6 +30,8 @@ _MOST_BYTES = 64 << 20  # of the latest messages that are kept
 _WAIT = 0.1  # [s]
 _SMALL = 16 << 10  # largest message [byte] kept for a topic that is not known to be latched
 
+_Latest = BoundedDict[tuple[str, Sender | None], LineMessage]
+
 
 class Side:
     """One bus of a relay, with the rules for messages from it."""
@@ -52,7 +54,8 @@ class Side:
         self._lock = threading.Lock()  # guards the graph
         self._routes: dict[tuple[str, bytes], Route] = {}
         self._next = BoundedDict[str, float](_MOST_ROUTES)
-        self._last = BoundedDict[tuple[str, Sender | None], LineMessage](_MOST_ROUTES, _MOST_BYTES)
+        # The last messages of each sender on latched topics, and on those not known to be latched.
+        self._latched, self._last = (_Latest(_MOST_ROUTES, _MOST_BYTES) for _ in range(2))
         self._messages = self._bytes = self._left_out = self._failed = 0
         self.late = 0  # messages from this bus that were held up before they came here
 
@@ -80,15 +83,19 @@ class Side:
                     message = LineMessage(route.name, payload, route.newest, origin, until)
                     passed.append(message)
                     if route.latched or len(payload) <= _SMALL:
-                        self._keep(packet, message)  # also while standing by, for a takeover
+                        # also while standing by, for a takeover
+                        self._keep(packet, message, is_latched=route.latched)
         self._left_out += left_out
         self.late += late
         with self._lock:
             self._builder.add_all([x for x in packets if x.channel not in TALK_CHANNELS])
         return talk, passed if passes else []
 
-    def _keep(self, packet: Packet, message: LineMessage) -> None:
-        self._last.put((packet.channel, packet.sender), message, len(packet.payload))
+    def _keep(self, packet: Packet, message: LineMessage, *, is_latched: bool) -> None:
+        key = packet.channel, packet.sender
+        if is_latched:
+            self._last.pop(key, None)
+        (self._latched if is_latched else self._last).put(key, message, len(packet.payload))
 
     def add_announcement(self, packet: Packet) -> Announcement | None:
         """Add an announcement to the graph; return it."""
@@ -127,7 +134,7 @@ class Side:
 
     def full_line(self, now: float) -> tuple[FullLine, ...]:
         """Return the line to this bus, if it takes less than it gets; ``now`` is monotonic [s]."""
-        queue, of_end = self.queue, self.end.dropped_of
+        queue, of_end = self.queue, dict(self.end.dropped_of)  # may grow meanwhile
         dropped = dict(queue.dropped_of)
         for channel, number in of_end.items():
             dropped[channel] = dropped.get(channel, 0) + number
@@ -168,8 +175,8 @@ class Side:
     def latched(self) -> list[LineMessage]:
         """Return the last received messages of each topic that is still latched."""
         topic = self.graph().topic
-        kept = [(channel, message) for (channel, _), message in list(self._last.items())]
-        return [one._replace(due=math.inf) for channel, one in kept if topic(channel).is_latched]
+        kept = [*self._last.items(), *self._latched.items()]
+        return [one._replace(due=math.inf) for (name, _), one in kept if topic(name).is_latched]
 
     def send_waiting(self) -> None:
         """Send the waiting messages that are not late."""
@@ -229,7 +236,6 @@ class Side:
         route = replace(route, latched=self.graph().topic(packet.channel).is_latched)
         if len(self._routes) >= _MOST_ROUTES:
             self._routes.clear()
-            self._last.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
         self.has_new_route = True
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:

@@ -26,6 +26,19 @@ print("listens", flush=True)
 while True:
     bus.handle()
 """
+# PORT...: sends plain messages from these ports
+_FROM_PORTS = """
+import socket, sys, time
+from lcmtools.wire.datagram import short_message
+senders = {port: socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for port in sys.argv[1:]}
+for port, sender in senders.items():
+    sender.bind(("", int(port)))
+print("sends", flush=True)
+while True:
+    for port, sender in senders.items():
+        sender.sendto(short_message(0, f"FROM_{port}", bytes(8)), ("239.255.76.67", 7667))
+    time.sleep(0.05)
+"""
 
 
 def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) -> None:
@@ -55,6 +68,20 @@ def test_a_publisher_elsewhere_that_is_slow_is_waited_for(pair: Any, plain: str)
         assert "on 10.76.0.1, port " in bob.out("info", "SLOW")
         (program,) = json.loads(bob.out("node", "list", "-a", "--json"))
         assert program["address"] == "10.76.0.1"
+
+
+def test_a_relay_hears_programs_elsewhere_that_have_its_ports(
+    pair: Any, lcmtools_path: str
+) -> None:
+    ada, bob = pair
+    far = "udpm://239.255.76.67:7668?ttl=0"
+    ada.ports(45_000, 45_003)
+    relay = ada.start(lcmtools_path, "relay", ada.environment["LCM_DEFAULT_URL"], far)
+    relay.wait_for("carries")
+    ada.ports(46_000, 60_000)
+    bob.python(_FROM_PORTS, "45000", "45001", "45002", "45003").wait_for("sends")
+    for port in range(45_000, 45_004):
+        assert ada.out("echo", f"FROM_{port}", "-1", "--raw", LCM_DEFAULT_URL=far)
 
 
 def test_clients_of_a_server_are_known_by_their_computers(

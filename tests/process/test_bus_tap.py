@@ -12,6 +12,7 @@ import lcm
 import pytest
 from fixtures.says import raises_saying
 
+from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.processes import (
     PossibleSenders,
     owners,
@@ -139,6 +140,17 @@ def test_what_a_tap_sends_is_received_by_plain_lcm(
     (packet,) = _receive(tap, 1)
     assert packet.sender is not None
     assert packet.sender.port == tap.port
+
+
+@pytest.mark.skipif(not IS_LINUX, reason="filters are Linux's")
+@pytest.mark.parametrize("size", [8, 100_000])
+def test_a_tap_that_need_not_hear_itself_reads_nothing_of_that(bus_url: str, size: int) -> None:
+    url = parse_url(bus_url)
+    with Tap(url, whole=True, spread=True, hears_itself=False) as tap, Tap(url) as other:
+        tap.send("/own", bytes(size))
+        other.send("/other", bytes(size))
+        packets = _receive(tap, 1)
+    assert [packet.channel for packet in packets] == ["/other"]
 
 
 def test_a_tap_sends_on_channels_that_lcm_can_carry_only(tap: Tap) -> None:

@@ -4,6 +4,7 @@ import os
 import socket
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -13,10 +14,12 @@ import pytest
 from fixtures.says import assert_line, assert_says
 
 from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.bus.zenoh import sender
 from lcmtools.bus.zenoh.bus import ZenohBus
 from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, Outgoing
 from lcmtools.bus.zenoh.observer import ZenohObserver
 from lcmtools.bus.zenoh.sender import ZenohSender
+from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -24,6 +27,28 @@ from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
 
 WaitUntil = Callable[..., None]
+# The handler runs while the session, which hears itself, holds its lock.
+_PUBLISHES_IN_A_HANDLER = """
+import os, signal, sys
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.zenoh.observer import ZenohObserver
+observer, handled = ZenohObserver(parse_url(os.environ["LCM_DEFAULT_URL"])), []
+def handle(*_):
+    if len(handled) < 5:
+        handled.append(observer.send("/signal", bytes(8)))
+def trace(frame, event, _):
+    if frame.f_code.co_name == "_arrive" and event == "line" and "arrived" in frame.f_locals:
+        signal.raise_signal(signal.SIGALRM)
+    return trace
+signal.signal(signal.SIGALRM, handle)
+sys.settrace(trace)
+observer.send("/a", bytes(8))
+sys.settrace(None)
+found = []
+while len(found) < 6:
+    found += observer.receive(1.0)
+observer.close()
+"""
 
 
 @pytest.fixture
@@ -68,11 +93,11 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
     url, has_room = parse_url(bus_url), threading.Event()
     put = ZenohSender._put
 
-    def put_when_there_is_room(sender: ZenohSender, message: Outgoing) -> None:
+    def put_when_there_is_room(own: ZenohSender, message: Outgoing) -> None:
         if threading.current_thread().name == "keep-last sender" and not message.is_bulk:
             has_room.wait(20.0)
-        put(sender, message)
-        sender._is_slow = True  # from now on small ones wait, too
+        put(own, message)
+        own._is_slow = True  # from now on small ones wait, too
 
     with closing(ZenohBus(url)) as bus, _listening(url) as listener:
         bus.publish("a", b"first")
@@ -154,6 +179,69 @@ def test_a_program_whose_address_another_one_has_ends_at_once(
     watch = stopwatch()
     assert lcmtools_process("node", "list", "--lcm-url", url).stdout == "/talker\n"
     assert watch.seconds() < 8.0  # Zenoh itself closes after 10 s
+
+
+def test_a_session_that_does_not_close_is_left(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    """As with a connection that cannot be made, because a line is full."""
+    ends = threading.Event()
+    request.addfinalizer(ends.set)
+    close = ZenohSession._close_session
+
+    def close_late(session: ZenohSession) -> None:
+        ends.wait(10.0)
+        close(session)
+
+    observer = ZenohObserver(parse_url(bus_url))
+    monkeypatch.setattr(ZenohSession, "_close_session", close_late)
+    closing = threading.Thread(target=observer.close)
+    closing.start()
+    closing.join(6.0)
+    assert not closing.is_alive()
+
+
+@pytest.mark.usefixtures("bus_url")
+def test_a_signal_handler_may_publish_while_a_message_arrives(
+    start_python: Callable[..., Any],
+) -> None:
+    program = start_python(_PUBLISHES_IN_A_HANDLER)
+    assert program.wait() == 0, program.output
+
+
+def test_no_thread_sends_when_a_session_has_closed(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python ends a thread that returns from Zenoh's code too late by aborting the process."""
+    closed, put, close = threading.Event(), ZenohSender._put, ZenohSession._close_session
+
+    def put_slowly(own: ZenohSender, message: Outgoing) -> None:
+        if message.is_bulk:
+            closed.wait(20.0)
+            time.sleep(0.2)  # it takes a moment to notice
+        put(own, message)
+
+    def close_and_tell(session: ZenohSession) -> None:
+        close(session)
+        closed.set()
+
+    observer = ZenohObserver(parse_url(bus_url))
+    monkeypatch.setattr(ZenohSender, "_put", put_slowly)
+    monkeypatch.setattr(ZenohSession, "_close_session", close_and_tell)
+    observer.send("/image", bytes(10_000))
+    observer.close()
+    assert "keep-last sender" not in [thread.name for thread in threading.enumerate()]
+
+
+def test_channels_without_end_fill_no_memory(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sender, "_MOST_PUBLISHERS", 10)
+    with ZenohObserver(parse_url(bus_url)) as observer, _listening(parse_url(bus_url)) as listener:
+        for number in range(25):
+            observer.send(f"/reply_{number}", bytes(10_000))
+        assert len(_receive(listener, 25)) == 25
+        known = observer._session.sender
+        assert len(known._publishers) <= 10
+        assert len(known._bulk_keys) <= 10
 
 
 def test_sessions_found_after_the_question_are_asked_too(bus_url: str, start_node: Any) -> None:

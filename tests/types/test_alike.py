@@ -91,7 +91,7 @@ def test_a_node_whose_announcement_is_not_readable_has_the_types_of_its_messages
 ) -> None:
     family("alike")
     node = Node("/n", "n", "h", 1, sender=SENDER, has_details=False)
-    node = _with_observed_topics(node, seen().traffic)
+    node = _with_observed_topics(node, {SENDER: seen().traffic})
     assert " * A [arm/point_t (one of 3)]" in node_report.roles(node, show_hidden=False)
     record = node_report.record(node, Graph((node,)), 0)
     (publication,) = record["publications"]  # type: ignore[misc] # a list

@@ -45,6 +45,7 @@ class KeepLastSender(SendingThread[Outgoing]):
         self.dropped_of = Counter[str]()  # the same for each key
         self._waiting: dict[str, deque[Outgoing]] = {}
         self._sending = ""  # the key of the message that is being sent
+        self._makes_room = False
 
     def add(self, message: Outgoing) -> None:
         """Queue a message; drop the oldest of its topic if there is no room."""
@@ -52,9 +53,8 @@ class KeepLastSender(SendingThread[Outgoing]):
             self._start()
             queue = self._waiting.setdefault(message.key, deque())
             queue.append(message)
-            while len(queue) > 1 and _has_no_room(queue):
-                queue.popleft()
-                self._drop(message.key)
+            if not self._makes_room:  # else this is a signal handler amid it
+                self._make_room(message.key, queue)
             self._changed.notify_all()
 
     def has_waiting(self, key: str) -> bool:
@@ -81,6 +81,15 @@ class KeepLastSender(SendingThread[Outgoing]):
             self._drop(key)
         return None
 
+    def _make_room(self, key: str, queue: deque[Outgoing]) -> None:
+        self._makes_room = True
+        try:
+            while len(queue) > 1 and _has_no_room(queue):
+                queue.popleft()
+                self._drop(key)
+        finally:
+            self._makes_room = False
+
     def _drop(self, key: str) -> None:
         self.dropped += 1
         count(self.dropped_of, key)
@@ -94,6 +103,7 @@ class KeepLastSender(SendingThread[Outgoing]):
 
 def _has_no_room(queue: deque[Outgoing]) -> bool:
     """Return whether the oldest message must make room for the latest."""
-    size, first, last = sum(len(one.payload) for one in queue), queue[0], queue[-1]
+    waiting = tuple(queue)  # a signal handler may publish meanwhile
+    size, first, last = sum(len(one.payload) for one in waiting), waiting[0], waiting[-1]
     is_stall = first.time and last.time - first.time < _STALL
     return size > (_MOST_STALLED_BYTES if is_stall else MOST_WAITING_BYTES)

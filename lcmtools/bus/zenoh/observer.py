@@ -4,6 +4,7 @@ import contextlib
 import select
 from collections.abc import Callable, Mapping
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.errors import BusError
@@ -11,6 +12,8 @@ from lcmtools.names import check_length
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 from lcmtools.wire.stamp import Origin
+
+_MOST_SENDERS = 4000  # that are remembered
 
 
 class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
@@ -41,7 +44,7 @@ class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
         # This listener as the sender of its own messages.
         self.sender = Sender(f"{self._session.id:016x}", 0)
         # Each sender's sequence numbers, which show its losses.
-        self.numbered: dict[Sender, Sequence] = {}
+        self.numbered = BoundedDict[Sender, Sequence](_MOST_SENDERS)
         self._session.subscribe(None)
 
     def __exit__(self, *_: object) -> None:
@@ -98,7 +101,7 @@ class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
         packets = self._session.receive()
         for packet in packets:
             if packet.sender is not None and packet.seqno is not None:
-                sequence = self.numbered.get(packet.sender)
+                sequence = self.numbered.use(packet.sender)
                 if sequence is None:
                     sequence = self.numbered[packet.sender] = Sequence()
                 sequence.add(packet.seqno)

@@ -21,6 +21,7 @@ from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.wire.stamp import Origin, encode_stamp
 
 _BULK_BYTES = 4000  # larger messages give way to the small ones of other topics
+_MOST_PUBLISHERS = 1000  # that are kept
 _SLOW = 0.01  # [s]: a message that took longer to send had to wait for the network
 
 
@@ -104,6 +105,9 @@ class ZenohSender:
         """Send a message: a small one waits for room; later ones then wait in a queue."""
         publisher = self._publishers.get((message.key, message.is_bulk))
         if publisher is None:
+            if len(self._publishers) >= _MOST_PUBLISHERS:  # a new channel for each call has no end
+                for known in (self._publishers, self._bulk_keys, self._large_keys):
+                    known.clear()
             publisher = self._publishers[message.key, message.is_bulk] = self._declare(message)
         number = message.number or next(self._numbers)
         stamp = encode_stamp(self._id, number, message.time, message.origin)

@@ -47,7 +47,7 @@ _MOST_WAITING = 10_000  # messages
 _MOST_WAITING_BYTES = 64 << 20
 _ANSWER_TIMEOUT = 1.0  # [s]
 _FLUSH_TIMEOUT = 1.0  # [s]
-_LISTENING_TIMEOUT = 0.3  # [s] that closing may take if the URL has an address to listen at
+_CLOSE_TIMEOUT, _LISTENING_TIMEOUT = 2.0, 0.3  # [s]; the latter if there is an address to listen at
 _RECEIVED = f"{PROTOCOL_PREFIX}received"  # the key of a query that needs no reply, only to end
 
 
@@ -72,7 +72,8 @@ class ZenohSession:
         self.dropped = 0  # messages that came late, or the oldest if they were not received in time
         self._arrived: deque[tuple[zenoh.Sample, int, int, bool]] = deque()
         self._bytes = 0
-        self._counting = threading.Lock()  # for Zenoh's threads, one for each connection
+        # For Zenoh's threads, one for each connection, and signal handlers that publish.
+        self._counting = threading.RLock()
         self._answers = 0  # pending requests
         self._answered: set[str] = set()  # the sessions that answered the last one
         self._retained = Retained()
@@ -173,8 +174,10 @@ class ZenohSession:
         self._await_receivers()
         closing = threading.Thread(target=self._close_session, name="zenoh close", daemon=True)
         closing.start()
-        # Zenoh goes on for ten seconds with waiting for an address that another program uses
-        closing.join(_LISTENING_TIMEOUT if self._place.listen else None)
+        # Zenoh goes on for ten seconds with waiting for an address that another program uses, or
+        # for one at the other end of a line that is full
+        closing.join(_LISTENING_TIMEOUT if self._place.listen else _CLOSE_TIMEOUT)
+        self.sender.close()  # its threads must not be in Zenoh's code when Python ends
         self._wakeup.close()
 
     def _close_session(self) -> None:

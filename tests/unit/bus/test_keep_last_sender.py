@@ -53,6 +53,34 @@ def test_commands_wait_in_order_and_images_are_replaced_by_newer_ones() -> None:
     assert sender.dropped == 99
 
 
+class _Interrupted(bytes):
+    """A payload while whose size is computed a signal handler runs, once."""
+
+    handle: Callable[[], None] | None = None
+
+    def __len__(self) -> int:
+        """Return the size."""
+        handle, self.handle = self.handle, None
+        if handle:
+            handle()
+        return super().__len__()
+
+
+def test_a_signal_handler_may_publish_while_a_message_is_queued() -> None:
+    line = _Line()
+    sender = KeepLastSender(line.put)
+    sender.add(_message("other", 0))
+    line.begun.acquire()  # the line is busy from now on
+    for number in range(2):
+        payload = _Interrupted([number] * (MOST_WAITING_BYTES + 1))
+        payload.handle = lambda: sender.add(_message("a", 2, MOST_WAITING_BYTES + 1))
+        sender.add(Outgoing("a", payload))
+    line.room.release(9)
+    sender.add(_message("last", 3))
+    sender.close()
+    assert _numbers(line, "last") == [3]
+
+
 def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
     line = _Line()
     sender = KeepLastSender(line.put)

@@ -1,5 +1,7 @@
 """The graph grows out of packets: announcements, traffic, silence, goodbyes and records."""
 
+from time import thread_time
+
 import pytest
 
 from lcmtools.graph.builder import GraphBuilder
@@ -189,6 +191,48 @@ def test_data_of_no_lcm_type_does_not_fill_the_memory() -> None:
     (seen,) = builder.snapshot(0).traffic
     assert seen.messages == 1000
     assert len(seen.fingerprints) <= 16
+
+
+def test_types_are_not_collected_again_for_messages_that_tell_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    builder, collected = GraphBuilder(), []
+    collect = builder._types_by_channel
+
+    def collect_and_note() -> dict[str, tuple[str, ...]]:
+        collected.append(1)
+        return collect()
+
+    monkeypatch.setattr(builder, "_types_by_channel", collect_and_note)
+    _announce(builder, _node(endpoints=(_publisher("/a", 1),)))
+    for number in range(10):
+        builder.add_all([Packet(f"/b{number}", bytes(8), 0, _BOB)])
+        builder.add(Packet(f"/c{number}", bytes(8), 0, _BOB))
+        assert builder.types_of("/a") == ("t/T0",)
+    assert len(collected) == 1
+    for name in ("t/One", "t/Two"):
+        typed = Packet("/a", bytes(8), 0, _BOB, type_name=name)
+        builder.add_all([typed]) if name == "t/One" else builder.add(typed)
+        assert name in builder.types_of("/a")
+    builder.forget("id of /a")
+    assert builder.types_of("/a") == ("t/One", "t/Two")
+
+
+def test_nodes_without_details_make_a_snapshot_no_slower_by_every_channel() -> None:
+    usual, unknown = _snapshot_seconds(has_details=True), _snapshot_seconds(has_details=False)
+    assert unknown < 8 * usual  # 40 times as long if every channel is looked at for each node
+
+
+def _snapshot_seconds(*, has_details: bool) -> float:
+    builder = GraphBuilder()
+    for port in range(1000):
+        node = _node(f"/n{port}", has_details=has_details)
+        _announce(builder, node, sender=Sender("10.0.0.1", port))
+    for port in range(4000):
+        builder.add(Packet(f"/c{port}", bytes(8), 0, Sender("10.0.0.1", port)))
+    start = thread_time()
+    builder.snapshot(0)
+    return thread_time() - start
 
 
 def test_every_port_of_a_node_is_a_known_sender() -> None:

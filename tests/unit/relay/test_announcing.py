@@ -1,5 +1,6 @@
 """Nodes of one bus as a relay announces them on the other one."""
 
+from lcmtools.graph.builder import MOST_NODES
 from lcmtools.graph.model import Node, RelayStep, Traffic
 from lcmtools.graph.protocol import Announcement
 from lcmtools.messages.registry import fingerprint
@@ -13,12 +14,22 @@ SECOND = 1_000_000_000
 def test_an_announcement_tells_how_long_it_was_kept() -> None:
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
-    at_once = announced.convert(Announcement(Node("/far", "f", "robot", 7)), SECOND)
+    at_once = announced.convert(Announcement(Node("/far", "f", "robot", 7)), 9, SECOND)
     assert at_once is not None
     assert at_once.node.path == (RelayStep("r", "/relay", "0"),)
     (later,) = announced.recent(3 * SECOND)
     assert later.node.path == (RelayStep("r", "/relay", "0", kept=2 * SECOND),)
     assert announced.recent(5 * SECOND) == []
+
+
+def test_a_stranger_who_makes_nodes_up_fills_no_memory() -> None:
+    ways = (Direction(Rules(), back=back) for back in (False, True))
+    announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
+    for number in range(5000):
+        announced.convert(Announcement(Node("/far", str(number), "ada", 7)), 9, SECOND)
+    assert len(announced.recent(SECOND)) <= MOST_NODES
+    announced.convert(Announcement(Node("/far", "large", "ada", 7)), 100 << 20, 2 * SECOND)
+    assert [one.node.id for one in announced.recent(2 * SECOND)] == ["large"]
 
 
 def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus() -> None:
@@ -30,6 +41,7 @@ def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus() -> None:
         Traffic(channel, None, numbers, 1, 8, 1, 1)
         for channel, numbers in (("/odom", ()), ("/secret", ()), ("/speed", (twist,)))
     )
-    passed = announced.convert(Announcement(Node("/far", "f", "ada", 7, observed=observed)), SECOND)
+    node = Node("/far", "f", "ada", 7, observed=observed)
+    passed = announced.convert(Announcement(node), 9, SECOND)
     assert passed is not None
     assert [seen.channel for seen in passed.node.observed] == ["/robot7/odom"]

@@ -76,6 +76,21 @@ def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory() -> No
     assert ("/b", image.sender) not in side._last
 
 
+def test_state_is_kept_however_many_channels_come() -> None:
+    side = _side()
+    latched = Endpoint("/map", Role.PUBLISHER, latched=True)
+    node = Announcement(Node("/driver", "id", "ada", 3, endpoints=(latched,)))
+    announced = encode_announcement(node)
+    side.add_announcement(Packet(NODE_CHANNEL, announced, time.time_ns(), _NODE))
+    _hear(side, ("/map", _NODE), age=0)
+    _hear(side, *((f"/call_{number}", _PLAIN) for number in range(11_000)), age=0)
+    other, now = _side(), time.time_ns()
+    odd = [Packet("/odd", number.to_bytes(8, "big"), now, _PLAIN) for number in range(11_000)]
+    side.sort(odd, other, passes=True)
+    assert [message.channel for message in side.latched()] == ["/map"]
+    assert len(side._routes) <= 10_000
+
+
 def test_what_was_held_up_before_it_came_is_dropped_unless_it_is_state() -> None:
     side, other = _side(), _side()
     latched = Endpoint("/map", Role.PUBLISHER, latched=True)
