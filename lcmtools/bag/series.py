@@ -9,7 +9,7 @@ from pathlib import Path
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import index_path
-from lcmtools.wire.log_compression import SUFFIXES, Compression
+from lcmtools.wire.log_compression import SUFFIXES, Compression, named_compression
 
 USUAL_NAME = "%Y-%m-%d-%H-%M-%S.lcmlog"
 
@@ -23,7 +23,8 @@ class LogSeries:
         numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
         most: The number of files to keep; None for all.
         force: Overwrite existing files.
-        compression: Compress the files, whose names then end in ".zst" or ".lz4"; None not to.
+        compression: Compress the files, whose names then end in ".zst" or ".lz4"; None if only a
+            pattern with such an end asks for it.
     """
 
     def __init__(
@@ -35,7 +36,7 @@ class LogSeries:
         force: bool = False,
         compression: Compression | None = None,
     ) -> None:
-        self.compression = compression
+        self.compression = compression or named_compression(Path(pattern))
         self._pattern = str(Path(pattern) / USUAL_NAME) if Path(pattern).is_dir() else pattern
         self._numbered, self._most, self._force = numbered, most, force
         self._base: Path | None = None

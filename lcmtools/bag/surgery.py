@@ -11,6 +11,7 @@ from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
 from lcmtools.observe.reading.log_file import LogFile, index_path
+from lcmtools.wire.log_compression import named_compression
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
@@ -47,7 +48,7 @@ def write_log(  # noqa: PLR0913 - each is a separate option
     """
     target = Path(target)
     with output_beside(target, force=force) as made:
-        with LogWriter(made) as writer:
+        with LogWriter(made, compression=named_compression(target)) as writer:
             copier = _Copier(writer)
             for source in sources:
                 writer.add_types(source.index.types.values())

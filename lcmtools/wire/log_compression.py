@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from io import BytesIO
+from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
 from lcmtools.errors import needing_extra
@@ -17,6 +18,11 @@ SUFFIXES: dict[Compression, str] = {"zstd": ".zst", "lz4": ".lz4"}
 _MAGIC: dict[Compression, bytes] = {"zstd": b"\x28\xb5\x2f\xfd", "lz4": b"\x04\x22\x4d\x18"}
 
 _PIECE = 1 << 20  # bytes
+
+
+def named_compression(path: Path) -> Compression | None:
+    """Return the compression that a file's name ends with; None for none."""
+    return next((kind for kind, suffix in SUFFIXES.items() if path.suffix == suffix), None)
 
 
 def compression_of(head: bytes) -> Compression | None:

@@ -10,9 +10,12 @@ from fixtures.says import assert_says, raises_saying
 from lcmtools.bag.recorder import Progress
 from lcmtools.bag.recording_words import losses_text, summary
 from lcmtools.bag.series import LogSeries
+from lcmtools.bag.surgery import write_log
 from lcmtools.errors import LcmtoolsError
-from lcmtools.observe.reading.log_file import index_path
+from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.wire.log_compression import compression_of
+from lcmtools.wire.packet import Packet
 
 
 def _names(folder: Path) -> list[str]:
@@ -76,3 +79,15 @@ def test_losses_are_told_with_what_full_buffers_dropped(
     losses: dict[str, Loss], overflows: int, parts: list[str]
 ) -> None:
     assert_says(losses_text(losses, overflows), *parts)
+
+
+@pytest.mark.parametrize(("suffix", "kind"), [(".zst", "zstd"), (".lz4", "lz4"), ("", None)])
+def test_a_name_that_ends_so_is_compressed(tmp_path: Path, suffix: str, kind: str | None) -> None:
+    recorded, sorted_ = tmp_path / f"a.lcmlog{suffix}", tmp_path / f"b.lcmlog{suffix}"
+    with LogSeries(str(recorded)).next() as writer:
+        writer.add(Packet("A", bytes(100), 1), -1)
+    with LogFile(recorded) as log:
+        write_log(sorted_, log.packets(), [log])
+    assert [compression_of(path.read_bytes()) for path in (recorded, sorted_)] == [kind, kind]
+    with LogFile(sorted_) as log:
+        assert [packet.payload for packet in log.packets()] == [bytes(100)]
