@@ -82,6 +82,7 @@ def relay(
     """
     monkeypatch.setattr("lcmtools.relay.side.LATE", 3600.0)
     monkeypatch.setattr("lcmtools.wire.lateness.LATE", 3600 * 10**9)
+    monkeypatch.setattr("lcmtools.bus.zenoh.keep_last_sender._MOST_WAITING", 3600 * 10**9)
     running: list[RunningRelay] = []
 
     def run(here: str, there: str, rules: Rules = Rules()) -> RunningRelay:  # noqa: B008
