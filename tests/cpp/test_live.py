@@ -125,7 +125,8 @@ def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
         for nonce in range(1, 501):
             bus.publish(PROBE_CHANNEL, encode_probe(Probe(NAME, nonce)))
             bus.publish(PROBE_CHANNEL, encode_probe(Probe(f"/nobody{nonce}", nonce)))
-        wait_until(lambda: 500 in _answers(payloads))
+            if nonce % 50 == 0:  # more at once may overflow the system's buffer
+                wait_until(lambda n=nonce: n in _answers(payloads))
     answers = [nonce for nonce in _answers(payloads) if nonce]
     assert len(answers) <= 2 + (time.monotonic() - began) / ANSWER_SPREAD
 
