@@ -208,9 +208,7 @@ def test_a_page_that_cannot_draw_gets_no_more_images_and_then_the_newest(
     for count in range(1, _MANY + 1):
         publisher.publish(_image("mono8", 1 + count, 1, bytes(1 + count)))
         deadline = time.monotonic() + 40
-        while (
-            int(about.inner_text().split()[0]) < already + count
-        ):  # or one more, of _show
+        while int(about.inner_text().split()[0]) < already + count:  # or one more, of _show
             assert time.monotonic() < deadline, about.inner_text()
             page.wait_for_timeout(50)
     page.wait_for_function("() => held.length")
