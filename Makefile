@@ -19,7 +19,7 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit files types house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui cpp endure)
-SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py docs/commands_page.py
+SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py docs/commands_page.py docs/ros_equivalents.py
 
 .PHONY: demo test test-slow check javascript commands types docs man format bench clean
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import click
 from man_pages import Words, arguments, commands, context_of
+from ros_equivalents import EQUIVALENTS
 
 from lcmtools.cli.lazy import LazyGroup
 from lcmtools.cli.main import EXIT_CODES, root
-from lcmtools.ros_words.equivalents import EQUIVALENTS
 from lcmtools.settings import SETTINGS, VARIABLES
 
 PAGE = Path(__file__).with_name("commands.md")

@@ -2,8 +2,7 @@
 
 from commands_page import PAGE, page
 from man_pages import commands
-
-from lcmtools.ros_words.equivalents import EQUIVALENTS
+from ros_equivalents import EQUIVALENTS
 
 
 def test_committed_page_is_fresh() -> None:
