@@ -156,6 +156,30 @@ class LogFile(AbstractContextManager["LogFile"]):
         place = bisect_right(last_times, time - 1)
         return self.index.blocks[place].start if place < len(last_times) else self.index.end
 
+    def latest(self, channels: Iterable[str], time: int, blocks: Iterable[Block]) -> list[Packet]:
+        """Return each sender's last message on each channel before a time [ns], in order of time.
+
+        The log's ``blocks`` are given, as ``blocks`` yields them.
+        """
+        found: list[tuple[Event, Sender | None]] = []
+        blocks = list(blocks)
+        for channel in channels:
+            some = [(one.channels[channel], one) for one in blocks if channel in one.channels]
+            some = [(count, block) for count, block in some if count.first_time < time]
+            senders = {self.senders.get(number) for count, _ in some for number, _ in count.senders}
+            last: dict[Sender | None, Event] = {}
+            for _, block in sorted(some, key=lambda one: one[0].last_time, reverse=True):
+                for event, sender in self._of_block(block, block.start):
+                    older = last.get(sender)
+                    is_last = older is None or event.time >= older.time
+                    if event.channel == channel and event.time < time and is_last:
+                        last[sender] = event
+                if senders <= last.keys():
+                    break
+            found += [(event, sender) for sender, event in last.items()]
+        found.sort(key=lambda one: (one[0].time, one[0].start))
+        return [event.packet(self.data)._replace(sender=sender) for event, sender in found]
+
     def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
         found: Iterable[Event] = self.events(block.start, block.end)
         channels = block.channels
