@@ -137,10 +137,12 @@ class LogFile(AbstractContextManager["LogFile"]):
         for node in self.index.nodes:
             yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
 
-    def losses(self) -> dict[Sender, Loss]:
-        """Return the loss of each sender, as the recorder saw it."""
+    def losses(self, between: tuple[int, int] | None = None) -> dict[Sender, Loss]:
+        """Return the loss of each sender, as the recorder saw it, all or between two times [ns]."""
         found: dict[Sender, Loss] = {}
         for lost in self.index.lost:
+            if between and not between[0] <= lost.time <= between[1]:
+                continue
             for number, counts in lost.counts.items():
                 if sender := self.senders.get(number):
                     found[sender] = found.get(sender, Loss()) + Loss(*counts)
