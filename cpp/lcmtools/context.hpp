@@ -274,14 +274,16 @@ class Context {
   // Receive all messages that are there, or wait for one until a time; with the right to receive.
   void receive(Wakeup& wakeup, std::int64_t until) {
     pollfd waits[] = {{lcm_get_fileno(lcm_.get()), POLLIN, 0}, {wakeup.ends[0], POLLIN, 0}};
+    const auto began = steady_now();
     wait_for(waits, 2, until);
     if (waits[1].revents && &wakeup == &leader_wakeup_) wakeup.clear();
-    // callbacks and announcements wait for the end of a flood, but not for ever
-    for (int left = 1000; left > 0 && waits[0].revents; --left) {
+    // a message that was waited for is the only one, which saves a call of the system; callbacks and
+    // announcements wait for the end of a flood, but not for ever
+    for (int left = steady_now() - began > ms / 50 ? 1 : 1000; left > 0 && waits[0].revents; --left) {
       if (lcm_handle(lcm_.get()) < 0)  // a lost server, to which liblcm connects again
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       waits[0].revents = 0;
-      ::poll(waits, 1, 0);
+      if (left > 1) ::poll(waits, 1, 0);
     }
     unsubscribe_all();
   }

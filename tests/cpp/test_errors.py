@@ -29,7 +29,7 @@ CASES = {
     "node": "'a b' is not a legal node name",
     "init": "lcmtools::init() was called twice",
     "nobody": "/nobody did not answer within 0.1 s; see whether its node runs",
-    "idle": "/own did not answer within 0.1 s: its node /faulty is in this program, and no other thread",
+    "idle": "/own did not answer within 0.1 s: its node /faulty is in this program",
 }
 
 
