@@ -3,6 +3,7 @@
 process.py chooses among a process's contexts and handles signals.
 """
 
+import contextlib
 import os
 import socket
 import threading
@@ -28,6 +29,10 @@ from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.logger import Logger
 from lcmtools.settings import usual_namespace
 
+_UNRECORDED = (
+    "no folder takes this node's record: if it is killed, nobody learns of it; set XDG_RUNTIME_DIR"
+    " to a folder of this user"
+)
 _LONGEST_WAIT = 1.0
 """[s]. A Python signal handler cannot run during a wait if its signal came just before, or on
 another thread; it runs when the wait ends."""
@@ -228,7 +233,8 @@ class Context:
         with self._recording:  # when this returns the record exists, whichever thread wrote it
             if self._records and self._recorded.get(node.id) != topics:
                 self._recorded[node.id] = topics
-                self._records.write(node)
+                if not self._records.write(node) and _UNRECORDED not in self.notices:
+                    self.notices.append(_UNRECORDED)
         return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:
@@ -242,13 +248,22 @@ class Context:
         for participant in tuple(self._participants):
             node = participant.describe()
             if node.id == request.target:
-                self.announcer.answer(node.name, request.nonce)
-                if not self._is_shutdown_requested:  # a request without an answer is repeated
-                    self._is_shutdown_requested = True
-                    who = f"by {request.requester}" if request.requester else "over the bus"
-                    participant.get_logger().warning(f"shutdown requested {who}")
-                    self.on_shutdown_request()
+                try:
+                    self.announcer.answer(node.name, request.nonce)
+                finally:
+                    self._obey(participant, request.requester)
                 return
+
+    def _obey(self, participant: Participant, requester: str) -> None:
+        """End this program, then log who wanted it: that may fail. A request may be repeated."""
+        if not self._is_shutdown_requested:
+            self._is_shutdown_requested = True
+            try:
+                self.on_shutdown_request()
+            finally:
+                who = f"by {requester}" if requester else "over the bus"
+                with contextlib.suppress(Exception):
+                    participant.get_logger().warning(f"shutdown requested {who}")
 
 
 def _apart_from(other: Node, records: NodeRecords, url: BusUrl | None) -> str:
