@@ -27,6 +27,7 @@ from lcmtools.node.announcer import Announcer
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.logger import Logger
+from lcmtools.node.unused_arguments import UsedNames
 from lcmtools.settings import usual_namespace
 
 _UNRECORDED = (
@@ -40,6 +41,12 @@ another thread; it runs when the wait ends."""
 
 class Participant(Protocol):
     """A node, as far as its context knows it."""
+
+    name: str
+
+    @property
+    def callbacks(self) -> Callbacks:
+        """The callbacks that the spin functions run."""
 
     def describe(self) -> Node:
         """Return the announced description."""
@@ -78,7 +85,7 @@ class Context:
         bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
-        self.declared_parameters: set[str] = set()
+        self.used = UsedNames()
         self.notices: list[str] = []
         """Warnings about the command line, which the next node logs."""
         self.note = ""
@@ -168,6 +175,17 @@ class Context:
             self._recorded.pop(node.id, None)
             if self._records:
                 self._records.remove(node.id)
+
+    def idle_server(self, service: str) -> str:
+        """Return the node here that has a service, if no thread but the calling one spins it."""
+        for node in tuple(self._participants):
+            services = [one.name for one in tuple(node.callbacks.services)]
+            if service in services and node.callbacks.spinning_thread in (
+                None,
+                threading.get_ident(),
+            ):
+                return node.name
+        return ""
 
     def is_first(self) -> bool:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
