@@ -7,6 +7,10 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError, BusOfParent
 
+LOCKSTEP = "LCMTOOLS_LOCKSTEP"
+"""The environment variable of programs that a recording is played to in lock-step; its value is the
+time at the start [ns]."""
+
 Handler = Callable[[bytes, int], None]
 """Called with a payload and its time of arrival [ns since 1970]; must be quick."""
 
