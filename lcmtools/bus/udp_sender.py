@@ -136,7 +136,11 @@ class UdpSender(SendingThread[tuple[str, bytes]]):
             size = f"{len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
             raise BusError(f"{channel}: {size}")
         with self._changed:
-            self._start()
+            try:
+                self._start()
+            except BusError:  # then without pauses
+                self.send_at_once(channel, payload)
+                return
             self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)
             if self._closed:
                 raise BusError("the bus is closed")

@@ -3,6 +3,7 @@
 process.py chooses among a process's contexts and handles signals.
 """
 
+import contextlib
 import os
 import socket
 import threading
@@ -256,13 +257,22 @@ class Context:
         for participant in tuple(self._participants):
             node = participant.describe()
             if node.id == request.target:
-                self.announcer.answer(node.name, request.nonce)
-                if not self._is_shutdown_requested:  # a request without an answer is repeated
-                    self._is_shutdown_requested = True
-                    who = f"by {request.requester}" if request.requester else "over the bus"
-                    participant.get_logger().warning(f"shutdown requested {who}")
-                    self.on_shutdown_request()
+                try:
+                    self.announcer.answer(node.name, request.nonce)
+                finally:
+                    self._obey(participant, request.requester)
                 return
+
+    def _obey(self, participant: Participant, requester: str) -> None:
+        """End this program, then log who wanted it: that may fail. A request may be repeated."""
+        if not self._is_shutdown_requested:
+            self._is_shutdown_requested = True
+            try:
+                self.on_shutdown_request()
+            finally:
+                who = f"by {requester}" if requester else "over the bus"
+                with contextlib.suppress(Exception):
+                    participant.get_logger().warning(f"shutdown requested {who}")
 
 
 def _apart_from(other: Node, records: NodeRecords, url: BusUrl | None) -> str:

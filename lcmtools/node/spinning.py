@@ -4,8 +4,8 @@ import contextlib
 import threading
 from collections.abc import Iterator, Sequence
 
-from lcmtools.bus.base import refusal
-from lcmtools.errors import UsageError, explained
+from lcmtools.bus.base import refusal, start_thread
+from lcmtools.errors import BusError, UsageError, explained
 from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
@@ -28,9 +28,12 @@ class BackgroundSpin:
         self._context = nodes[0].context
         self._is_stopped = False
         self._has_started = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="background spin", daemon=True)
         self._context.background_spins.append(self)
-        self._thread.start()
+        try:
+            self._thread = start_thread(self._run, "background spin")
+        except BusError:
+            self._context.background_spins.remove(self)
+            raise
         self._has_started.wait()
 
     def __enter__(self) -> "BackgroundSpin":

@@ -21,7 +21,7 @@ from lcmtools.cli.bag.common import (
     write,
 )
 from lcmtools.cli.declare import examples, option, subcommand
-from lcmtools.cli.output import write_note, write_result
+from lcmtools.cli.output import results_beside, write_note, write_result
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -89,7 +89,8 @@ def export_(
     for text in done.left_out.values():
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
-    write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+    with results_beside(target):
+        write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
     return 1 if done.left_out else 0
 
 

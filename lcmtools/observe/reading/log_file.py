@@ -53,6 +53,8 @@ class LogFile(AbstractContextManager["LogFile"]):
             self.data = _mapped(self.path)  # its bytes; of a compressed log, decompressed
         # The index beside it; an empty one if there is none that fits.
         self.index = _fitting(_read_index(self.path), self.data)
+        if self.path.is_symlink() and not self.index.blocks:
+            self.index = _fitting(_read_index(self.path.resolve()), self.data)
         # The senders by their numbers in the index, with their names.
         self.senders = {
             number: one.sender._replace(name=one.name)
