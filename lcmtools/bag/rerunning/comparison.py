@@ -29,7 +29,8 @@ class Compared(NamedTuple):
     time: int  # [ns since 1970]
     payload: bytes
     is_by_timer: bool = False
-    delay: int = 0  # from the input, by the computer's clock [ns]
+    cause: int = 0  # the time in the log of the input that it followed
+    delay: int = 0  # from that input, by the computer's clock [ns]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,11 @@ class Difference(NamedTuple):
     def is_allowed(self) -> bool:
         """True if it is within the tolerance."""
         return self.excess <= 1
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Whether it is beyond the tolerance, and its size."""
+        return not self.is_allowed, self.size
 
     def __str__(self) -> str:
         """Return the field with both values."""
@@ -140,7 +146,7 @@ def compare(
     matched = [(recorded[one], rerun[other]) for one, other in pairs]
     if matched:
         shift = median(one.time - other.time for one, other in matched)
-        found.delay_recorded = shift / 1e9
+        found.delay_recorded = median(one.time - other.cause for one, other in matched) / 1e9
         found.delay_rerun = median(other.delay for _, other in matched) / 1e9
         late = [(one, (other.time - one.time + shift) / 1e9) for one, other in matched]
         if judges_delay:
@@ -172,9 +178,8 @@ def _compare_fields(
             first = tuple(read(found.topic, each.payload) for each in start)
         clocks = Clocks((one.time, other.time), cast("tuple[Message, Message]", first))
         all_ = [each._replace(time=one.time) for each in differences(was, now, tolerance, clocks)]
-        worst = max(all_, key=lambda each: each.excess, default=None)
-        if worst and (found.largest is None or worst.excess > found.largest.excess):
-            found.largest = worst
+        known = [found.largest] if found.largest else []
+        found.largest = max((*known, *all_), key=lambda each: each.rank, default=None)
         beyond = [each for each in all_ if not each.is_allowed]
         found.fields.update(dict.fromkeys((each.field for each in beyond), 1))
         if beyond:

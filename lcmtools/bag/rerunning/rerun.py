@@ -28,7 +28,7 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import Message
 from lcmtools.messages.supply import has_supply
-from lcmtools.names import Pattern, did_you_mean, is_hidden
+from lcmtools.names import Pattern, base_name_of, did_you_mean, is_hidden
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages import provide_user_types
 from lcmtools.types.rosgraph_msgs import Clock
@@ -213,7 +213,7 @@ class _Rerunner:
         trouble += run.errors
         outputs = run.published_topics() | set(self._manner.outputs)
         rerun = _by_topic(
-            (one.topic, Compared(one.time, one.payload, one.is_by_timer, one.delay))
+            (one.topic, Compared(one.time, one.payload, one.is_by_timer, one.cause, one.delay))
             for one in run.outputs
             if one.topic in outputs
         )
@@ -386,7 +386,7 @@ class _Rerunner:
         """Yield sentences on a program that heard or said nothing."""
         if not run.inputs and not run.outputs:
             wanted = _subscriptions(run)
-            hint = next(filter(None, (did_you_mean(one, self._tracks) for one in wanted)), "")
+            hint = next(filter(None, map(self._near, wanted)), "")
             names = ", ".join(sorted(wanted)) or "nothing"
             more = f"; {hint}" if hint else ""
             yield f"no message of the log was for the program, which subscribes to {names}{more}"
@@ -405,11 +405,17 @@ class _Rerunner:
         for topic in sorted(_subscriptions(run) - own):
             track = self._tracks.get(topic)
             if track is None:
-                hint = did_you_mean(topic, self._tracks)
+                hint = self._near(topic)
                 yield f"the log has no {topic}{f'; {hint}' if hint else ''}"
             elif ends[topic] and track.fingerprint not in ends[topic]:
                 kind = track.type or "an unknown type"
                 yield f"{topic} has {kind} in the log, of another version than the program expects"
+
+    def _near(self, topic: str) -> str:
+        """Return the topic of the log that is likely to be meant, as a question; "" for none."""
+        ends = (one for one in self._tracks if base_name_of(one) == base_name_of(topic))
+        near = did_you_mean(topic, self._tracks)
+        return near or next((f"did you mean {one}?" for one in ends), "")
 
     def _read(self, topic: str, payload: bytes) -> Message:
         return self._decoder.decode(Packet(topic, payload, 0))

@@ -180,7 +180,7 @@ def _values(result: Rerun, topic: str, name: str, messages: Sequence[Compared]) 
 def _manner(result: Rerun) -> str:
     run = result.run
     if not run.real_time:
-        return "in lock-step"
+        return "in lock-step" if run.inputs or not run.trouble else "it did not begin"
     late = [one / 1e6 for one in run.lateness] or [0.0]
     kept = f"inputs were late by {median(late):.1f} ms, at most {max(late):.1f} ms"
     return f"in real time ({run.real_time}); {kept}"

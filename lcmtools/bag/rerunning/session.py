@@ -51,7 +51,8 @@ class Output(NamedTuple):
     topic: str
     payload: bytes
     is_by_timer: bool
-    delay: int  # from the input, by the computer's clock [ns]
+    cause: int  # time in the log of the input that it followed
+    delay: int  # from that input, by the computer's clock [ns]
 
 
 class Stopped(Exception):  # noqa: N818 - named for what happened
@@ -104,6 +105,7 @@ class Session:
         self._number = 0  # of the step
         self._asked: dict[Client, int] = {}  # the last step of each
         self._answers: dict[Client, int] = {}  # the last answered one
+        self._cause = wishes.start  # the time of the last input
         self._due: dict[Client, int] = {}  # when the next timer is due [ns]
         self._seen: set[str] = set(wishes.outputs)  # topics that are not played
 
@@ -289,7 +291,9 @@ class Session:
     ) -> None:
         delay = time.monotonic_ns() - began if began else 0
         for one in found:
-            self.run.outputs.append(Output(at, one.channel, one.payload, is_by_timer, delay))
+            self.run.outputs.append(
+                Output(at, one.channel, one.payload, is_by_timer, self._cause, delay)
+            )
             if one.channel not in OF_EVERY_NODE:
                 self._seen.add(one.channel)
             elif one.channel != CLOCK_TOPIC and len(self.run.errors) < _MOST_ERRORS:
@@ -301,6 +305,7 @@ class Session:
 
     def _count(self, message: Played) -> None:
         self.run.inputs += 1
+        self._cause = message.time
         self.run.input_topics.add(message.topic)
         self._wishes.on_time(message.time)
 
