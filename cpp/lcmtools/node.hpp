@@ -126,8 +126,9 @@ class Node : public Parameters {
 
   template <class Request, class Response>
   std::shared_ptr<Client<Request, Response>> create_client(const std::string& name) {
-    auto end = make_end<Client<Request, Response>, Request>(wire::CLIENT, resolve_name(name), 0, context_);
-    receive(names::check_length(end->record.topic + "/_reply"), end);
+    const auto service = resolve_name(name), replies = names::check_length(service + "/_reply");
+    auto end = make_end<Client<Request, Response>, Request>(wire::CLIENT, service, 0, context_);
+    receive(replies, end);
     return end;
   }
 
@@ -186,6 +187,10 @@ class Node : public Parameters {
       if (!timer->is_wall) next = std::min(next, timer->next());
     return next;
   }
+  void set_spinner(std::thread::id thread) {
+    const std::lock_guard lock(context_->mutex);
+    node_->spinner = thread;
+  }
   const std::shared_ptr<detail::Context>& context() const { return context_; }
 
   // Log the command line's parameters that nobody declared: likely misspelt.
@@ -239,9 +244,11 @@ class Node : public Parameters {
     if (!(seconds > 0 && seconds < 1e9)) throw Error(format("a timer's period must be positive and finite, got %g s", seconds));
     const auto length = std::max<std::int64_t>(1, std::llround(seconds * 1e9));
     auto timer = std::make_shared<Timer>(length, std::move(callback), std::move(clock), place, is_wall);
-    const std::lock_guard lock(context_->mutex);
-    timers_.push_back(timer);
-    context_->changed.notify_all();  // for a thread that spins already
+    {
+      const std::lock_guard lock(context_->mutex);
+      timers_.push_back(timer);
+    }
+    context_->notify();  // a thread that spins already
     return timer;
   }
 
@@ -300,9 +307,10 @@ inline void finish_step(const std::vector<Node*>& nodes) {
   nodes.front()->context()->finish_step(next);
 }
 
-// Wait for something to do until a time by the steady clock, at most; do all of it.
-inline void run_once(const std::vector<Node*>& nodes, std::int64_t deadline) {
-  while (ok()) {
+// Wait for something to do until a time by the steady clock, or until `is_over`, at most; do all of it.
+template <class IsOver>
+void run_once(const std::vector<Node*>& nodes, std::int64_t deadline, IsOver is_over) {
+  while (ok() && !is_over()) {
     bool has_run = false;
     for (Node* node : nodes) has_run = node->run_ready() || has_run;
     if (has_run) return;
@@ -312,8 +320,8 @@ inline void run_once(const std::vector<Node*>& nodes, std::int64_t deadline) {
     std::unique_lock lock(context.mutex);
     auto next = deadline;
     for (const Node* node : nodes) next = std::min(next, node->next_work());
-    const auto wait = std::min(next - steady_now(), 3600 * period);
-    if (wait > 0 && ok()) context.changed.wait_for(lock, std::chrono::nanoseconds(wait));
+    const bool is_idle = next > steady_now() && !context.has_step_locked();
+    if (is_idle && ok() && !is_over()) context.wait(lock, next);
   }
 }
 
@@ -324,7 +332,9 @@ template <class... Nodes>
 void spin(Nodes&&... nodes) {
   const std::vector<Node*> all = {&detail::node_of(nodes)...};
   all.front()->warn_of_unknown_parameters();
-  while (ok()) detail::run_once(all, detail::never);
+  for (Node* node : all) node->set_spinner(std::this_thread::get_id());
+  while (ok()) detail::run_once(all, detail::never, [] { return false; });
+  for (Node* node : all) node->set_spinner({});
 }
 
 // Run the callbacks that are ready, and return.
@@ -336,7 +346,22 @@ void spin_some(NodeType&& node) {
 // Wait for something to do, at most for the time given; do all of it.
 template <class NodeType>
 void spin_once(NodeType&& node, std::chrono::duration<double> timeout = std::chrono::seconds(0)) {
-  detail::run_once({&detail::node_of(node)}, detail::steady_now() + std::llround(timeout.count() * 1e9));
+  detail::run_once({&detail::node_of(node)}, detail::time_after(timeout), [] { return false; });
+}
+
+enum class FutureReturnCode { SUCCESS, INTERRUPTED, TIMEOUT };
+
+// Run callbacks until a future is ready, the time is over (if one is given) or the program should end.
+template <class NodeType, class Future>
+FutureReturnCode spin_until_future_complete(NodeType&& node, const Future& future,
+                                            std::chrono::duration<double> timeout = std::chrono::seconds(-1)) {
+  const auto deadline = timeout.count() < 0 ? detail::never : detail::time_after(timeout);
+  while (true) {
+    if (detail::is_ready(future)) return FutureReturnCode::SUCCESS;
+    if (!ok()) return FutureReturnCode::INTERRUPTED;
+    if (detail::steady_now() >= deadline) return FutureReturnCode::TIMEOUT;
+    detail::run_once({&detail::node_of(node)}, deadline, [&] { return detail::is_ready(future); });
+  }
 }
 
 }  // namespace lcmtools

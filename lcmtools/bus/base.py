@@ -67,6 +67,9 @@ class Bus(Protocol):
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
 
+    def keep_order(self) -> None:
+        """Send messages in the order of ``publish`` from now on, also behind large ones."""
+
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler``, on the receiving thread, for each message on the channel.
 

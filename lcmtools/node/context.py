@@ -30,6 +30,10 @@ from lcmtools.node.lockstep import join_lockstep
 from lcmtools.node.logger import Logger
 from lcmtools.settings import usual_namespace
 
+_UNRECORDED = (
+    "no folder takes this node's record: if it is killed, nobody learns of it; set XDG_RUNTIME_DIR"
+    " to a folder of this user"
+)
 _LONGEST_WAIT = 1.0
 """[s]. A Python signal handler cannot run during a wait if its signal came just before, or on
 another thread; it runs when the wait ends."""
@@ -243,7 +247,8 @@ class Context:
         with self._recording:  # when this returns the record exists, whichever thread wrote it
             if self._records and self._recorded.get(node.id) != topics:
                 self._recorded[node.id] = topics
-                self._records.write(node)
+                if not self._records.write(node) and _UNRECORDED not in self.notices:
+                    self.notices.append(_UNRECORDED)
         return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:

@@ -254,6 +254,29 @@ def test_its_service_answers_and_refuses(everything: Callable[..., Program], tal
         client.call(request, 20.0)
 
 
+def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Program]) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    words = ["gain 1", "/husky0/refuse: it must be true", "timeout", "interrupted", "spun"]
+    assert program.lines[1:] == words
+
+
+def test_a_request_is_repeated_until_its_service_is_there(
+    everything: Callable[..., Program], talk: Talk
+) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+
+    def answer(_: Any, response: Any) -> Any:
+        response.message = "at last"
+        return response
+
+    talk.node.create_service(SetBool, "/husky0/nobody", answer)
+    program.wait_for("at last")
+
+
 def test_it_calls_a_service_in_a_callback(
     everything: Callable[..., Program], talk: Talk, wait_until: Wait
 ) -> None:
