@@ -21,8 +21,10 @@ from lcmtools.packages.cpp import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools.types.std_msgs import Float64, Header
+from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.std_msgs import Float64, Header, String
 from lcmtools.wire.packet import Packet
 
 Cli = Callable[..., Result]
@@ -213,6 +215,66 @@ def test_a_launch_file_is_run_and_chains_are_exact(tmp_path: Path, cli: Cli) -> 
         "/middle": _COUNT,
         "/out": _COUNT,
     }
+
+
+def odometry(n: int) -> bytes:
+    message = Odometry()
+    message.header.stamp.sec, message.header.stamp.nsec = divmod(_START + n * _STEP, 10**9)
+    message.twist.twist.linear.x = 0.3 * (1 - 0.9**n)
+    return message.encode()
+
+
+def desired(n: int) -> bytes:
+    twist = Twist()
+    twist.linear.x, twist.angular.z = 0.3 + 0.1 * (n % 2), 0.2
+    return twist.encode()
+
+
+def scan(n: int) -> bytes:
+    return LaserScan(
+        angle_min=-1.0, angle_increment=1.0, range_max=9.0, ranges=[n + 1.0] * 3
+    ).encode()
+
+
+_LABS = {
+    "simple_controller": ({"/odometry": odometry, "/desired_velocity": desired}, ""),
+    "moving_robot": ({}, ""),
+    "reading_laser": ({"/dolly/laser_scan": scan}, "/rosout"),
+    "listener": ({"/chatter": lambda n: String(data=str(n)).encode()}, "/rosout"),
+}
+"""The labs' nodes with what they subscribe to, and the output that they do not announce."""
+
+
+def drive(path: Path, topics: dict[str, Callable[[int], bytes]]) -> str:
+    """Write a log of inputs."""
+    times = [(n, _START + n * _STEP) for n in range(100)]
+    packets = [
+        Packet(topic, make(n), time)
+        for topic, make in {**topics, "/else": desired}.items()
+        for n, time in times
+    ]
+    return written(path, packets)
+
+
+@pytest.mark.parametrize("name", _LABS)
+def test_the_nodes_of_the_labs_say_the_same_again(name: str, tmp_path: Path, cli: Cli) -> None:
+    topics, output = _LABS[name]
+    inputs, saved = drive(tmp_path / "inputs.lcmlog", topics), str(tmp_path / "saved.lcmlog")
+    options = ("--json", *(("--output", output) if output else ()))
+    program = ("--", "lcmtools", "run", name)
+    assert cli("bag", "rerun", inputs, *options, "--save", saved, *program).code == 1
+    done = cli("bag", "rerun", saved, *options, "--twice", *program)
+    report = json.loads(done.out)
+    assert (done.code, report["lockstep"]) == (0, True), report
+    assert sum(one["matched"] for one in report["topics"]) >= 3
+
+
+def test_a_gain_of_a_lab_that_is_changed_by_a_percent_is_found(tmp_path: Path, cli: Cli) -> None:
+    log, saved = drive(tmp_path / "i.lcmlog", _LABS["simple_controller"][0]), tmp_path / "s.lcmlog"
+    program = ("--", "lcmtools", "run", "simple_controller")
+    cli("bag", "rerun", log, "--save", str(saved), *program)
+    done = cli("bag", "rerun", str(saved), *program, "_kp:=1.01")
+    assert_says(done.out, "differing fields: effort[", "different")
 
 
 class Doubled(Node):
