@@ -172,7 +172,8 @@ class _Session:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
         def report() -> None:
-            self._notify(f"waiting for subscribers of {', '.join(missing())}")
+            others = "plain LCM programs do not count, as they do not tell what they subscribe to"
+            self._notify(f"waiting for subscribers of {', '.join(missing())}; {others}")
 
         wait_until(lambda: not missing(), None, report)
 

@@ -9,6 +9,10 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError, BusOfParent
 
+LOCKSTEP = "LCMTOOLS_LOCKSTEP"
+"""The environment variable of programs that a recording is played to in lock-step; its value is the
+time at the start [ns]."""
+
 _MOST_FAULTS = 20  # different ones that are reported
 
 Handler = Callable[[bytes, int], None]
