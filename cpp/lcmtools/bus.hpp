@@ -4,6 +4,7 @@
 #include <lcm/lcm.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -44,6 +45,13 @@ inline std::string choose_url(const Arguments& arguments) {
   if (const auto url = user_setting("lcm_url"); !url.empty()) return url;
   const auto domain = user_setting("domain");
   return domain_url(domain.empty() ? "0" : domain);
+}
+
+// Return whether a recording is played to this program in lock-step; `start` is the time then [ns].
+inline bool is_in_lockstep(std::int64_t* start = nullptr) {
+  const char* variable = std::getenv("LCMTOOLS_LOCKSTEP");
+  if (variable && start) *start = std::atoll(variable);
+  return variable && *variable;
 }
 
 inline std::string default_namespace() {

@@ -75,6 +75,7 @@ class Context {
     is_lendable_ = url.compare(0, 4, "tcpq") != 0;  // its lcm_handle waits for the rest of a message
     subscribe("/_lcmtools/probe", [this](auto data, auto size) { take_probe(data, size); });
     subscribe("/_lcmtools/shutdown", [this](auto data, auto size) { take_shutdown(data, size); });
+    if (is_in_lockstep()) subscribe("/_lcmtools/step", [this](auto data, auto size) { take_step(data, size); });
     if (lcm_get_fileno(lcm_.get()) < 0) throw Error("nothing can be received from this bus");
     // the signals are for the program's own threads
     sigset_t ending, usual;
@@ -199,6 +200,18 @@ class Context {
     publish(node_channel, goodbye);
     remove_record(records_, participant->id);
   }
+
+  // Answer the step of a recording that is played to this program in lock-step (bag rerun): nothing is
+  // left to do for its nodes, and the next timer is due at `next` [ns], simulated time.
+  void finish_step(std::int64_t next) {
+    std::unique_lock lock(mutex);
+    const auto is_busy = [](const auto& one) { return !one->ready.empty(); };
+    if (step_ < 0 || std::any_of(participants_.begin(), participants_.end(), is_busy)) return;
+    const auto answer = wire::encoded(wire::Step{std::exchange(step_, -1), next});
+    lock.unlock();
+    publish("/_lcmtools/done", answer.data(), answer.size());
+  }
+  bool has_step_locked() const { return step_ >= 0; }
 
   // Return the node that has a service in this program, if no other thread spins it.
   std::string idle_server_locked(const std::string& service) const {
@@ -449,6 +462,13 @@ class Context {
     answer_due_ = std::min(answer_due_, steady_now() + static_cast<std::int64_t>(random_() % answer_spread));
   }
 
+  void take_step(const std::uint8_t* data, std::size_t size) {
+    wire::Reader reader{data, data + size};
+    const std::lock_guard lock(mutex);
+    reader(step_);
+    changed_.notify_all();
+  }
+
   // End the program as by SIGTERM; first answer, so that a program that hangs is recognized.
   void take_shutdown(const std::uint8_t* data, std::size_t size) {
     wire::Shutdown request;
@@ -485,7 +505,7 @@ class Context {
   std::vector<std::shared_ptr<Participant>> participants_;
   std::vector<lcm_subscription_t*> removals_;
   std::deque<std::unique_ptr<Take>> takes_;  // kept until the end: liblcm may still call one
-  std::int64_t due_ = steady_now() + period, repeat_due_ = never, answer_due_ = never, nonce_ = 0, next_count_ = 0, first_signal_ = 0;
+  std::int64_t due_ = steady_now() + period, repeat_due_ = never, answer_due_ = never, nonce_ = 0, next_count_ = 0, first_signal_ = 0, step_ = -1;
   std::map<std::string, std::int64_t> aimed_;  // nonces of probes of single nodes; of the own thread alone
   std::int64_t aimed_from_ = 0;
   bool owes_another_ = false, is_behind_ = true, is_shutdown_requested_ = false;

@@ -115,6 +115,7 @@ class Node : public Parameters {
   template <class Rep, class Period>
   Timer::SharedPtr create_wall_timer(std::chrono::duration<Rep, Period> period, std::function<void()> callback,
                                      Place place = Place::here()) {
+    if (detail::is_in_lockstep()) return create_timer(period, std::move(callback), place);
     return add_timer(period, std::move(callback), detail::steady_now, place, true);
   }
   // Call a function at a fixed rate, by the node's time, which may be simulated.
@@ -185,6 +186,14 @@ class Node : public Parameters {
       if (timer->is_wall) next = std::min(next, timer->next());
       else if (timer->next() <= sim_time_) next = 0;
     }
+    return next;
+  }
+  // Return the simulated time at which the next timer is due [ns].
+  std::int64_t next_timer() const {
+    const std::lock_guard lock(context_->mutex);
+    std::int64_t next = detail::never;
+    for (const auto& timer : timers_)
+      if (!timer->is_wall) next = std::min(next, timer->next());
     return next;
   }
   void set_spinner(std::thread::id thread) {
@@ -278,8 +287,11 @@ class Node : public Parameters {
   };
 
   void keep_time() {
-    is_simulated_ = declare_parameter("use_sim_time", false, {"the time is that of /clock, not the computer's", {}, {}, true});
+    std::int64_t start = 0;
+    const bool usual = detail::is_in_lockstep(&start);
+    is_simulated_ = declare_parameter("use_sim_time", usual, {"the time is that of /clock, not the computer's", {}, {}, true});
     if (!is_simulated_) return;
+    sim_time_ = start;
     auto end = make_end<ClockEnd, wire::Clock>(wire::SUBSCRIBER, resolve_name("/clock"), 1, sim_time_);
     receive(end->record.topic, end);
   }
@@ -308,18 +320,28 @@ Node& node_of(const std::shared_ptr<T>& node) {
   return *node;
 }
 
+inline void finish_step(const std::vector<Node*>& nodes) {
+  if (!is_in_lockstep()) return;
+  auto next = never;
+  for (const Node* node : nodes) next = std::min(next, node->next_timer());
+  nodes.front()->context()->finish_step(next);
+}
+
 // Wait for something to do until a time by the steady clock, or until `is_over`, at most; do all of it.
 template <class IsOver>
 void run_once(const std::vector<Node*>& nodes, std::int64_t deadline, IsOver is_over) {
   while (ok() && !is_over()) {
     bool has_run = false;
     for (Node* node : nodes) has_run = node->run_ready() || has_run;
-    if (has_run || steady_now() >= deadline) return;
+    if (has_run) return;
+    finish_step(nodes);
+    if (steady_now() >= deadline) return;
     auto& context = *nodes.front()->context();
     std::unique_lock lock(context.mutex);
     auto next = deadline;
     for (const Node* node : nodes) next = std::min(next, node->next_work());
-    if (next > steady_now() && ok() && !is_over()) context.wait(lock, next);
+    const bool is_idle = next > steady_now() && !context.has_step_locked();
+    if (is_idle && ok() && !is_over()) context.wait(lock, next);
   }
 }
 
@@ -338,7 +360,7 @@ void spin(Nodes&&... nodes) {
 // Run the callbacks that are ready, and return.
 template <class NodeType>
 void spin_some(NodeType&& node) {
-  if (ok()) detail::node_of(node).run_ready();
+  if (ok() && !detail::node_of(node).run_ready()) detail::finish_step({&detail::node_of(node)});
 }
 
 // Wait for something to do, at most for the time given; do all of it.

@@ -191,9 +191,11 @@ class Node(Parametric, Factory):
 
     def __keep_time(self) -> None:
         about = "the time is that of /clock, not the computer's"
-        if not self.declare_parameter("use_sim_time", False, about, read_only=True).value:  # noqa: FBT003 - the default
+        lockstep = self.__context.lockstep
+        usual = lockstep is not None
+        if not self.declare_parameter("use_sim_time", usual, about, read_only=True).value:
             return
-        clock = ManualClock()
+        clock = ManualClock(lockstep.start if lockstep else 0)
         self.__callbacks.clock = self.__logger.clock = clock
 
         def set_clock(message: ClockMessage) -> None:

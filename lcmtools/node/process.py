@@ -74,6 +74,8 @@ def init(
     if not has_supply():
         provide_user_types()
     _process.context.notices += misread_options(bus_url, source)
+    if file.problem:
+        _process.context.notices.append(f"{file.problem}; there may be settings")
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)

@@ -167,7 +167,8 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
     _check_node("spin_once", node)
     context = node.context
     if timeout == 0 and context.ok():  # a simulator does this in each of its steps
-        node.callbacks.run_ready()
+        if not node.callbacks.run_ready() and context.lockstep:
+            context.lockstep.answer((node.callbacks,))
     else:
         context.run_once((node.callbacks,), timeout)
 

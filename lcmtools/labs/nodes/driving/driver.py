@@ -95,10 +95,10 @@ class TwistDriver(Driver):
         self._publisher.publish(twist)
 
 
-def keys_help(help_text: str, keys: str) -> str:
+def keys_help(help_text: str | None, keys: str) -> str:
     """Return a node's help with the meaning of its keys in it."""
     keys = textwrap.indent(f"{keys}\n\n{_PIPE_HELP}", "    ")
-    return f"{help_text.strip()}\n\nKeys:\n{keys}"
+    return f"{(help_text or '').strip()}\n\nKeys:\n{keys}"
 
 
 def drive(driver: Driver) -> None:
