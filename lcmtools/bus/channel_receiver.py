@@ -38,6 +38,8 @@ class ChannelReceiver(GroupReceiver):
         super().__init__(url, nothing())
         mark(self.all[0], ANNOUNCED)
         self.unwanted = UnwantedMessages()
+        self._tests: dict[ChannelTest, Collection[bytes]] = {everything: ()}
+        """The tests of channels, the strictest first, and the endings that each compares."""
         self._test: ChannelTest = everything
         self._endings: Collection[bytes] = ()
         """The endings of channels that pass, if only the endings are compared."""
@@ -48,20 +50,23 @@ class ChannelReceiver(GroupReceiver):
 
     def let_pass(self, channels: Collection[str]) -> None:
         """Let only these channels pass; if they are many, also some others."""
-        self._endings, self._test = (), everything
+        self._tests = {}
         endings = {_ending(channel) for channel in channels}
         if len(channels) <= _MOST:
-            self._test = these_channels(channels)
-        elif len(endings) <= _MOST and all(len(ending) == ENDING_BYTES for ending in endings):
-            self._endings, self._test = endings, these_endings(endings)
+            self._tests[these_channels(channels)] = ()
+        if len(endings) <= _MOST and all(len(ending) == ENDING_BYTES for ending in endings):
+            self._tests[these_endings(endings)] = endings
+        self._tests[everything] = ()
         self.unwanted.clear()
         self.attach_filters()
 
     def attach_filters(self) -> None:
-        """Drop what is unwanted now."""
+        """Drop what is unwanted now, with the strictest filter for which the system has memory."""
+        for self._test, self._endings in self._tests.items():  # noqa: B020
+            if (not self.shares or self._attach_to_fragments()) and self._attach_to_shorts():
+                return
         if self.shares:
-            self._attach_to_fragments()
-        self._attach_to_shorts()
+            self._unite()
 
     def short_program(self, share: int, shares: int) -> FilterProgram:  # noqa: ARG002 - one socket
         """Return the filter of the socket for short messages; at first also for fragments."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from lcmtools.bus.kernel import (
     ANCILLARY_BYTES,
+    ANNOUNCED,
     IS_LINUX,
     SELECTIVE,
     arrival,
@@ -37,6 +38,7 @@ from lcmtools.bus.socket_filter import (
     wanted,
 )
 from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
 from lcmtools.wire.datagram import FRAGMENT_MAX
 from lcmtools.wire.packet import Datagram, Sender
 
@@ -86,12 +88,13 @@ class GroupReceiver:
         self._room = max(1, self.granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
         self.short = self.all[:]
         self.shares = self._message_bytes = 0
+        self._is_divisible = IS_LINUX
         self.since = 0
         self.overflows = 0  # as of ``count_overflows``
         self._dropped: dict[socket.socket, int] = {}  # when they were looked at last
         self._freed: Counter[socket.socket] = Counter()  # bytes of their buffers since then
         self._held: list[Datagram] = []
-        self._batches: dict[socket.socket, DatagramBatch] = {}
+        self._batches: dict[socket.socket, DatagramBatch | None] = {}
         self.is_stream = False
         self.has_room = False
         self._poll = select.poll()
@@ -129,17 +132,19 @@ class GroupReceiver:
         Datagrams that arrive while several sockets are read wait for the next turn: an earlier one
         may have arrived at a socket that was read already.
         """
-        if len(self.all) == 1:
+        if len(self.all) == 1 and not self._held:
             return self.datagrams(self.all[0], most)
         now, arrived = time.time_ns(), self._held
-        until = now
+        # what was held once waits no longer: a clock that was set back may need hours
+        until = max(now, _TIME(arrived[-1])) if arrived else now
+        is_full = False
         for one in self.ready(0.0):
             found = list(self.datagrams(one, most))
             if self.is_observer:
                 sizes = map(len, map(_DATA, found))
                 self._freed[one] += _MOST_OVERHEAD * len(found) + _MOST_GROWTH * sum(sizes)
             if len(found) >= most:
-                until = min(until, _TIME(found[-1]))
+                until, is_full = min(until, _TIME(found[-1])), True
             arrived += found
         if self.since and not self.is_observer:
             arrived = [*dict.fromkeys(arrived)]
@@ -147,7 +152,7 @@ class GroupReceiver:
         first = bisect_left(arrived, self.since, key=_TIME) if self.is_observer else 0
         last = bisect_right(arrived, until, key=_TIME)
         self._held = arrived[last:]
-        if until == now:  # nothing older is left; the clock may be set back later
+        if not is_full:  # nothing older is left; the clock may be set back later
             self.since = 0
         return arrived[first:last]
 
@@ -155,8 +160,12 @@ class GroupReceiver:
         """Read the datagrams that have arrived at a socket, about ``most`` at most."""
         if self.is_stream:
             self.prepare(receiver)
-        batch = self._batches.get(receiver)
-        return batch.receive(most) if batch else one_by_one(receiver, most)
+        if batch := self._batches.get(receiver):
+            try:
+                return batch.receive(most)
+            except OSError:  # a sandbox without this call
+                self._batches[receiver] = None
+        return one_by_one(receiver, most)
 
     def prepare(self, receiver: socket.socket) -> None:
         """Prepare to read many short messages from a socket with one call."""
@@ -165,14 +174,12 @@ class GroupReceiver:
             return
         from lcmtools.bus import datagram_batch  # late: most commands end before they need it
 
-        if datagram_batch.IS_POSSIBLE:
-            self._batches[receiver] = datagram_batch.DatagramBatch(receiver)
+        self._batches[receiver] = datagram_batch.batch_of(receiver)
 
     def make_room(self, message_bytes: int) -> None:
-        """Make room for messages of this size; sockets that are no longer needed are kept.
+        """Make room for messages of this size, as far as the system grants sockets and filters.
 
-        Raises:
-            BusError: A socket cannot be created.
+        Sockets that are no longer needed are kept.
         """
         if message_bytes <= self._message_bytes:
             return
@@ -180,8 +187,8 @@ class GroupReceiver:
         fragments, shares = -(-message_bytes // FRAGMENT_MAX), 1
         while shares * self._room < self.largest_together * fragments and shares < _MOST_SHARES:
             shares *= 2
-        if shares > self.shares and (shares > 1 or self.is_observer):
-            self._divide(shares)
+        if self._is_divisible and shares > self.shares and (shares > 1 or self.is_observer):
+            self._is_divisible = self._divide(shares)
         self.has_room = max(1, self.shares) * self._room >= _NEEDED * fragments
 
     def short_program(self, share: int, shares: int) -> FilterProgram:
@@ -192,33 +199,54 @@ class GroupReceiver:
         """Return the filter of a socket for fragments."""
         return wanted(everything, shorts=False, share=(share, shares))
 
-    def _divide(self, shares: int) -> None:
-        """Divide the fragments into shares; the first time, also the short messages."""
-        if not IS_LINUX:
-            return
+    def _divide(self, shares: int) -> bool:
+        """Divide the fragments into shares; the first time, also the short messages.
+
+        Without a filter, each socket would receive everything: if the system refuses one, a single
+        socket is left, and the result is False.
+        """
         shorts = _SHORT_SHARES if self.is_observer and self.granted < _SMALL else 1
-        while len(self.all) < shorts + shares:  # new ones receive nothing yet
-            receiver = receiving_socket(self._url, nothing())
-            self.all.append(receiver)
-            self._poll.register(receiver, select.POLLIN)
-        self.short, is_first, self.shares = self.all[:shorts], not self.shares, shares
-        self._attach_to_fragments()
-        if is_first:
-            self._attach_to_shorts()
-            self.since = time.time_ns()
+        with suppress(BusError):  # no more sockets are permitted
+            while len(self.all) < shorts + shares:  # new ones receive nothing yet
+                receiver = receiving_socket(self._url, nothing())
+                self.all.append(receiver)
+                self._poll.register(receiver, select.POLLIN)
+        is_first = not self.shares
+        if len(self.all) == shorts + shares:
+            self.short, self.shares = self.all[:shorts], shares
+            if self._attach_to_fragments() and (not is_first or self._attach_to_shorts()):
+                if is_first:
+                    self.since = time.time_ns()
+                return True
+        self._unite()
+        return False
 
-    def _attach_to_fragments(self) -> None:
+    def _unite(self) -> None:
+        """Receive everything with the first socket again."""
+        for receiver in self.all[1:]:
+            self._poll.unregister(receiver)
+            self._batches.pop(receiver, None)
+            receiver.close()
+        del self.all[1:]
+        self.short, self.shares, self.since = self.all[:], 0, 0
+        self._attach_to_shorts()
+
+    def _attach_to_fragments(self) -> bool:
         # in this order fragments may come twice, but never a whole message
-        for share, receiver in reversed([*enumerate(self.all[len(self.short) :])]):
-            self._attach(receiver, self.fragment_program(share, self.shares))
+        shares = reversed([*enumerate(self.all[len(self.short) :])])
+        return all(self._attach(r, self.fragment_program(s, self.shares)) for s, r in shares)
 
-    def _attach_to_shorts(self) -> None:
-        for share, receiver in enumerate(self.short):
-            self._attach(receiver, self.short_program(share, len(self.short)))
+    def _attach_to_shorts(self) -> bool:
+        shares = [*enumerate(self.short)]
+        return all(self._attach(r, self.short_program(s, len(shares))) for s, r in shares)
 
-    def _attach(self, receiver: socket.socket, program: FilterProgram) -> None:
-        attach(receiver, but_from(self.own_port, program) if self.own_port else program)
-        mark(receiver, self.mark)
+    def _attach(self, receiver: socket.socket, program: FilterProgram) -> bool:
+        whole = but_from(self.own_port, program) if self.own_port else program
+        is_filtered = attach(receiver, whole)
+        mark(receiver, self.mark if is_filtered else ANNOUNCED)
+        if not is_filtered and self.shares:  # each of several receives everything until it has one
+            self.since = time.time_ns()
+        return is_filtered
 
 
 def one_by_one(receiver: socket.socket, most: int) -> Iterator[Datagram]:

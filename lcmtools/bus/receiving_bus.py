@@ -12,7 +12,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 
-from lcmtools.bus.base import Handler, refusal
+from lcmtools.bus.base import Faults, Handler, refusal, start_thread
 from lcmtools.bus.receive_right import ReceiveRight
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent, wait_readable
@@ -22,6 +22,7 @@ from lcmtools.names import check_channel, check_length
 BATCH = 100  # messages handled before a request is served
 _FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth holds
 _LONGEST_BURST = 10  # full batches in a row; if there are more, callbacks are too slow
+_PAUSE = 0.1  # [s] after a fault of the system, which may last
 _REQUEST_TIMEOUT = 15.0  # [s]; more than liblcm's own ten seconds
 
 
@@ -43,6 +44,8 @@ class ReceivingBus(ABC):
         self._handlers: dict[bytes, tuple[Handler, ...]] = {}  # by encoded channel
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._changing = threading.Lock()  # held for changes that closing must not interrupt
+        self._faults = Faults(self._report)
+        self._own_thread = 0
         self._burst = 0  # times in a row that many messages waited
         self._closed = self._is_of_parent = False
 
@@ -103,6 +106,9 @@ class ReceivingBus(ABC):
         """Send none together, because one by one they cost no more (see ``Bus``)."""
         return range(len(messages))
 
+    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
+        """Do nothing (see ``Bus``)."""
+
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler`` for each message; raises BusError and InvalidName as ``publish``."""
         check_channel(channel)
@@ -154,8 +160,7 @@ class ReceivingBus(ABC):
     def _start(self, *, is_lendable: bool = True) -> None:
         """Start the receiving thread; ``is_lendable`` means that other threads may receive."""
         self._right = ReceiveRight(is_lendable=is_lendable)
-        self._thread = threading.Thread(target=self._run, name="bus receiver", daemon=True)
-        self._thread.start()
+        self._thread = start_thread(self._run, "bus receiver")
 
     def _refusal(self) -> BusError:
         """Return the error for a use of a closed bus."""
@@ -185,8 +190,21 @@ class ReceivingBus(ABC):
     def _dispatch(self, channel: str, payload: bytes, arrival: int | None = None) -> None:
         """Call a channel's handlers; the message arrived now unless its time is known [ns]."""
         arrival = time.time_ns() if arrival is None else arrival
-        for handler in self._handlers.get(encoded(channel), ()):
-            handler(payload, arrival)
+        name = encoded(channel)
+        self._handle(name, self._handlers.get(name, ()), payload, arrival)
+
+    def _handle(
+        self, channel: bytes, handlers: tuple[Handler, ...], payload: bytes, arrival: int
+    ) -> None:
+        """Call handlers; one that fails has missed this message, and no more than that."""
+        for handler in handlers:
+            try:
+                handler(payload, arrival)
+            except Exception as error:  # noqa: BLE001, PERF203 - others receive it all the same
+                self._faults.note(f"receiving from {channel.decode(errors='replace')}", error)
+
+    def _report(self, text: str) -> None:
+        self.on_outage(text)
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
@@ -220,6 +238,7 @@ class ReceivingBus(ABC):
 
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
+        self._own_thread = threading.get_ident()
         is_prepared = False
         while not self._closed:
             if self._right.is_leader_here and not is_prepared:
@@ -231,9 +250,10 @@ class ReceivingBus(ABC):
                         break
                     try:
                         self._receive_on_own_thread()
-                    except OSError:
+                    except Exception as error:  # noqa: BLE001 - a node must not be deaf from now on
                         if not self._closed:  # else closing did not wait any longer for this turn
-                            raise
+                            self._faults.note("receiving", error)
+                            time.sleep(_PAUSE)
         self._serve_requests()  # requests made while it closed
 
     def _receive_on_own_thread(self) -> None:

@@ -1,8 +1,6 @@
 """The bus of nodes on UDP multicast, on sockets of our own, in liblcm's wire format."""
 
-import contextlib
 import socket
-import struct
 import time
 from collections import deque
 from collections.abc import Collection, Sequence
@@ -10,13 +8,12 @@ from collections.abc import Collection, Sequence
 from lcmtools.bus.base import Handler
 from lcmtools.bus.channel_receiver import ChannelReceiver
 from lcmtools.bus.group_receiver import MAX_DATAGRAM
-from lcmtools.bus.kernel import ANCILLARY_BYTES, IS_LINUX, STAMP, STAMP_KIND, STAMP_UNIT
+from lcmtools.bus.kernel import ANCILLARY_BYTES, STAMP_KIND, bound_wait, received_at
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.receiving_bus import BATCH, ReceivingBus, encoded
 from lcmtools.bus.udp_sender import UdpSender
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
-from lcmtools.errors import BusError
 from lcmtools.wire.datagram import (
     CHANNEL_MAX,
     MAGIC_SHORT,
@@ -33,7 +30,6 @@ _LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # latest end of a channel in
 _GAP = 0.005  # [s] at most between the messages of a stream
 _GAP_NS = round(1e9 * _GAP)
 _MOST_AT_ONCE = 2048
-_unpack_stamp = STAMP.unpack_from
 _LATE = 1_000_000  # [ns]: a message that has waited longer is one of many
 _AT_FIRST = 1_000_000  # bytes of a large message that has room even before the first one comes
 _MOST_UNCERTAIN = 16 << 20  # bytes of messages that are kept before their first fragments come
@@ -59,9 +55,7 @@ class UdpBus(ReceivingBus):
         self._sockets = ChannelReceiver(url)
         self._only = self._sockets.all[0]  # the one socket while there are no others
         self._recvmsg = self._only.recvmsg
-        if IS_LINUX:
-            longest = struct.pack("@ll", 0, round(_GAP * 1e6))  # struct timeval
-            self._only.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, longest)
+        self._can_await = bound_wait(self._only, _GAP)
         self._sender = UdpSender(url)
         self._send = self._sender.send
         self._sender.bind()
@@ -77,6 +71,10 @@ class UdpBus(ReceivingBus):
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
         """Send those of these messages that cost less if sent together (see ``Bus``)."""
         return self._sender.send_together(messages)
+
+    def keep_order(self) -> None:
+        """Let no message overtake a large one (see ``Bus``)."""
+        self._sender.keeps_order = True
 
     def lost(self, channel: str) -> int:
         """Return the number of large messages on a channel that arrived incompletely."""
@@ -140,7 +138,7 @@ class UdpBus(ReceivingBus):
                 handled += 1
                 if not self._is_late:
                     break
-                if self._right.thread == self._thread.ident:  # a callback keeps the other busy
+                if self._right.thread == self._own_thread:  # a callback keeps the other busy
                     return handled + self._drain()
         else:
             if not self._read:
@@ -176,10 +174,11 @@ class UdpBus(ReceivingBus):
             return False
         now = arrived = time.time_ns()
         if ancillary and ancillary[0][1] == STAMP_KIND:  # as ``arrival``, in a third of the time
-            seconds, fraction = _unpack_stamp(ancillary[0][2])
-            arrived = seconds * 1_000_000_000 + fraction * STAMP_UNIT
+            arrived = received_at(ancillary[0][2])
         self._is_late = now - arrived > _LATE
-        self._is_streaming = IS_LINUX and arrived - self._latest < _GAP_NS and not self._is_late
+        self._is_streaming = (
+            self._can_await and arrived - self._latest < _GAP_NS and not self._is_late
+        )
         self._latest = arrived
         self._take(data, sender, arrived)
         return True
@@ -188,11 +187,10 @@ class UdpBus(ReceivingBus):
         """Handle one datagram; a malformed one is ignored."""
         if data.startswith(MAGIC_SHORT):
             end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
-            handlers = self._handlers.get(data[SHORT_HEADER_BYTES:end]) if end > 0 else None
+            name = data[SHORT_HEADER_BYTES : max(0, end)]
+            handlers = self._handlers.get(name)
             if handlers:
-                payload = data[end + 1 :]
-                for handler in handlers:
-                    handler(payload, arrived)
+                self._handle(name, handlers, data[end + 1 :], arrived)
         elif isinstance(fragment := parse(data), Fragment):
             whole = self._join(fragment, sender, arrived)
             if whole is not None:
@@ -209,8 +207,7 @@ class UdpBus(ReceivingBus):
                 return None
             if unwanted.want(port):
                 self._sockets.attach_filters()
-            with contextlib.suppress(BusError):  # no more sockets are permitted
-                self._sockets.make_room(size)
+            self._sockets.make_room(size)
         joined = self._reassembler
         joined.drop_before(arrived - INCOMPLETE)
         if fragment.channel is None and not joined.has_first(sender, fragment.seqno):
