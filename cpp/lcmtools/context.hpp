@@ -17,6 +17,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "lcmtools/bus.hpp"
@@ -58,7 +59,8 @@ class Context {
   Arguments arguments;
   std::string command;
   std::vector<std::string> notices;       // warnings about the command line, for the next node's log
-  std::vector<std::string> declared;      // names of parameters
+  std::set<std::string> declared;         // names of parameters
+  std::set<std::string> used, used_remaps;  // full names of topics before remaps; remaps that applied
   bool is_first = true;                   // __name:= names the first node
   const std::string ns = default_namespace();
 

@@ -67,7 +67,16 @@ class Node : public Parameters {
   // The time [ns since 1970], or that of /clock with _use_sim_time:=true.
   std::int64_t now() const { return is_simulated_ ? sim_time_.load() : detail::system_now(); }
 
-  std::string resolve_name(const std::string& name) const { return resolver_.resolve(name); }
+  std::string resolve_name(const std::string& name) const {
+    const auto full = resolver_.expand(name), resolved = resolver_.resolve(name);
+    std::vector<std::string> remaps;
+    for (const auto& [from, to] : resolver_.remaps)
+      if (resolver_.expand(from) == full) remaps.push_back(from);
+    const std::lock_guard lock(context_->mutex);
+    context_->used.insert(full);
+    context_->used_remaps.insert(remaps.begin(), remaps.end());
+    return resolved;
+  }
 
   template <class Message>
   std::shared_ptr<Publisher<Message>> create_publisher(const Topic& topic, int depth = 10) {
@@ -193,12 +202,23 @@ class Node : public Parameters {
   }
   const std::shared_ptr<detail::Context>& context() const { return context_; }
 
-  // Log the command line's parameters that nobody declared: likely misspelt.
-  void warn_of_unknown_parameters() {
+  // Log what in the command line no node of this program has used: likely misspelt.
+  void warn_of_unused_arguments() {
     const auto& declared = context_->declared;
     for (const auto& [name, text] : context_->arguments.parameters)
-      if (std::find(declared.begin(), declared.end(), name) == declared.end())
-        logger_->warn("there is no parameter '" + name + "'");
+      if (!declared.count(name)) logger_->warn("there is no parameter '" + name + "'");
+    for (const auto& [from, to] : context_->arguments.remaps)
+      if (!context_->used_remaps.count(from))
+        logger_->warn(from + ":=" + to + " has no effect: no topic or service here is named '" + from + "'");
+    for (const auto& word : context_->arguments.rest) {  // most are the program's own
+      if (word == "--") break;
+      const auto sign = word.find('=');
+      const auto name = word.substr(0, sign), bare = name.substr(std::min(name.find_first_not_of('_'), name.size()));
+      if (sign == std::string::npos || word.find(":=") != std::string::npos || !names::has_form(name, "~/_", "/.")) continue;
+      const bool is_parameter = declared.count(bare) > 0;
+      if (is_parameter || names::is_in(word[0], "_~/") || (names::has_form(name, "", "/") && context_->used.count(resolver_.expand(name))))
+        logger_->warn("'" + word + "' names nothing; did you mean " + (is_parameter ? "_" + bare : name) + ":" + word.substr(sign) + "?");
+    }
   }
 
  private:
@@ -331,7 +351,7 @@ void run_once(const std::vector<Node*>& nodes, std::int64_t deadline, IsOver is_
 template <class... Nodes>
 void spin(Nodes&&... nodes) {
   const std::vector<Node*> all = {&detail::node_of(nodes)...};
-  all.front()->warn_of_unknown_parameters();
+  all.front()->warn_of_unused_arguments();
   for (Node* node : all) node->set_spinner(std::this_thread::get_id());
   while (ok()) detail::run_once(all, detail::never, [] { return false; });
   for (Node* node : all) node->set_spinner({});

@@ -117,7 +117,7 @@ class Parameters {
   // while it is held.
   bool add(const std::string& name, const Declared& parameter) {
     const std::lock_guard lock(context_->mutex);
-    context_->declared.push_back(name);
+    context_->declared.insert(name);
     return parameters_.emplace(name, parameter).second;
   }
   Declared declared(const std::string& name) const {

@@ -28,6 +28,7 @@ from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.lockstep import join_lockstep
 from lcmtools.node.logger import Logger
+from lcmtools.node.unused_arguments import UsedNames
 from lcmtools.settings import usual_namespace
 
 _UNRECORDED = (
@@ -42,9 +43,11 @@ another thread; it runs when the wait ends."""
 class Participant(Protocol):
     """A node, as far as its context knows it."""
 
+    name: str
+
     @property
     def callbacks(self) -> Callbacks:
-        """Its callbacks."""
+        """The callbacks that the spin functions run."""
 
     def describe(self) -> Node:
         """Return the announced description."""
@@ -83,7 +86,7 @@ class Context:
         bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
-        self.declared_parameters: set[str] = set()
+        self.used = UsedNames()
         self.notices: list[str] = []
         """Warnings about the command line, which the next node logs."""
         self.note = ""
@@ -174,6 +177,17 @@ class Context:
             self._recorded.pop(node.id, None)
             if self._records:
                 self._records.remove(node.id)
+
+    def idle_server(self, service: str) -> str:
+        """Return the node here that has a service, if no thread but the calling one spins it."""
+        for node in tuple(self._participants):
+            services = [one.name for one in tuple(node.callbacks.services)]
+            if service in services and node.callbacks.spinning_thread in (
+                None,
+                threading.get_ident(),
+            ):
+                return node.name
+        return ""
 
     def is_first(self) -> bool:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""

@@ -243,6 +243,18 @@ def test_an_unknown_parameter_is_warned_of(everything: Callable[..., Program]) -
     everything("_gian:=2").wait_for("there is no parameter 'gian'")
 
 
+def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program]) -> None:
+    words = ("word:=/a", "words:=/b", "echo=c", "gain=3", "_lr=3", "lr=3", "--", "echo=d")
+    program = everything(*words)
+    program.wait_for("'_lr=3'")
+    assert [line.partition("]: ")[2] for line in program.lines if "[WARN]" in line] == [
+        "word:=/a has no effect: no topic or service here is named 'word'",
+        "'echo=c' names nothing; did you mean echo:=c?",
+        "'gain=3' names nothing; did you mean _gain:=3?",
+        "'_lr=3' names nothing; did you mean _lr:=3?",
+    ]
+
+
 def test_its_service_answers_and_refuses(everything: Callable[..., Program], talk: Talk) -> None:
     everything("_gain:=7")
     client = talk.node.create_client(SetBool, "/husky0/refuse")
