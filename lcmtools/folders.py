@@ -12,6 +12,7 @@ from lcmtools.errors import InvalidFile, LcmtoolsError, os_errors_as
 LARGEST = 1_000_000
 """Bytes of a file that people write; a longer one is something else."""
 _PIPES = ("/dev/stdin", "/dev/fd/")  # as shells name those that they make
+_STANDARD = {"-": 1, "/dev/stdout": 1, "/dev/stderr": 2}  # descriptors that a user may name
 
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
@@ -88,25 +89,81 @@ def read_text(
         return content.decode("utf-8")
 
 
+def is_standard_output(path: str | Path | None) -> bool:
+    """Return whether an output that a user named is standard output: "-" is."""
+    return _STANDARD.get(str(path)) == 1
+
+
+def is_stream(path: Path) -> bool:
+    """Return whether ``open_stream`` opens a stream there."""
+    return str(path) in _STANDARD or path.is_fifo() or path.is_char_device()
+
+
+def open_stream(path: Path, *, binary: bool = True) -> int | None:
+    """Open the stream at a path that a user named for output; None for a path of a file.
+
+    A stream is written to, never replaced: standard output ("-"), a pipe, which waits for its
+    reader, and a character device. A terminal takes text only.
+
+    Raises:
+        LcmtoolsError: Neither a file nor a stream can be there.
+    """
+    with os_errors_as(f"cannot write {path}"):
+        if is_stream(path):
+            number = _STANDARD.get(str(path))
+            flags = os.O_WRONLY | os.O_CLOEXEC | os.O_NOCTTY
+            descriptor = os.open(path, flags) if number is None else os.dup(number)
+            if binary and os.isatty(descriptor):
+                os.close(descriptor)
+                what = f"cannot write {path}: it is a terminal"
+                raise LcmtoolsError(what, "name a file, or pipe it into a program")
+            return descriptor
+        if path.is_dir():
+            raise LcmtoolsError(f"{path} is a folder", "name another, or remove it")
+        if path.exists() and not path.is_file():
+            raise LcmtoolsError(f"{path} is neither a file nor a pipe", "name another")
+    return None
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
     """Write a file that a user named; if that fails, an existing file stays unchanged.
+
+    What is no file is written to as ``open_stream`` says, and not replaced.
 
     Raises:
         LcmtoolsError: The file cannot be written.
     """
+    stream = open_stream(path, binary=isinstance(content, bytes))
     with os_errors_as(f"cannot write {path}"):
-        if path.exists() and not path.is_file():  # /dev/stdout or a pipe must not be replaced
-            path.write_bytes(_encoded(content))
-        else:
-            write_atomically(path, content)
+        if stream is None:
+            _replace(path, content)
+            return
+        with os.fdopen(stream, "wb") as file:
+            file.write(_encoded(content))
 
 
 def write_atomically(path: Path, content: str | bytes, *, private: bool = False) -> None:
     """Write a file atomically: a concurrent reader sees all of the old or all of the new content.
 
-    The folder must exist. If ``path`` is a symbolic link, its target is written. Only the user can
-    read a private file; others keep their mode.
+    The folder must exist. If ``path`` is a symbolic link, its target is written; what is no file,
+    as /dev/null, is not replaced. Only the user can read a private file; others keep their mode.
     """
+    if path.exists() and not path.is_file():
+        path.write_bytes(_encoded(content))
+    else:
+        _replace(path, content, private=private)
+
+
+def usual_mode(path: Path) -> int:
+    """Return the mode of a file that is written in the place of another, if there is one."""
+    if path.exists():
+        return path.stat().st_mode & 0o7777
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _replace(path: Path, content: str | bytes, *, private: bool = False) -> None:
     import tempfile  # late: completion seldom writes
 
     path = path.resolve()
@@ -115,7 +172,7 @@ def write_atomically(path: Path, content: str | bytes, *, private: bool = False)
         with os.fdopen(descriptor, "wb") as file:
             file.write(_encoded(content))
         if not private:
-            Path(temporary).chmod(path.stat().st_mode & 0o7777 if path.exists() else _usual_mode())
+            Path(temporary).chmod(usual_mode(path))
         Path(temporary).replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
@@ -125,9 +182,3 @@ def write_atomically(path: Path, content: str | bytes, *, private: bool = False)
 
 def _encoded(content: str | bytes) -> bytes:
     return content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content
-
-
-def _usual_mode() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask

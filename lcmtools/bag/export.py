@@ -11,6 +11,7 @@ from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
 from lcmtools.bag.ros_types import NO_TYPES, RecordedTypes
 from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, OnOmission, ParquetFiles
 from lcmtools.errors import DecodeError, InvalidFile, UsageError
+from lcmtools.folders import is_stream
 from lcmtools.names import did_you_mean
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.wire.packet import Packet
@@ -25,6 +26,7 @@ SUFFIXES = {
     ".bag": "ros1",
 }
 FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2")
+_TEXTS = ("csv", "jsonl")
 
 
 @dataclass(slots=True)
@@ -80,8 +82,10 @@ def export(  # noqa: PLR0913 - each is a separate option
         InvalidFile: Nothing could be exported.
     """
     done = Exported()
+    if format_ == "ros2" and is_stream(target):
+        raise UsageError(f"a bag of ROS 2 is a folder, which {target} cannot be", "use mcap")
     with (
-        output_beside(target, force=force) as beside,
+        output_beside(target, force=force, binary=format_ not in _TEXTS) as beside,
         _open(beside, format_, compression, recorded, done.add_omission) as file,
     ):
         for packet in packets:

@@ -91,7 +91,7 @@ def play(
         window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
         now = time.monotonic_ns()
         player = Player(
-            playlist.messages,
+            playlist.played,
             window,
             rate=manner.rate,
             loops=manner.loops,
@@ -102,8 +102,13 @@ def play(
             raise LcmtoolsError(
                 "the log has no messages between these times", "leave out --start or --end"
             )
+        for line in playlist.untold() if window[0] > playlist.span[0] else ():
+            notify(line)
         known, graph = _check(paths, url, playlist.tracks, notify, force=manner.force)
-        with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
+        with (
+            own_node("play", url, in_order=True) as node,
+            _Watch(url, playlist.tracks, node.name, known) as watch,
+        ):
             session = _Session(node, playlist, manner, notify, watch)
             session.find(graph)
             if manner.waits:
@@ -145,6 +150,10 @@ class _Session:
             track.topic: node.create_payload_publisher(track.topic, track.type, track.fingerprint)
             for track in tracks
         }
+        self._latched = {track.topic: frozenset[str]() for track in tracks if track.is_latched}
+        self._playlist = playlist
+        for topic in self._latched:
+            self._publishers[topic].is_latched = True
         # a log's own clock belongs to its messages' stamps
         ticks = manner.clock and CLOCK_TOPIC not in self._publishers
         self._clock = node.create_publisher(Clock, CLOCK_TOPIC) if ticks else None
@@ -163,7 +172,8 @@ class _Session:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
         def report() -> None:
-            self._notify(f"waiting for subscribers of {', '.join(missing())}")
+            others = "plain LCM programs do not count, as they do not tell what they subscribe to"
+            self._notify(f"waiting for subscribers of {', '.join(missing())}; {others}")
 
         wait_until(lambda: not missing(), None, report)
 
@@ -184,6 +194,7 @@ class _Session:
     ) -> None:
         period = _CLOCK_PERIOD if self._clock else _SHOW_PERIOD
         due = shown = 0
+        self._latched = {topic: self._publishers[topic].subscriber_ids() for topic in self._latched}
         seen = time.monotonic_ns()
         while not player.is_over:
             now = time.monotonic_ns()
@@ -204,6 +215,7 @@ class _Session:
             if now - shown >= _SHOW_PERIOD:
                 shown = now
                 on_position(player.position(now))
+                self._serve_late(player.time(now))
                 for conflict in self._watch.pop():
                     self._notify(f"{conflict.reason} while it is played")
 
@@ -216,6 +228,18 @@ class _Session:
         if message or (player.is_paused and not was_paused):
             self._settle("paused")
         return goes_on
+
+    def _serve_late(self, log_time: int) -> None:
+        """Send new subscribers of latched topics what was latched at a time of the log."""
+        late = set()
+        for topic, served in self._latched.items():
+            present = self._publishers[topic].subscriber_ids()
+            if present - served:
+                late.add(topic)
+            self._latched[topic] = present
+        for one in self._playlist.latched(log_time + 1) if late else ():
+            if one.topic in late:
+                self._publishers[one.topic].publish_payload(one.payload)
 
     def _tell_gap(self, seconds: float) -> None:
         """Notify, once before each message, of a long wait for it; a pause waits without end."""
@@ -241,15 +265,13 @@ class _Session:
         graph = self._node.graph()
         heard = self._node.has_plain_listeners(at_once=True)
         for one in self._commands.pop(graph, heard=heard):
-            said = f"{situation}: the last command on {one.topic} was {one.values}"
             if one.stop is not None and self._forced:
                 for _ in range(_STOPS):
                     self._publishers[one.topic].publish_payload(one.stop)
                     time.sleep(_STOP_GAP)
-                self._notify(f"{said}; zero was sent after it")
+                self._notify(f"{situation}: {one.said}; zero was sent after it")
             else:
-                hint = f"; to stop: {one.typed}" if one.typed else ""
-                self._notify(f"{said}, and remains in effect until another one comes{hint}")
+                self._notify(f"{situation}: {one.lasting}")
 
 
 class _Watch(AbstractContextManager["_Watch"]):

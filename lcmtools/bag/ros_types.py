@@ -307,11 +307,11 @@ class RosTypes(Conversion):
         name, known = ros_name(cls), self._known.store.fielddefs
         try:
             if self._known.fits(cls, name):
-                self.store.register({one: known[one] for one in parts(name, known)})
+                self._register({one: known[one] for one in parts(name, known)})
             else:
                 described = self._original(cls, name) or self._described(cls)
                 check_size(name, {**self.store.fielddefs, name: described})
-                self.store.register({name: described})
+                self._register({name: described})
         except InvalidFile as error:
             raise DecodeError(error.what) from error
         except TypesysError as error:
@@ -319,6 +319,14 @@ class RosTypes(Conversion):
             raise DecodeError(reason) from error
         self._names[cls] = name
         return name
+
+    def _register(self, described: dict[str, _Described]) -> None:
+        """Add types to the store, whose library writes Python with their names, and runs it."""
+        try:
+            self.store.register(described)
+        except (SyntaxError, TypeError, ValueError, LookupError) as error:
+            what = f"ROS's library cannot read {', '.join(described)}: {error}"
+            raise InvalidFile(what) from error
 
     def _original(self, cls: type[Message], name: str) -> _Described:
         """Return the definition of a type in the bag that it comes from; None if there is none."""
@@ -360,9 +368,12 @@ class RosTypes(Conversion):
 
 
 def ros_name(cls: type[Message]) -> str:
-    """Return the name of a class in ROS 2's spelling; a type without a package is in "lcm"."""
+    """Return the name of a class in ROS 2's spelling: acme.sense/ping is acme_sense/msg/ping.
+
+    A type without a package is in "lcm".
+    """
     package, _, short = type_name(cls).rpartition("/")
-    return f"{package.replace('/', '_') or 'lcm'}/msg/{short}"
+    return f"{package.replace('.', '_') or 'lcm'}/msg/{short}"
 
 
 def _spelling(cls: type[Message], name: str, theirs: Sequence[str]) -> str | None:

@@ -7,7 +7,8 @@ from datetime import datetime
 from pathlib import Path
 
 from lcmtools.bag.writer import LogWriter
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.folders import is_stream
 from lcmtools.observe.reading.log_file import index_path
 from lcmtools.wire.log_compression import SUFFIXES, Compression, named_compression
 
@@ -19,7 +20,7 @@ class LogSeries:
 
     Args:
         pattern: The path, with strftime(3) codes for the date ("%H-%M"); a folder for the usual
-            name in it.
+            name in it; or a stream, as ``folders.open_stream`` has it.
         numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
         most: The number of files to keep; None for all.
         force: Overwrite existing files.
@@ -65,6 +66,10 @@ class LogSeries:
             if self.compression and self._base.suffix == SUFFIXES[self.compression]:
                 self._base = self._base.with_suffix("")  # it follows the number
         path = self._base
+        if is_stream(path):
+            if self._numbered:
+                raise UsageError(f"{path} is no file, and is not split", "leave out --split")
+            return LogWriter(path, compression=self.compression)
         if self._numbered or (self.count and path in self.paths):
             path = path.with_name(f"{path.stem}_{self.count}{path.suffix}")
         ending = SUFFIXES[self.compression] if self.compression else ""

@@ -10,7 +10,7 @@ from pathlib import Path
 from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
-from lcmtools.observe.reading.log_file import LogFile, index_path
+from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.wire.log_compression import named_compression
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
@@ -29,8 +29,8 @@ def write_log(  # noqa: PLR0913 - each is a separate option
     later: int = 0,
     types: Iterable[RecordedType] = (),
     progress: Progress = lambda _: None,
-) -> int:
-    """Write messages into a log, and return their number.
+) -> LogWriter:
+    """Write messages into a log; return what wrote it, which knows how much that was.
 
     Args:
         target: The log.
@@ -47,19 +47,19 @@ def write_log(  # noqa: PLR0913 - each is a separate option
         LcmtoolsError: The file exists, or cannot be written.
     """
     target = Path(target)
-    with output_beside(target, force=force) as made:
-        with LogWriter(made, compression=named_compression(target)) as writer:
-            copier = _Copier(writer)
-            for source in sources:
-                writer.add_types(source.index.types.values())
-            copier.copy(packets, progress)
-            for source in sources:
-                copier.carry_lost(source, between, later)
-                copier.carry_nodes(source, change_node, later)
-            writer.add_types(types)
-        # with the old log, the new index has no effect
-        index_path(made).rename(index_path(target))
-    return writer.messages
+    with (
+        output_beside(target, force=force) as made,
+        LogWriter(made, compression=named_compression(target)) as writer,
+    ):
+        copier = _Copier(writer)
+        for source in sources:
+            writer.add_types(source.index.types.values())
+        copier.copy(packets, progress)
+        for source in sources:
+            copier.carry_lost(source, between, later)
+            copier.carry_nodes(source, change_node, later)
+        writer.add_types(types)
+    return writer
 
 
 class _Copier:

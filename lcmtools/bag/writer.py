@@ -8,10 +8,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from itertools import takewhile
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import open_stream
 from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.observe.reading.log_file import index_path
 from lcmtools.wire import log_index
@@ -36,7 +37,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
 
     ``add`` only queues messages. ``flush`` writes them; or, on another thread, ``write`` writes a
     batch of them that ``take`` returned: a compressed frame, if there is a ``compression``. With
-    ``force`` it replaces an existing file.
+    ``force`` it replaces an existing file. A stream, as ``folders.open_stream`` has it, gets the
+    log without an index.
 
     Raises:
         LcmtoolsError: The file exists, or cannot be written.
@@ -49,12 +51,16 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._compress = compressor(compression) if compression else None
         self.messages = 0  # number of added messages
         self.size = 0  # uncompressed bytes of the log, including those not yet written
-        self._log = _create(self.path, force=force)
+        stream = open_stream(self.path)
+        self._is_stream = stream is not None
+        self._log = _create(self.path, force=force) if stream is None else stream
+        index = Path(os.devnull) if self._is_stream else index_path(self.path.resolve())
         try:
-            self._index = _create(index_path(self.path), force=True)
+            self._index = _create(index, force=True)
         except LcmtoolsError:
             os.close(self._log)
-            self.path.unlink(missing_ok=True)
+            if not self._is_stream:
+                self.path.resolve().unlink(missing_ok=True)
             raise
         self._parts: list[bytes] = []
         self._lines = [log_index.index_line()]
@@ -173,20 +179,24 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             ends = (event.end for event in events(b"".join(batch.parts)))
             whole = max(takewhile(lambda end: end <= written, ends), default=0)
             self.size = self._taken = batch.start + whole
-            self._is_cut_off = True
-            os.ftruncate(self._log, self.size)
-            raise _failure(self.path, error) from error
+            self._cut_off(self.size, error)
 
     def _write_frame(self, begin: int, frame: bytes) -> None:
-        start = os.lseek(self._log, 0, os.SEEK_CUR)
+        start = 0 if self._is_stream else os.lseek(self._log, 0, os.SEEK_CUR)
         try:
             while frame:
                 frame = frame[os.write(self._log, frame) :]
         except OSError as error:
             self.size = self._taken = begin
-            self._is_cut_off = True
-            os.ftruncate(self._log, start)
-            raise _failure(self.path, error) from error
+            self._cut_off(start, error)
+
+    def _cut_off(self, end: int, error: OSError) -> NoReturn:
+        """End the log after its last whole event or frame; an error is raised."""
+        self._is_cut_off = True
+        if self._is_stream:
+            raise error if isinstance(error, BrokenPipeError) else _failure(self.path, error)
+        os.ftruncate(self._log, end)
+        raise _failure(self.path, error) from error
 
     def _write_lines(self, lines: list[str]) -> None:
         data = "".join(lines).encode()

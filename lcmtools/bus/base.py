@@ -9,6 +9,10 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError, BusOfParent
 
+LOCKSTEP = "LCMTOOLS_LOCKSTEP"
+"""The environment variable of programs that a recording is played to in lock-step; its value is the
+time at the start [ns]."""
+
 _MOST_FAULTS = 20  # different ones that are reported
 
 Handler = Callable[[bytes, int], None]
@@ -62,6 +66,9 @@ class Bus(Protocol):
 
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
+
+    def keep_order(self) -> None:
+        """Send messages in the order of ``publish`` from now on, also behind large ones."""
 
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler``, on the receiving thread, for each message on the channel.

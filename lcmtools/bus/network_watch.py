@@ -37,7 +37,7 @@ def route_interface(group: str) -> str:
     """Return the interface of the route to a group; "" if there is none or it is unknown."""
     best, found = (-1, 0), ""
     try:
-        lines = Path("/proc/net/route").read_text().splitlines()[1:]
+        lines = Path("/proc/net/route").read_text(errors="replace").splitlines()[1:]
     except OSError:
         return ""
     own = struct.unpack("=I", socket.inet_aton(group))[0]

@@ -107,6 +107,9 @@ class ReceivingBus(ABC):
         """Send none together, because one by one they cost no more (see ``Bus``)."""
         return range(len(messages))
 
+    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
+        """Do nothing (see ``Bus``)."""
+
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler`` for each message; raises BusError and InvalidName as ``publish``."""
         check_channel(channel)

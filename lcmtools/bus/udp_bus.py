@@ -67,6 +67,10 @@ class UdpBus(ReceivingBus):
         """Send those of these messages that cost less if sent together (see ``Bus``)."""
         return self._sender.send_together(messages)
 
+    def keep_order(self) -> None:
+        """Let no message overtake a large one (see ``Bus``)."""
+        self._sender.keeps_order = True
+
     def lost(self, channel: str) -> int:
         """Return the number of large messages on a channel that arrived incompletely."""
         return self._reassembler.lost.get(channel, 0)

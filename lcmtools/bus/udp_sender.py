@@ -41,10 +41,12 @@ _MOST_BYTES_TOGETHER = 65_000  # on their way they form one datagram
 
 
 class UdpSender(SendingThread[tuple[str, bytes]]):
-    """Sends messages, those of each channel in the given order.
+    """Sends messages, those of each channel in the given order; all, if it ``keeps_order``.
 
     Large messages, and any that would overtake one, are sent by its own thread.
     """
+
+    keeps_order = False
 
     def __init__(self, url: BusUrl) -> None:
         super().__init__("paced sender")
@@ -75,7 +77,8 @@ class UdpSender(SendingThread[tuple[str, bytes]]):
             OSError: The system does not send it.
         """
         size = len(payload)
-        if size > PACED_ABOVE_BYTES or channel in self._channels:
+        waiting = self._channels
+        if size > PACED_ABOVE_BYTES or channel in waiting or (self.keeps_order and waiting):
             self._queue(channel, payload)
         elif size > _SURELY_SHORT:
             self.send_at_once(channel, payload)

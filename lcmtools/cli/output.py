@@ -11,10 +11,12 @@ import stat
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
 from lcmtools.escapes import ESCAPES, ESCAPES_IN_LINES
+from lcmtools.folders import is_standard_output
 
 _PATIENCE = 0.5  # [s] before progress is shown
 _SHOWN_EVERY = 0.1  # [s]
@@ -54,6 +56,15 @@ def write_result(
     write_document(value) if as_json else write_lines(rows, decorate)
     if none and not value:
         write_note(none)
+
+
+@contextlib.contextmanager
+def results_beside(target: str | Path | None) -> Iterator[None]:
+    """Write results to standard error if standard output is the target of data, as "-" is."""
+    with contextlib.ExitStack() as stack:
+        if is_standard_output(target):
+            stack.enter_context(contextlib.redirect_stdout(sys.stderr))
+        yield
 
 
 @contextlib.contextmanager

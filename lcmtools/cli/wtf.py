@@ -10,8 +10,14 @@ import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
 from lcmtools.cli.ending import end_with_reader
-from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
-from lcmtools.cli.output import write_data, write_lines, write_note, write_result
+from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option, part_options
+from lcmtools.cli.output import (
+    results_beside,
+    write_data,
+    write_lines,
+    write_note,
+    write_result,
+)
 from lcmtools.cli.wtf_options import (
     JudgingCommand,
     WrongUsage,
@@ -26,12 +32,13 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
+from lcmtools.folders import is_standard_output
 from lcmtools.formats.strict_json import write_json
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
-@subcommand("wtf", json_option, bus_options, bag_option, cls=JudgingCommand)
+@subcommand("wtf", json_option, bus_options, bag_option, part_options(), cls=JudgingCommand)
 @examples(
     "wtf",
     "wtf --ignore unconnected-publications --json",
@@ -78,7 +85,7 @@ def command(
     if not rules:
         raise WrongUsage("no rules are left", "lcmtools wtf --list shows them")
     if watch:
-        if save_to or load_from or bus_choice().log:
+        if save_to or load_from or bus_choice().logs:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
         every = WHOLE if wait is None else wait
         look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())
@@ -86,11 +93,13 @@ def command(
     evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)
     if save_to:
         saved.save(evidence, save_to)
-        write_note(f"the evidence is in {save_to}")
+        if not is_standard_output(save_to):
+            write_note(f"the evidence is in {save_to}")
     findings = examine(evidence, rules)
     rows = [*report.text(findings), *report.not_checked(evidence, rules)]
     records = [*map(report.record, findings), *report.unchecked_records(evidence, rules)]
-    write_result(records, rows, _decoration(), as_json=as_json)
+    with results_beside(save_to):
+        write_result(records, rows, _decoration(), as_json=as_json)
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 

@@ -17,12 +17,12 @@ from lcmtools.bounded import BoundedDict
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
-from lcmtools.doctor.near_types import grown_type, own_types_like
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.message_time import UNITS, MessageTime, message_time
+from lcmtools.messages.near_types import grown_type, own_types_like
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder

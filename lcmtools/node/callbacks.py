@@ -19,7 +19,7 @@ from lcmtools.node.parameters import PARAMETERS_SUFFIX
 from lcmtools.node.service import Service
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.node.subscription import Subscription
-from lcmtools.node.timer import Timer
+from lcmtools.node.timer import NEVER, Timer
 
 SourceT = TypeVar("SourceT")
 
@@ -35,6 +35,8 @@ class Callbacks:
         """The node's clock; timers use it only if it gives simulated time."""
         self.spinning_thread: int | None = None
         """The thread on which ``spin`` is running them; None if there is none."""
+        self.awaited: Timer | None = None
+        """The timer of a rate that a loop waits for."""
         self._timed = Stopwatch()
         self._logger = logger
         self._errors = errors
@@ -91,6 +93,13 @@ class Callbacks:
         now = self.time()
         waits = [wait for t in (*self.timers, *others) if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
+
+    def next_due(self) -> int:
+        """Return the simulated time at which the next timer is due [ns]; ``NEVER`` without one."""
+        if not isinstance(self.clock, ManualClock):
+            return NEVER
+        timers = (*self.timers, self.awaited) if self.awaited else self.timers
+        return min((timer.due() for timer in timers), default=NEVER)
 
     def deliver(self, subscription: Subscription) -> None:
         """Run the callback of the oldest waiting message."""

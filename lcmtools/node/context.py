@@ -26,9 +26,15 @@ from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
+from lcmtools.node.lockstep import join_lockstep
 from lcmtools.node.logger import Logger
+from lcmtools.node.unused_arguments import UsedNames
 from lcmtools.settings import usual_namespace
 
+_UNRECORDED = (
+    "no folder takes this node's record: if it is killed, nobody learns of it; set XDG_RUNTIME_DIR"
+    " to a folder of this user"
+)
 _LONGEST_WAIT = 1.0
 """[s]. A Python signal handler cannot run during a wait if its signal came just before, or on
 another thread; it runs when the wait ends."""
@@ -36,6 +42,12 @@ another thread; it runs when the wait ends."""
 
 class Participant(Protocol):
     """A node, as far as its context knows it."""
+
+    name: str
+
+    @property
+    def callbacks(self) -> Callbacks:
+        """The callbacks that the spin functions run."""
 
     def describe(self) -> Node:
         """Return the announced description."""
@@ -74,7 +86,7 @@ class Context:
         bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
-        self.declared_parameters: set[str] = set()
+        self.used = UsedNames()
         self.notices: list[str] = []
         """Warnings about the command line, which the next node logs."""
         self.note = ""
@@ -91,13 +103,14 @@ class Context:
         self.background_spins: list[Spin] = []
         self._stopping = False
         self._closed = self.is_of_parent = False
-        self._is_shutdown_requested = False
-        self.is_ending = False
+        self._is_shutdown_requested = self.is_ending = False
         """True once the program knows that it should end; it may then take its time."""
         self.follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
         network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
+        # Not None while a recording is played to this program message by message.
+        self.lockstep = join_lockstep(bus, environment, self._all_callbacks)
 
     def ok(self) -> bool:
         """Return whether nodes should go on."""
@@ -142,7 +155,7 @@ class Context:
             for one in callbacks:
                 if one.timers and (due := one.time_to_timer()) is not None:
                     wait = due if wait is None else min(due, wait)
-            self._wait(wait)
+            self._wait(wait, callbacks)
 
     def add(self, participant: Participant) -> None:
         """Add a node: announce it, and record that it runs."""
@@ -165,12 +178,28 @@ class Context:
             if self._records:
                 self._records.remove(node.id)
 
+    def idle_server(self, service: str) -> str:
+        """Return the node here that has a service, if no thread but the calling one spins it."""
+        for node in tuple(self._participants):
+            services = [one.name for one in tuple(node.callbacks.services)]
+            if service in services and node.callbacks.spinning_thread in (
+                None,
+                threading.get_ident(),
+            ):
+                return node.name
+        return ""
+
     def is_first(self) -> bool:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
-    def _wait(self, timeout: float | None) -> None:
-        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop."""
+    def _wait(self, timeout: float | None, callbacks: Sequence[Callbacks]) -> None:
+        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop.
+
+        None of the callbacks is ready.
+        """
+        if self.lockstep:
+            self.lockstep.answer(callbacks)
         thread = threading.get_ident()
         wakeup = self._wakeups.get(thread)
         if wakeup is None:
@@ -178,6 +207,9 @@ class Context:
             return  # a ``wake`` may have missed it: the caller looks for work first
         is_long = timeout is None or timeout > _LONGEST_WAIT
         self.bus.wait(wakeup, _LONGEST_WAIT if is_long else timeout)
+
+    def _all_callbacks(self) -> list[Callbacks]:
+        return [participant.callbacks for participant in tuple(self._participants)]
 
     def _pids_here(self) -> frozenset[int]:
         nodes = self.follower.graph().nodes
@@ -229,7 +261,8 @@ class Context:
         with self._recording:  # when this returns the record exists, whichever thread wrote it
             if self._records and self._recorded.get(node.id) != topics:
                 self._recorded[node.id] = topics
-                self._records.write(node)
+                if not self._records.write(node) and _UNRECORDED not in self.notices:
+                    self.notices.append(_UNRECORDED)
         return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:

@@ -6,6 +6,7 @@ name, clock and parameters are not known here.
 
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from typing import TypeVar
 
 from lcmtools import names
@@ -77,7 +78,11 @@ class Factory:
         Raises:
             InvalidName: The name breaks the naming rules.
         """
-        return self.__resolver.resolve(name)
+        resolver, used = self.__resolver, self.__context.used
+        full = resolver.expand(name)
+        used.topics[full] = name
+        used.remaps.update(one for one, _ in resolver.remaps if resolver.expand(one) == full)
+        return resolver.resolve(name)
 
     @checks.type_first
     @explained
@@ -243,6 +248,8 @@ class Factory:
         client = Client(self.__context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__before_call
+        client.on_spin = self.__callbacks.ready.append
+        client.idle_server = partial(self.__context.idle_server, resolved)
         self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client

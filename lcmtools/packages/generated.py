@@ -17,6 +17,7 @@ from lcmtools.messages.fields import PRIMITIVES
 from lcmtools.messages.python_names import base_hash, python_name
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
+from lcmtools.packages.comments import COMMENT, without_comments
 from lcmtools.packages.lcm_gen import run_lcm_gen
 from lcmtools.packages.python_code import as_values
 from lcmtools.packages.ros_files import LcmSource, to_lcm
@@ -43,7 +44,6 @@ _NEARLY_THE_SAME = 0.8  # similarity of two letters exchanged; point_t and int8_
 _MOST_PROBLEMS = 20  # of a file that are told
 # Each pattern passes over a text once, whatever is in it: one that looks for an end which may be
 # missing, or begins within a word, would do so again from every place.
-_COMMENT = re.compile(rb"//[^\n]*|/\*.*?(?:\*/|(?P<unclosed>\Z))", re.DOTALL)
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _HASH = re.compile(r"tmphash = \(0x[0-9a-f]+")
 _PACKAGE = re.compile(r"\bpackage\s+([\w.]+)")
@@ -111,7 +111,7 @@ def _as_lcm(source: LcmFile) -> LcmSource:
         if read.problems:
             return read
     else:
-        text = _without_comments(source.content).decode("utf-8", "replace")
+        text = without_comments(source.content).decode("utf-8", "replace")
         read = LcmSource(text, _unclosed_comment(source), {}, _constant_types(text))
     if strange := _STRANGE.search(read.text):
         line = read.text[: strange.start()].count("\n") + 1
@@ -135,15 +135,11 @@ def _constant_types(text: str) -> dict[str, dict[str, str]]:
 
 
 def _unclosed_comment(source: LcmFile) -> list[Problem]:
-    for comment in _COMMENT.finditer(source.content):
+    for comment in COMMENT.finditer(source.content):
         if comment["unclosed"] is not None:
             line = source.content.count(b"\n", 0, comment.start()) + 1
             return [Problem(str(source.path), line, "this comment is not closed", "write */")]
     return []
-
-
-def _without_comments(content: bytes) -> bytes:
-    return _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), content)
 
 
 def _refused(files: Sequence[Path], folder: Path) -> dict[Path, Problem]:
@@ -218,7 +214,7 @@ def declared_packages(source: LcmFile) -> list[str]:
     """Return the packages in a file that may be wrong."""
     if source.package:
         return [source.package]
-    return _PACKAGE.findall(_without_comments(source.content).decode("utf-8", "replace"))
+    return _PACKAGE.findall(without_comments(source.content).decode("utf-8", "replace"))
 
 
 def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
@@ -324,7 +320,7 @@ def line_of(source: LcmFile, *words: str) -> int:
     if source.package:
         lines = [line.partition(b"#")[0] for line in source.content.splitlines()]
     else:
-        lines = _without_comments(source.content).split(b"\n")
+        lines = without_comments(source.content).split(b"\n")
     for word in map(re.escape, map(str.encode, words)):
         alone = rb"(?<![\w.])%s(?![\w.])" % word
         for pattern in (rb"%s\s+\w+\s*[\[;]" % alone, alone):  # the type of a field, or any

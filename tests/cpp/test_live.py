@@ -243,6 +243,18 @@ def test_an_unknown_parameter_is_warned_of(everything: Callable[..., Program]) -
     everything("_gian:=2").wait_for("there is no parameter 'gian'")
 
 
+def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program]) -> None:
+    words = ("word:=/a", "words:=/b", "echo=c", "gain=3", "_lr=3", "lr=3", "--", "echo=d")
+    program = everything(*words)
+    program.wait_for("'_lr=3'")
+    assert [line.partition("]: ")[2] for line in program.lines if "[WARN]" in line] == [
+        "word:=/a has no effect: no topic or service here is named 'word'",
+        "'echo=c' names nothing; did you mean echo:=c?",
+        "'gain=3' names nothing; did you mean _gain:=3?",
+        "'_lr=3' names nothing; did you mean _lr:=3?",
+    ]
+
+
 def test_its_service_answers_and_refuses(everything: Callable[..., Program], talk: Talk) -> None:
     everything("_gain:=7")
     client = talk.node.create_client(SetBool, "/husky0/refuse")
@@ -252,6 +264,29 @@ def test_its_service_answers_and_refuses(everything: Callable[..., Program], tal
     request.data = False
     with pytest.raises(ServiceError, match="it must be true"):
         client.call(request, 20.0)
+
+
+def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Program]) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    words = ["gain 1", "/husky0/refuse: it must be true", "timeout", "interrupted", "spun"]
+    assert program.lines[1:] == words
+
+
+def test_a_request_is_repeated_until_its_service_is_there(
+    everything: Callable[..., Program], talk: Talk
+) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+
+    def answer(_: Any, response: Any) -> Any:
+        response.message = "at last"
+        return response
+
+    talk.node.create_service(SetBool, "/husky0/nobody", answer)
+    program.wait_for("at last")
 
 
 def test_it_calls_a_service_in_a_callback(

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from lcmtools import message_class
-from lcmtools.doctor.near_types import nearest_type
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import encode
+from lcmtools.messages.near_types import nearest_type
 from lcmtools.messages.registry import candidates, fingerprint, means_type, type_name, type_names
 
 Family = Callable[[str], Path]

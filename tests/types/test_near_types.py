@@ -10,15 +10,15 @@ from fixtures.judging import findings
 
 from lcmtools import message_class
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.near_types import (
+from lcmtools.graph.model import Endpoint, Node, Role, Traffic
+from lcmtools.messages.fields import Field, fields
+from lcmtools.messages.near_types import (
     NearType,
     fingerprint_of,
     grown_type,
     nearest_type,
     own_types_like,
 )
-from lcmtools.graph.model import Endpoint, Node, Role, Traffic
-from lcmtools.messages.fields import Field, fields
 from lcmtools.wire.packet import Sender
 
 Family = Callable[[str], Path]

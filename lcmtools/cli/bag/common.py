@@ -7,10 +7,9 @@ from typing import Any
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import LogSummary, summarize
 from lcmtools.bag.surgery import write_log
-from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
-from lcmtools.cli.options import json_option
-from lcmtools.cli.output import progress, write_result
+from lcmtools.cli.options import json_option, log_time
+from lcmtools.cli.output import progress, results_beside, write_result
 from lcmtools.errors import UsageError
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
@@ -42,13 +41,9 @@ exclude_option = option(
 )
 
 
-def _time(text: str | LogTime) -> LogTime:
-    return text if isinstance(text, LogTime) else parse_time(text)
-
-
 def time_option(*names: str, text: str) -> Callable[[CommandT], CommandT]:
     """Return an option whose value is a time within a log."""
-    return option(*names, metavar="TIME", type=_time, help=text)
+    return option(*names, metavar="TIME", type=log_time, help=text)
 
 
 window_options = together(
@@ -83,15 +78,17 @@ def write(
     """Write a log, and print how many messages it has. JSON also has what ``more`` returns then."""
     total = sum(source.size for source in sources)
     with progress(f"writing {target}", total) as report:
-        messages = write_log(target, packets, sources, force=force, progress=report, **change)
-    size = Path(target).stat().st_size
+        done = write_log(target, packets, sources, force=force, progress=report, **change)
+    size = Path(target).stat().st_size if Path(target).is_file() else done.size
     record: Mapping[str, object] = {
         "path": target,
-        "messages": messages,
+        "messages": done.messages,
         "bytes": size,
         **more(),
     }
-    write_result(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)
+    rows = [f"{target}: {done.messages} messages, {size_text(size)}"]
+    with results_beside(target):
+        write_result(record, rows, as_json=as_json)
 
 
 def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:

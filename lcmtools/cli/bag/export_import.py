@@ -7,10 +7,11 @@ import click
 from lcmtools.bag import edits
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.export import FORMATS, export, format_of
+from lcmtools.bag.latched import part_of
 from lcmtools.bag.ros_bags import Compression
 from lcmtools.bag.ros_import import RosImport
-from lcmtools.bag.summary import known_nodes, log_span
-from lcmtools.bag.times import LogTime, time_window
+from lcmtools.bag.summary import known_nodes
+from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
@@ -20,8 +21,9 @@ from lcmtools.cli.bag.common import (
     window_options,
     write,
 )
+from lcmtools.cli.bus import notify
 from lcmtools.cli.declare import examples, option, subcommand
-from lcmtools.cli.output import write_note, write_result
+from lcmtools.cli.output import results_beside, write_note, write_result
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -70,10 +72,9 @@ def export_(
     """
     meant = format_of(Path(target), format_)
     with LogFile(source) as log:
-        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
+        _, found = part_of(log, start, end, notify=notify)
+        found = edits.chosen(found, topic_choice(log, wanted, excluded))
         found = found if wanted else edits.visible(found)
-        if start or end:
-            found = edits.between(found, *time_window(log_span(log), start, end))
         decoder = Decoder(known_nodes(log).types_of)
         done = export(
             found,
@@ -89,7 +90,8 @@ def export_(
     for text in done.left_out.values():
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
-    write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+    with results_beside(target):
+        write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
     return 1 if done.left_out else 0
 
 

@@ -1,8 +1,10 @@
 """``lcmtools bag filter``, ``cut`` and ``downsample``: fewer messages."""
 
 from lcmtools.bag import edits
-from lcmtools.bag.summary import known_nodes, log_span
-from lcmtools.bag.times import LogTime, time_window
+from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.latched import LatchedTopics, part_of
+from lcmtools.bag.summary import known_nodes
+from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
@@ -12,6 +14,7 @@ from lcmtools.cli.bag.common import (
     window_options,
     write,
 )
+from lcmtools.cli.bus import notify
 from lcmtools.cli.declare import argument, examples, option, rate, subcommand, whole_number
 from lcmtools.cli.declare import duration as time_span
 from lcmtools.errors import UsageError
@@ -50,10 +53,8 @@ def filter_(
     """
     condition = Filter(expression) if expression else None
     with LogFile(source) as log:
-        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
-        span = time_window(log_span(log), start, end) if start or end else None
-        if span:
-            found = edits.between(found, *span)
+        span, found = part_of(log, start, end, notify=notify)
+        found = edits.chosen(found, topic_choice(log, wanted, excluded))
         if condition:
             found = edits.matching(found, condition, known_nodes(log).types_of)
         write(target, found, log, force=force, as_json=as_json, between=span)
@@ -76,9 +77,8 @@ def cut(
 ) -> None:
     """Write the part of a log between two times to another log."""
     with LogFile(source) as log:
-        first, last = time_window(log_span(log), start, end, duration=duration)
-        found = edits.between(log.packets(log.offset_at(first)), first, last)
-        write(target, found, log, force=force, as_json=as_json, between=(first, last))
+        span, found = part_of(log, start, end, duration=duration, notify=notify)
+        write(target, found, log, force=force, as_json=as_json, between=span)
 
 
 @subcommand("downsample", made_options)
@@ -86,6 +86,7 @@ def cut(
 @places
 @topics_option
 @exclude_option
+@window_options
 @option("-r", "--rate", "most", type=rate, help="Maximum rate of each topic [Hz].")
 @option("--every", metavar="N", type=whole_number(1), help="Keep every N-th message of each topic.")
 def downsample(
@@ -94,15 +95,24 @@ def downsample(
     *,
     wanted: _Topics,
     excluded: _Topics,
+    start: LogTime | None,
+    end: LogTime | None,
     most: float | None,
     every: int | None,
     force: bool,
     as_json: bool,
 ) -> None:
-    """Reduce the rate of topics; other topics are copied unchanged."""
+    """Reduce the rate of topics; other topics are copied unchanged.
+
+    Latched topics are reduced only if -t names them.
+    """
     if not (most or every):
         raise UsageError("the new rate is missing", "add --rate or --every")
     with LogFile(source) as log:
+        span, found = part_of(log, start, end, notify=notify)
         topics = topic_choice(log, wanted, excluded)
-        found = edits.thinned(log.packets(), topics, every=every or 1, rate=most or 0.0)
-        write(target, found, log, force=force, as_json=as_json)
+        if not wanted:  # each message of a latched topic is its state from then on
+            latched = sorted(LatchedTopics(log.announcements()).ever())
+            topics = TopicChoice((), (*topics.excluded, *latched))
+        found = edits.thinned(found, topics, every=every or 1, rate=most or 0.0)
+        write(target, found, log, force=force, as_json=as_json, between=span)

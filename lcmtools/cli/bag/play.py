@@ -56,7 +56,7 @@ def _rate(value: str | float) -> float:
     "-w",
     "--wait-subscribers",
     "--wait-for-subscribers",
-    help="Wait until each topic has a subscriber.",
+    help="Wait until a node subscribes to each topic; plain LCM programs do not count.",
 )
 @flag("-p", "--pause", help="Start paused.")
 @flag("--force", help="Play even if another program publishes, or a robot would obey.")

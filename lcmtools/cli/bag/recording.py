@@ -10,7 +10,7 @@ from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.recording_words import counted, summary
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
-from lcmtools.cli.output import write_document
+from lcmtools.cli.output import results_beside, write_document
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
@@ -59,14 +59,15 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
         with recorder:
             yield
     except LcmtoolsError as error:
-        if recorder.has_ended and not error.hint and series.paths:
+        if recorder.has_ended and not error.hint and series.paths and series.paths[-1].is_file():
             kept = size_text(series.paths[-1].stat().st_size)
             hint = f"{series.paths[-1]} has {kept} of complete messages"
             raise LcmtoolsError(error.what, hint) from error
         raise
     finally:
         if recorder.has_ended and as_json:
-            write_document(_record(recorder.progress(), series))
+            with results_beside(series.paths[-1] if series.paths else None):
+                write_document(_record(recorder.progress(), series))
         elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
             notify(summary(recorder.progress(), series))
 

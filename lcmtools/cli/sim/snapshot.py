@@ -30,14 +30,10 @@ def command(
 ) -> None:
     """Write an image of the world to a PNG FILE ('-': standard output)."""
     path = Path(file)
-    if file != "-" and path.exists() and not force:
+    if path.is_file() and not force:
         raise UsageError(f"{file} already exists", "--force overwrites it")
     size = {"width": width, "height": height}
     response = call("snapshot", Snapshot, name, timeout, robot=robot, **size)
     picture = bytes(response.image.data)
-    if file == "-":
-        with click.open_file("-", "wb") as stream:
-            stream.write(picture)
-        return
     write_whole(path, picture)
     write_note(f"wrote {file}: {len(picture)} bytes")

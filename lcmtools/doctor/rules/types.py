@@ -17,9 +17,15 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.near_types import NearType, added_and_missing, nearest_type, own_types_like
 from lcmtools.doctor.rules.shared import simulator_ids
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.messages.near_types import (
+    NearType,
+    added_and_missing,
+    may_be_fingerprint,
+    nearest_type,
+    own_types_like,
+)
 from lcmtools.messages.registry import (
     candidates,
     is_own,
@@ -35,7 +41,6 @@ from lcmtools.observe.reading.senders import UNKNOWN
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1
-_MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # instead of a fingerprint, if there is none or it changes with each message
 _SAME_LCM_FILES = {
     "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
@@ -154,7 +159,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         unknown_ones: dict[tuple[int, str, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
-            is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
+            is_hash = any(map(may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
                 sender = _sender(seen, sender_names(evidence))
                 grown = _grown(evidence, topic, seen)
@@ -327,11 +332,6 @@ def _expected(topic: Topic) -> Iterator[str]:
     yield from own_types_like(topic.name)
 
 
-def _may_be_fingerprint(number: int) -> bool:
-    """Return whether a number may be a hash: plain numbers have many zero bytes."""
-    return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
-
-
 def _grown(evidence: Evidence, topic: Topic, seen: Traffic) -> str:
     """Return the type that a sender's messages have with more bytes at the end; "" for none."""
     streams = (s for s in evidence.streams if (s.channel, s.sender) == (topic.name, seen.sender))
@@ -346,7 +346,7 @@ def _type(
         return {}
     if known := _possible(fingerprint, topic):
         return {"types": tuple(known)}
-    if not _may_be_fingerprint(fingerprint):
+    if not may_be_fingerprint(fingerprint):
         return {}
     near = nearest_type(fingerprint, [*expected, *_expected(topic)], topic.name)
     if grown and near is None:

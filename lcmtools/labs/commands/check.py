@@ -15,7 +15,7 @@ from lcmtools.cli.declare import (
     whole_number,
 )
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import write_document, write_lines
+from lcmtools.cli.output import results_beside, write_document, write_lines
 from lcmtools.errors import UsageError, needing_extra
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.results import as_specified
@@ -88,6 +88,7 @@ def command(
     with needing_extra("sim", "lab check needs"):
         from lcmtools.labs.commands import checking
 
+    click.get_current_context().with_resource(results_beside(junit))
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
     show = checking.show_nothing if as_json else write_lines

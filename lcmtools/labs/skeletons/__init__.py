@@ -57,7 +57,7 @@ def copy_skeleton(
         raise UsageError(f"{folder} is not a folder", "name a folder to write into") from None
     except OSError as error:
         raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
-    if path.exists() and not overwrite:
+    if path.is_file() and not overwrite:
         raise UsageError(f"{path} already exists", "--force overwrites it")
     write_whole(path, text)
     return path

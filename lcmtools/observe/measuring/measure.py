@@ -93,9 +93,9 @@ class Delays:
             return MessageTime("header.stamp", stamped, stamped)
         try:
             message = self._decoder.decode(packet)
-        except UnknownFingerprint:
+        except UnknownFingerprint as error:
             raise LcmtoolsError(
-                f"the type of the messages on {packet.channel} is not known",
+                f"the type of the messages on {packet.channel} is not known: {error.what}",
                 f"lcmtools echo {packet.channel} shows their bytes",
             ) from None
         found = message_time(message)

@@ -53,6 +53,8 @@ class LogFile(AbstractContextManager["LogFile"]):
             self.data = _mapped(self.path)  # its bytes; of a compressed log, decompressed
         # The index beside it; an empty one if there is none that fits.
         self.index = _fitting(_read_index(self.path), self.data)
+        if self.path.is_symlink() and not self.index.blocks:
+            self.index = _fitting(_read_index(self.path.resolve()), self.data)
         # The senders by their numbers in the index, with their names.
         self.senders = {
             number: one.sender._replace(name=one.name)
@@ -135,10 +137,12 @@ class LogFile(AbstractContextManager["LogFile"]):
         for node in self.index.nodes:
             yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
 
-    def losses(self) -> dict[Sender, Loss]:
-        """Return the loss of each sender, as the recorder saw it."""
+    def losses(self, between: tuple[int, int] | None = None) -> dict[Sender, Loss]:
+        """Return the loss of each sender, as the recorder saw it, all or between two times [ns]."""
         found: dict[Sender, Loss] = {}
         for lost in self.index.lost:
+            if between and not between[0] <= lost.time <= between[1]:
+                continue
             for number, counts in lost.counts.items():
                 if sender := self.senders.get(number):
                     found[sender] = found.get(sender, Loss()) + Loss(*counts)
@@ -153,6 +157,30 @@ class LogFile(AbstractContextManager["LogFile"]):
         # the first block with an event of that time or later; times may go back from block to block
         place = bisect_right(last_times, time - 1)
         return self.index.blocks[place].start if place < len(last_times) else self.index.end
+
+    def latest(self, channels: Iterable[str], time: int, blocks: Iterable[Block]) -> list[Packet]:
+        """Return each sender's last message on each channel before a time [ns], in order of time.
+
+        The log's ``blocks`` are given, as ``blocks`` yields them.
+        """
+        found: list[tuple[Event, Sender | None]] = []
+        blocks = list(blocks)
+        for channel in channels:
+            some = [(one.channels[channel], one) for one in blocks if channel in one.channels]
+            some = [(count, block) for count, block in some if count.first_time < time]
+            senders = {self.senders.get(number) for count, _ in some for number, _ in count.senders}
+            last: dict[Sender | None, Event] = {}
+            for _, block in sorted(some, key=lambda one: one[0].last_time, reverse=True):
+                for event, sender in self._of_block(block, block.start):
+                    older = last.get(sender)
+                    is_last = older is None or event.time >= older.time
+                    if event.channel == channel and event.time < time and is_last:
+                        last[sender] = event
+                if senders <= last.keys():
+                    break
+            found += [(event, sender) for sender, event in last.items()]
+        found.sort(key=lambda one: (one[0].time, one[0].start))
+        return [event.packet(self.data)._replace(sender=sender) for event, sender in found]
 
     def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
         found: Iterable[Event] = self.events(block.start, block.end)

@@ -79,7 +79,7 @@ def test_what_cannot_be_written_is_one_error(tmp_path: Path) -> None:
     file = tmp_path / "none" / "a.dot"
     with pytest.raises(LcmtoolsError, match=r"cannot write .*a\.dot: No such file or directory"):
         write(_PICTURE, "dot", str(file))
-    with pytest.raises(LcmtoolsError, match="Is a directory"):
+    with pytest.raises(LcmtoolsError, match="is a folder"):
         write(_PICTURE, "dot", str(tmp_path))
 
 

@@ -22,7 +22,6 @@ from lcmtools.doctor.evidence import (
     Stream,
 )
 from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
-from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
 from lcmtools.graph.model import (
@@ -37,6 +36,7 @@ from lcmtools.graph.model import (
     Traffic,
 )
 from lcmtools.messages.fields import fields
+from lcmtools.messages.near_types import fingerprint_of
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 

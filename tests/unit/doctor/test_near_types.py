@@ -2,8 +2,8 @@
 
 import pytest
 
-from lcmtools.doctor.near_types import NearType, fingerprint_of, nearest_type
 from lcmtools.messages.fields import fields
+from lcmtools.messages.near_types import NearType, fingerprint_of, nearest_type
 from lcmtools.messages.registry import fingerprint, message_class, type_names
 from lcmtools.types.geometry_msgs import Pose2D
 from lcmtools.types.nav_msgs import Odometry

@@ -46,6 +46,7 @@ _MOST_OWN = 200  # of the user's types are compared, besides expected ones: more
 _ALIKE = 0.5  # share of the words in the names of a type and a channel
 _LEAST, _MOST = 1e-12, 1e18  # sizes of numbers that are not 0
 _FINGERPRINT_BYTES = 8
+_MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 
 Edit = tuple[int, str]  # the fingerprint of an edited type, and the difference
 
@@ -78,6 +79,11 @@ def nearest_type(number: int, expected: Iterable[str] = (), channel: str = "") -
     edits = _table(default_registry()).get(number, ())
     near = (NearType(_name(cls), difference) for cls, difference in edits)
     return min(near, key=order, default=None)
+
+
+def may_be_fingerprint(number: int) -> bool:
+    """Return whether a number may be a hash: plain numbers have many zero bytes."""
+    return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
 def own_types_like(channel: str) -> list[str]:
