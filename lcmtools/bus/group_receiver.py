@@ -117,8 +117,7 @@ class GroupReceiver:
         self.shares = self._message_bytes = 0
         self._is_divisible = IS_LINUX and not heads
         self.since = 0
-        is_open = channels is None and not heads
-        self.all = [receiving_socket(url, None if is_open else nothing())]
+        self.all = [receiving_socket(url, None if channels is None else nothing())]
         self.has_times = request_arrival(self.all[0])
         self.granted = self.all[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self.granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
@@ -135,9 +134,9 @@ class GroupReceiver:
             request_ttl(self.all[0])
         if channels:
             self.let_pass(channels)
-        elif channels is None and heads:
+        elif heads:
             self.is_filtered = self._attach_to_shorts()
-        elif not is_open:
+        else:
             mark(self.all[0], ANNOUNCED)
 
     @property

@@ -33,8 +33,6 @@ class ReceivingBus(ABC):
     """
 
     overflows = 0
-    runs_callbacks = False
-    """True if handlers on a thread that waits may run callbacks, which take their time."""
     _send: Callable[[str, bytes], None]
     """Sends one message, on any thread; raises OSError if the system does not."""
 

@@ -40,7 +40,7 @@ class UdpBus(ReceivingBus):
         BusError: Multicast does not work here; the error says what to type.
     """
 
-    runs_callbacks = True
+    runs_callbacks = True  # see ``bus.base.runs_callbacks``
 
     def __init__(self, url: BusUrl) -> None:
         check_multicast(url)
@@ -50,7 +50,7 @@ class UdpBus(ReceivingBus):
         self._recvmsg = self._only.recvmsg
         self._can_await = bound_wait(self._only, _GAP)
         self._sender = UdpSender(url)
-        self._send = self._sender.send
+        self._send, self.shortcut = self._sender.send, self._sender.shortcut
         self._sender.bind()
         self.ports = [self._sender.port]
         self._reassembler = Reassembler(
@@ -70,6 +70,11 @@ class UdpBus(ReceivingBus):
     def keep_order(self) -> None:
         """Let no message overtake a large one (see ``Bus``)."""
         self._sender.keeps_order = True
+
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process; see ``Bus``."""
+        super().leave_to_parent()
+        self._sender.is_open = False
 
     def lost(self, channel: str) -> int:
         """Return the number of large messages on a channel that arrived incompletely."""

@@ -24,7 +24,8 @@ MESSAGE_MAX = 1 << 28
 """liblcm's receivers refuse larger messages, in bytes."""
 
 _SHORT_HEADER = struct.Struct(">4sI")
-_pack_short = _SHORT_HEADER.pack
+short_head = _SHORT_HEADER.pack
+"""Returns the bytes before the channel of a short message: ``short_head(MAGIC_SHORT, seqno)``."""
 _FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
 SHORT_HEADER_BYTES, FRAGMENT_HEADER_BYTES = _SHORT_HEADER.size, _FRAGMENT_HEADER.size
 CHANNEL_MAX = 63
@@ -81,7 +82,7 @@ def split_short(datagram: bytes) -> tuple[bytes, bytes | None]:
 
 def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
     """Return the datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
-    return _pack_short(MAGIC_SHORT, seqno & 0xFFFFFFFF) + _channel_bytes(channel) + payload
+    return short_head(MAGIC_SHORT, seqno & 0xFFFFFFFF) + _channel_bytes(channel) + payload
 
 
 def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
