@@ -30,7 +30,6 @@ from lcmtools.bus.kernel import (
     detach,
     mark,
     request_arrival,
-    request_ttl,
 )
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import (
@@ -118,7 +117,7 @@ class GroupReceiver:
         self._is_divisible = IS_LINUX and not heads
         self.since = 0
         self.all = [receiving_socket(url, None if channels is None else nothing())]
-        self.has_times = request_arrival(self.all[0])
+        self.has_times = request_arrival(self.all[0], ttl=self._is_observer)
         self.granted = self.all[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
         self._room = max(1, self.granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
         self.short = self.all[:]
@@ -130,8 +129,6 @@ class GroupReceiver:
         self.is_stream = self.has_room = self.is_filtered = False
         self._poll = select.poll()
         self._poll.register(self.all[0], select.POLLIN)
-        if self._is_observer:
-            request_ttl(self.all[0])
         if channels:
             self.let_pass(channels)
         elif heads:
@@ -311,8 +308,7 @@ class GroupReceiver:
         with suppress(BusError):  # no more sockets are permitted
             while len(self.all) < shorts + shares:  # new ones receive nothing yet
                 receiver = receiving_socket(self._url, nothing())
-                if self._is_observer:
-                    request_ttl(receiver)
+                request_arrival(receiver, ttl=self._is_observer)
                 self.all.append(receiver)
                 self._poll.register(receiver, select.POLLIN)
         is_first = not self.shares

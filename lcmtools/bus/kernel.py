@@ -113,18 +113,14 @@ def share_port(receiver: socket.socket) -> None:
             receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
-def request_ttl(receiver: socket.socket) -> None:
-    """Request each datagram's time to live as ancillary data (ip(7))."""
-    if IS_LINUX:
-        with contextlib.suppress(OSError):
-            receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
+def request_arrival(receiver: socket.socket, *, ttl: bool = True) -> bool:
+    """Request each datagram's receive time, and its time to live, as ancillary data (ip(7)).
 
-
-def request_arrival(receiver: socket.socket) -> bool:
-    """Request each datagram's receive time as ancillary data (socket(7)).
-
-    Return False if the system gives none.
+    Return False if the system gives no receive time.
     """
+    with contextlib.suppress(OSError):
+        if IS_LINUX and ttl:
+            receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
         return True

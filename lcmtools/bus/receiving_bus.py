@@ -159,7 +159,12 @@ class ReceivingBus(ABC):
     def _start(self, *, is_lendable: bool = True) -> None:
         """Start the receiving thread; ``is_lendable`` means that other threads may receive."""
         self._right = ReceiveRight(is_lendable=is_lendable)
-        self._thread = start_thread(self._run, "bus receiver")
+        try:
+            self._thread = start_thread(self._run, "bus receiver")
+        except BusError:
+            self._right.close()
+            self._leave()
+            raise
 
     def _refusal(self) -> BusError:
         """Return the error for a use of a closed bus."""
